@@ -1,0 +1,1 @@
+"""Occupancy grids, path planning, path following and recovery (pure)."""

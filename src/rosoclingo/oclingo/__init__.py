@@ -1,0 +1,1 @@
+"""The reactive ASP solver: online progression, reactive programs, answers (pure)."""

@@ -1,0 +1,1 @@
+"""The two-dimensional world: robots, sensors, doors, packages (pure)."""
