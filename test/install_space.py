@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Checks the install space from within: ``./dev exec-install test/install_space.py``.
+
+All modules, executables and data files are there, and the case study runs without the source tree.
+"""
+
+import importlib
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parent.parent
+DATA_FOLDERS = ("config", "doc", "encodings", "launch", "worlds", "msg", "action")
+
+
+def installed_share() -> Path:
+    """The package's folder as ROS finds it, which has to be the installed one."""
+    found = subprocess.run(["rospack", "find", "rosoclingo"], check=True, capture_output=True, text=True)
+    share = Path(found.stdout.strip())
+    assert (share.parent.parent / ".catkin").exists(), f"not installed: {share}"
+    return share
+
+
+def check_modules(prefix: Path) -> int:
+    """Imports every module, from the install space."""
+    package = importlib.import_module("rosoclingo")
+    names = [info.name for info in pkgutil.walk_packages(package.__path__, "rosoclingo.")]
+    for name in names:
+        module = importlib.import_module(name)
+        assert prefix in Path(str(module.__file__)).parents, f"{name} comes from {module.__file__}"
+    return len(names)
+
+
+def check_files(share: Path, executables: Path) -> int:
+    """Compares with the source tree."""
+    wanted = [executables / path.name for path in (SOURCE / "scripts").glob("*") if path.is_file()]
+    for folder in DATA_FOLDERS:
+        files = [path for path in (SOURCE / folder).rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+        wanted += [share / path.relative_to(SOURCE) for path in files]
+    missing = [str(path) for path in wanted if not path.exists()]
+    assert not missing, f"not installed: {', '.join(missing)}"
+    return len(wanted)
+
+
+def main() -> None:
+    """Runs the checks; an assertion tells what is wrong."""
+    share = installed_share()
+    prefix = share.parent.parent
+    print(f"install space {prefix}")
+    print(f"{check_modules(prefix)} modules imported")
+    print(f"{check_files(share, prefix / 'lib' / 'rosoclingo')} files found", flush=True)
+    sys.exit(subprocess.run(["rosrun", "rosoclingo", "demo"], cwd="/", check=False).returncode)
+
+
+if __name__ == "__main__":
+    main()

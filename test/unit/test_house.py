@@ -1,0 +1,176 @@
+"""The rules of the house (CONTRIBUTING.md) that a program can check."""
+
+import ast
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = ROOT / "src" / "rosoclingo"
+PURE = ("oclingo", "navigation", "reasoning", "simulation")
+MAY_IMPORT = {
+    "oclingo": set(),
+    "navigation": set(),
+    "reasoning": {"oclingo", "navigation"},
+    "simulation": {"oclingo", "navigation"},
+    "interfaces": {"oclingo", "navigation", "reasoning", "simulation"},
+    "nodes": {"oclingo", "navigation", "reasoning", "simulation"},
+}
+ROS_MODULES = re.compile(r"(ros\w*|actionlib|genpy|catkin\w*|tf|tf2\w*|\w+_msgs|\w+_srvs|message_filters)(\..*)?$")
+GENERATED = re.compile(r"rosoclingo\.(msg|srv)(\..*)?$")
+LIBRARIES = {  # the key of package.xml for each library that is imported; clingo comes from PyPI alone
+    "numba": "python3-numba",
+    "numpy": "python3-numpy",
+    "PIL": "python3-pil",
+    "rospkg": "python3-rospkg",
+    "scipy": "python3-scipy",
+    "yaml": "python3-yaml",
+}
+SOURCES = sorted(PACKAGES.rglob("*.py"))
+PURE_SOURCES = [path for path in SOURCES if path.relative_to(PACKAGES).parts[0] in PURE]
+SCRIPTS = sorted(path for path in (ROOT / "scripts").glob("*") if path.is_file())
+TESTS = sorted(path for path in (ROOT / "test").rglob("*") if path.suffix == ".py")
+LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
+ROSTESTS = sorted((ROOT / "test" / "rostest").glob("*.test"))
+
+
+def relative(path):
+    return str(path.relative_to(ROOT))
+
+
+def imports_of(path):
+    """The absolute names of all modules that a file imports; for "from a import b" both a and a.b."""
+    package = path.relative_to(ROOT / "src").with_suffix("").parts if path.suffix else ()
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level] if node.level else ()
+            module = ".".join((*base, *([node.module] if node.module else [])))
+            names.add(module)
+            names.update(f"{module}.{alias.name}" for alias in node.names)
+    return names
+
+
+def subpackages_of(names):
+    return {name.split(".")[1] for name in names if name.startswith("rosoclingo.")}
+
+
+def dependencies():
+    root = ElementTree.parse(ROOT / "package.xml").getroot()
+    return {element.text.strip() for element in root if element.tag.endswith("depend")}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=relative)
+def test_imports_go_one_way(path):
+    parts = path.relative_to(PACKAGES).parts
+    names = imports_of(path)
+    if len(parts) == 1:
+        assert not subpackages_of(names), "rosoclingo/__init__.py imports nothing of the package"
+        return
+    allowed = MAY_IMPORT[parts[0]] | {parts[0]} | (set() if parts[0] in PURE else {"msg", "srv"})
+    assert subpackages_of(names) <= allowed
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in SOURCES if path.relative_to(PACKAGES).parts[0] in PURE], ids=relative
+)
+def test_pure_packages_know_nothing_of_ros_and_start_no_threads(path):
+    forbidden = [name for name in imports_of(path) if ROS_MODULES.match(name) and not name.startswith("rosoclingo")]
+    forbidden += [name for name in imports_of(path) if GENERATED.match(name)]
+    forbidden += imports_of(path) & {"threading", "multiprocessing", "concurrent.futures", "queue"}
+    assert not forbidden
+
+
+def test_every_subpackage_is_in_the_layers():
+    assert {path.name for path in PACKAGES.iterdir() if (path / "__init__.py").exists()} == set(MAY_IMPORT)
+
+
+def test_setup_py_lists_every_subpackage():
+    setuptools = pytest.importorskip("setuptools")
+    folders = {".".join(path.parent.relative_to(ROOT / "src").parts) for path in SOURCES}
+    assert set(setuptools.find_packages(str(ROOT / "src"))) == folders, "a folder with modules lacks __init__.py"
+    assert 'find_packages("src")' in (ROOT / "setup.py").read_text()
+
+
+def test_the_version_is_in_package_xml_only():
+    version = ElementTree.parse(ROOT / "package.xml").getroot().findtext("version")
+    for path in [ROOT / "setup.py", ROOT / "CMakeLists.txt", ROOT / "pyproject.toml", *SOURCES, *SCRIPTS]:
+        text = path.read_text()
+        assert "__version__" not in text, path
+        assert f'"{version}"' not in text, path
+
+
+@pytest.mark.parametrize("path", SOURCES + SCRIPTS + TESTS, ids=relative)
+def test_files_and_functions_are_short(path):
+    text = path.read_text()
+    limit = 40 if path in SCRIPTS else 500 if path in TESTS else 260
+    assert len(text.splitlines()) <= limit
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            assert node.end_lineno - node.lineno < 50, f"{node.name} is too long"
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=relative)
+def test_scripts_are_executables(path):
+    assert path.suffix == ""
+    assert path.name != "rosoclingo", "it would shadow the package"
+    assert path.stat().st_mode & 0o111 == 0o111, "chmod +x"
+    assert path.read_text().startswith("#!/usr/bin/env python3\n")
+
+
+def test_every_script_is_installed():
+    listed = re.findall(r"^\s+scripts/(\S+)$", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
+    assert listed == sorted(listed)
+    assert listed == [path.name for path in SCRIPTS], "catkin_install_python in CMakeLists.txt lists all of scripts/"
+
+
+@pytest.mark.parametrize("folder", ["action", "msg", "srv"])
+def test_every_interface_file_is_generated(folder):
+    listed = re.findall(rf"^\s+(\w+\.{folder})$", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
+    assert listed == sorted(path.name for path in (ROOT / folder).glob(f"*.{folder}"))
+
+
+def test_every_data_folder_is_installed():
+    install = re.search(r"install\(DIRECTORY ([^)]*?)\s+DESTINATION", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    assert install.split() == ["config", "doc", "encodings", "launch", "worlds"]
+    for folder in install.split():
+        assert any((ROOT / folder).iterdir()), folder
+
+
+def test_package_xml_names_what_is_imported():
+    names = {name.split(".")[0] for path in SOURCES + SCRIPTS for name in imports_of(path)}
+    needed = {LIBRARIES.get(name, name) for name in names if name in LIBRARIES or ROS_MODULES.match(name)}
+    assert needed - {"rosoclingo", ""} <= dependencies()
+
+
+def test_dev_knows_the_debian_package_of_each_dependency():
+    text = (ROOT / "dev").read_text()
+    packages = set(" ".join(re.findall(r"_PACKAGES=\(([^)]*)\)", text)).split())
+    for key in dependencies() - {"python3-setuptools"}:
+        name = key.replace("_", "-")
+        assert packages & {name, f"python3-{name}", f"ros-{name}", f"lib{name}-dev", f"python3-{name}-python"}, key
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=relative)
+def test_every_launch_argument_is_documented(path):
+    for argument in ElementTree.parse(path).getroot().findall("arg"):
+        assert argument.get("doc") or "value" in argument.attrib, f"{argument.get('name')} lacks a doc text"
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES + ROSTESTS, ids=relative)
+def test_launch_files_refer_to_what_there_is(path):
+    for element in ElementTree.parse(path).getroot().iter():
+        for value in element.attrib.values():
+            for found in re.findall(r"\$\(find rosoclingo\)/([^$\s]+)", value):
+                assert (ROOT / found).exists(), found
+        if element.tag == "node" and element.get("pkg") == "rosoclingo" and "$(" not in element.get("type"):
+            folder = (
+                path.parent if path in ROSTESTS and (path.parent / element.get("type")).exists() else ROOT / "scripts"
+            )
+            assert (folder / element.get("type")).exists(), element.get("type")
+        if element.tag == "test":
+            assert element.get("time-limit"), f"{element.get('test-name')} has no time limit"
