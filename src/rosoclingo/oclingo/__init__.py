@@ -1,1 +1,54 @@
-"""The reactive ASP solver: online progression, reactive programs, answers (pure)."""
+"""The reactive ASP solver: oClingo's language and behaviour on today's clingo.
+
+A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :class:`StreamUpdate` after :class:`StreamUpdate` and
+answers each. Pure Python on clingo; no ROS, no threads.
+"""
+
+from rosoclingo.oclingo.errors import Fault, OclingoError, ProgramError, ProgressionError, SolverError
+from rosoclingo.oclingo.program import ReactiveProgram
+from rosoclingo.oclingo.progression import (
+    Assert,
+    Cumulative,
+    Forget,
+    Literal,
+    Retract,
+    Section,
+    Statement,
+    Stop,
+    StreamUpdate,
+    Volatile,
+    commitment,
+    fact,
+)
+from rosoclingo.oclingo.progression_parser import parse_update, parse_updates
+from rosoclingo.oclingo.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
+from rosoclingo.oclingo.terms import parse_atom, parse_term
+
+__all__ = [
+    "Answer",
+    "Assert",
+    "Cumulative",
+    "Fault",
+    "Forget",
+    "Literal",
+    "OclingoError",
+    "ProgramError",
+    "ProgressionError",
+    "ReactiveProgram",
+    "ReactiveSolver",
+    "Retract",
+    "Section",
+    "SolveOutcome",
+    "SolveResult",
+    "SolverError",
+    "Statement",
+    "Stop",
+    "StreamUpdate",
+    "Volatile",
+    "commitment",
+    "fact",
+    "parse_atom",
+    "parse_term",
+    "parse_update",
+    "parse_updates",
+]

@@ -1,0 +1,166 @@
+"""Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
+
+from pathlib import Path
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Union
+
+import clingo
+from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
+
+from rosoclingo.oclingo.closing import closing_text
+from rosoclingo.oclingo.directives import Directives, Placed
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.messages import Messages
+from rosoclingo.oclingo.rewriting import PARTS, Part, rewrite
+from rosoclingo.oclingo.signatures import Dependencies, Pattern, Signature, evaluate, occurrences, rule_edges
+from rosoclingo.oclingo.sources import Source, parse_constants, read_sources
+
+PathLike = Union[str, Path]
+_FAR = 2**31 - 1
+
+
+class ReactiveProgram:
+    """A reactive logic program: base, cumulative and volatile part, externals, and what the solver has to know of them.
+
+    Attributes:
+        constants: values of ``#const`` names that were given from outside, as symbols.
+        first_step: the first grounded step (1 unless ``#iinit`` says less).
+        windows: the distinct lengths w of ``#volatile t : w.``, in steps.
+        forgets: the ``#forget t : term.`` directives.
+        open_signatures: the predicates of ``#external p/n.``
+        external_signatures: all predicates that some external declares.
+        signatures: all predicates that the program mentions.
+        warnings: what is odd but usable, as text.
+    """
+
+    def __init__(self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None) -> None:
+        """Take the texts in order.
+
+        Raises ProgramError with all faults that can be found without grounding.
+        """
+        self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
+        self._directives = Directives()
+        self.warnings: List[str] = []
+        parsed = read_sources(sources, self._directives, self.warnings)
+        if self._directives.faults:
+            raise ProgramError(self._directives.faults)
+        self.parts: List[Part] = rewrite(parsed, self._directives)
+        self.parts += rewrite(read_sources([closing_text(self.parts)], Directives(), []), Directives())
+        self._collect()
+        self._check_parts()
+
+    @classmethod
+    def from_files(cls, files: Iterable[PathLike], constants: Optional[Mapping[str, str]] = None) -> "ReactiveProgram":
+        """Load ``files`` in order; raise :class:`ProgramError` naming each file that cannot be read or used."""
+        return cls([Source.from_file(Path(file)) for file in files], constants)
+
+    @classmethod
+    def from_text(
+        cls, text: str, name: str = "<text>", constants: Optional[Mapping[str, str]] = None
+    ) -> "ReactiveProgram":
+        """Take one text; ``name`` stands for the file in messages."""
+        return cls([Source(name, text)], constants)
+
+    def declares_external(self, name: str, arity: int) -> bool:
+        """Tell whether some external of this name and arity is declared."""
+        return Signature(name, arity) in self.external_signatures
+
+    def load_into(self, control: clingo.Control) -> None:
+        """Add all statements to ``control``; raises RuntimeError as clingo does, details go to its logger."""
+        with ProgramBuilder(control) as builder:
+            for part in self.parts:
+                builder.add(part.header)
+                for statement in part.statements:
+                    builder.add(statement)
+
+    def arguments(self) -> List[str]:
+        """Return clingo's command line arguments for the constants."""
+        return ["-Wno-atom-undefined"] + ["-c{}={}".format(name, value) for name, value in self.constants.items()]
+
+    def may_see(self, atom: clingo.Symbol, last: int) -> bool:
+        """Tell whether a rule grounded up to step ``last`` could have an instance with the open external ``atom``."""
+        return any(
+            pattern.may_match(atom, self.first_step, last, self._values)
+            for pattern in self._open_patterns.get(Signature(atom.name, len(atom.arguments), atom.positive), ())
+        )
+
+    def may_declare(self, atom: clingo.Symbol, last: int) -> bool:
+        """Tell whether some step after ``last`` could declare ``atom`` external."""
+        patterns = self._declarations.get(Signature(atom.name, len(atom.arguments), atom.positive), ())
+        return any(one.parameter and one.may_match(atom, last + 1, _FAR, self._values) for one in patterns)
+
+    def _collect(self) -> None:
+        """Gather signatures, dependencies and patterns from the statements."""
+        self.dependencies = Dependencies()
+        self.signatures: Set[Signature] = set()
+        self.head_signatures: Set[Signature] = set()
+        self.open_signatures = {Signature(*one) for one in self._directives.signatures}
+        self.external_signatures = set(self.open_signatures)
+        self.optimizes = False
+        self._open_patterns: Dict[Signature, List[Pattern]] = {}
+        self._declarations: Dict[Signature, List[Pattern]] = {}
+        for part in self.parts:
+            for statement in part.statements:
+                self._collect_statement(part, statement)
+        self._evaluate_directives()
+
+    def _collect_statement(self, part: Part, statement: AST) -> None:
+        self.optimizes |= statement.ast_type == ASTType.Minimize
+        self.dependencies.add(*rule_edges(statement))
+        for one in occurrences(statement):
+            signature = one.signature
+            self.signatures.add(signature)
+            if one.head and statement.ast_type == ASTType.External:
+                self.external_signatures.add(signature)
+                self._declarations.setdefault(signature, []).append(Pattern(one.term, part.parameter))
+            elif one.head:
+                self.head_signatures.add(signature)
+            if signature in self.open_signatures:
+                self._open_patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter))
+
+    def _evaluate_directives(self) -> None:
+        """Give windows, the first step and the constants in patterns their values."""
+        scratch = Messages()
+        control = clingo.Control(self.arguments(), logger=scratch.log)
+        try:
+            self.load_into(control)
+        except RuntimeError:
+            raise ProgramError(scratch.faults()) from None
+        names = {s.name for part in self.parts for s in part.statements if s.ast_type == ASTType.Definition}
+        values = {name: control.get_const(name) for name in names | set(self.constants)}
+        self._values = {name: value for name, value in values.items() if value is not None}
+        faults: List[Fault] = []
+        self.windows = sorted({self._number(one, faults) for one in self._directives.windows} | {1})
+        self.first_step = min([self._number(one, faults) for one in self._directives.first_steps] + [1])
+        self.forgets = self._directives.forgets
+        for one in self.forgets:
+            self._number(one, faults, **{one.parameter: 1})
+        if faults:
+            raise ProgramError(faults)
+
+    def _number(self, placed: Placed, faults: List[Fault], **parameters: int) -> int:
+        """Return the value of a directive's term under the constants and ``parameters``; 1 and a fault where it has none."""
+        values = dict(self._values, **{name: clingo.Number(value) for name, value in parameters.items()})
+        terms: List[AST] = []
+        try:
+            parse_string("value({}).".format(placed.value), terms.append, logger=lambda code, text: None)
+        except RuntimeError:
+            faults.append(Fault(placed.file, placed.line, 1, "{!r} is no term".format(placed.value)))
+            return 1
+        value = evaluate(terms[-1].head.atom.symbol.arguments[0], values)
+        if value is None or value.type != clingo.SymbolType.Number:
+            mend = "write a number, or a name that a #const gives a number"
+            faults.append(Fault(placed.file, placed.line, 1, "{!r} is no number".format(placed.value), mend))
+            return 1
+        return value.number
+
+    def forgotten_at(self, step: int) -> List[int]:
+        """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
+        return [self._number(one, [], **{one.parameter: step}) for one in self.forgets]
+
+    def _check_parts(self) -> None:
+        """Warn of parts that the program lacks; one without any step can't react."""
+        present = {part.name for part in self.parts if part.written}
+        for name in PARTS:
+            if name not in present and name != "base":
+                self.warnings.append("the program has no {} part; write #{} t. and what holds at each step".format(name, name))
+

@@ -1,0 +1,144 @@
+"""Online progressions as data: stream updates, their statements and sections, and how they are printed.
+
+``str()`` of everything here is its text in oClingo's language; :mod:`~rosoclingo.oclingo.progression_parser` reads it back.
+"""
+
+from dataclasses import dataclass, field
+from typing import Iterator, Optional, Tuple, Union
+
+import clingo
+
+
+@dataclass(frozen=True)
+class Literal:
+    """A ground atom in a body, or its default negation."""
+
+    atom: clingo.Symbol
+    positive: bool = True
+
+    def __str__(self) -> str:
+        return str(self.atom) if self.positive else "not {}".format(self.atom)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A ground rule; a fact has no body, an integrity constraint no head."""
+
+    head: Optional[clingo.Symbol]
+    body: Tuple[Literal, ...] = ()
+
+    def __str__(self) -> str:
+        body = ", ".join(map(str, self.body))
+        if self.head is None:
+            return ":- {}.".format(body)
+        return "{} :- {}.".format(self.head, body) if body else "{}.".format(self.head)
+
+
+def fact(atom: clingo.Symbol) -> Statement:
+    """Return the statement ``atom.``."""
+    return Statement(atom)
+
+
+def commitment(atom: clingo.Symbol) -> Statement:
+    """Return the statement ``:- not atom.``, by which a plan has to keep ``atom``."""
+    return Statement(None, (Literal(atom, positive=False),))
+
+
+@dataclass(frozen=True)
+class Cumulative:
+    """Section ``#cumulative.``: its statements hold for ever."""
+
+    def __str__(self) -> str:
+        return "#cumulative."
+
+
+@dataclass(frozen=True)
+class Volatile:
+    """Section ``#volatile.`` (until the next update) or ``#volatile : n.`` (while the horizon is at most step + n - 1)."""
+
+    window: Optional[int] = None
+
+    def __str__(self) -> str:
+        return "#volatile." if self.window is None else "#volatile : {}.".format(self.window)
+
+
+@dataclass(frozen=True)
+class Assert:
+    """Section ``#assert : term.``: its statements hold until the term is retracted."""
+
+    term: clingo.Symbol
+
+    def __str__(self) -> str:
+        return "#assert : {}.".format(self.term)
+
+
+@dataclass(frozen=True)
+class Retract:
+    """``#retract : term.``: ends what was asserted under the term."""
+
+    term: clingo.Symbol
+
+    def __str__(self) -> str:
+        return "#retract : {}.".format(self.term)
+
+
+@dataclass(frozen=True)
+class Forget:
+    """``#forget i.`` or ``#forget i..j.``: closes the still undefined externals declared at steps first to last."""
+
+    first: int
+    last: int
+
+    def __str__(self) -> str:
+        steps = str(self.first) if self.first == self.last else "{}..{}".format(self.first, self.last)
+        return "#forget {}.".format(steps)
+
+
+@dataclass(frozen=True)
+class Stop:
+    """``#stop.``: ends the solver."""
+
+    def __str__(self) -> str:
+        return "#stop."
+
+
+Section = Union[Cumulative, Volatile, Assert]
+Item = Union[Statement, Section, Retract, Forget, Stop]
+
+
+@dataclass(frozen=True)
+class StreamUpdate:
+    """One stream update, ``#step k : m.`` ... ``#end step.``
+
+    Attributes:
+        step: logical time point k; None keeps the one of the update before.
+        bound: m, by which the horizon may grow beyond k; None is no bound (or, without a step, the one before).
+        items: statements and directives, in order; statements belong to the section named last, at first ``#cumulative.``
+        warnings: what the parser noticed and ignored; no part of the update's value.
+    """
+
+    step: Optional[int] = None
+    bound: Optional[int] = None
+    items: Tuple[Item, ...] = ()
+    warnings: Tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def stops(self) -> bool:
+        """Whether the update ends the solver."""
+        return any(isinstance(item, Stop) for item in self.items)
+
+    def sections(self) -> Iterator[Tuple[Section, Statement]]:
+        """Yield every statement with the section that it stands in."""
+        section: Section = Cumulative()
+        for item in self.items:
+            if isinstance(item, (Cumulative, Volatile, Assert)):
+                section = item
+            elif isinstance(item, Statement):
+                yield section, item
+
+    def __str__(self) -> str:
+        lines = [str(item) for item in self.items]
+        if self.step is not None:
+            bound = "" if self.bound is None else " : {}".format(self.bound)
+            lines.insert(0, "#step {}{}.".format(self.step, bound))
+        return "".join(line + "\n" for line in lines) + "#end step.\n"

@@ -1,0 +1,102 @@
+"""Statements sorted into program parts, and volatile ones bound to the window in which they hold."""
+
+from dataclasses import dataclass, field
+from typing import List, Sequence
+
+import clingo
+from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, parse_string
+
+from rosoclingo.oclingo.directives import VOLATILE_PREFIX, Directives
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.sources import Parsed
+
+PARTS = ("base", "cumulative", "volatile")
+GUARD = "__oclingo_volatile"
+"""``__oclingo_volatile(W,T)``: true while the instance of step T of ``#volatile t : W.`` holds."""
+
+_GUARDED = (ASTType.Rule, ASTType.Minimize, ASTType.ShowTerm, ASTType.Edge, ASTType.Heuristic, ASTType.ProjectAtom)
+
+
+@dataclass
+class Part:
+    """Consecutive statements of one program part.
+
+    Attributes:
+        name: base, cumulative or volatile.
+        parameter: name of the step parameter, empty in base.
+        header: the ``#program`` statement.
+        statements: the statements, guarded where the part is volatile.
+        written: False for the base part that clingo puts before every text.
+    """
+
+    name: str
+    parameter: str
+    header: AST
+    statements: List[AST] = field(default_factory=list)
+    window: str = ""
+    written: bool = True
+
+
+def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
+    """Return the parts of the parsed sources in order; raise :class:`ProgramError` for parts that oClingo does not know."""
+    parts: List[Part] = []
+    faults: List[Fault] = []
+    for source in parsed:
+        for number, statement in enumerate(source.statements):
+            if statement.ast_type == ASTType.Program:
+                parts.append(_open_part(statement, directives, faults))
+                parts[-1].written = number > 0
+            else:
+                _add(parts[-1], statement)
+    if faults:
+        raise ProgramError(faults)
+    return [part for part in parts if part.statements or part.written]
+
+
+def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part:
+    name, parameters = header.name, [parameter.name for parameter in header.parameters]
+    window = ""
+    if name.startswith(VOLATILE_PREFIX):
+        window, name = directives.windows[int(name[len(VOLATILE_PREFIX) :])].value, "volatile"
+    elif name == "volatile":
+        window = "1"
+    if name not in PARTS or len(parameters) != (0 if name == "base" else 1):
+        begin = header.location.begin
+        text = "{}({})".format(name, ",".join(parameters)) if parameters else name
+        mend = "a reactive program has the parts base, cumulative(t) and volatile(t)"
+        faults.append(Fault(begin.filename, begin.line, begin.column, "unknown program part {}".format(text), mend))
+    parameter = parameters[0] if parameters else ""
+    # one name of the parameter for clingo as for us: parts of the same name may call it differently
+    renamed = Program(header.location, name, [Id(header.location, parameter)] if parameter else [])
+    part = Part(name, parameter, renamed, window=window)
+    if window:
+        part.statements.extend(_guard_declaration(part, header))
+    return part
+
+
+def _guard_declaration(part: Part, header: AST) -> List[AST]:
+    found: List[AST] = []
+    parse_string("#external {}(({}),{}).".format(GUARD, part.window, part.parameter), found.append)
+    return [statement for statement in found if statement.ast_type == ASTType.External]
+
+
+def _add(part: Part, statement: AST) -> None:
+    kind = statement.ast_type
+    if part.window and kind in _GUARDED and not _says_nothing(statement):
+        statement = statement.update(body=list(statement.body) + [_guard(part, statement)])
+    part.statements.append(statement)
+
+
+def _says_nothing(statement: AST) -> bool:
+    """Tell whether it is ``#show.``, which clingo writes as a term to show with a body that is never true."""
+    return statement.ast_type == ASTType.ShowTerm and str(statement).startswith("#show #")
+
+
+def _guard(part: Part, statement: AST) -> AST:
+    declared = [one for one in part.statements if one.ast_type == ASTType.External][0]
+    return Literal(statement.location, Sign.NoSign, declared.atom)
+
+
+def guard_atom(window: int, step: int) -> clingo.Symbol:
+    """Return the guard of the volatile instance of ``step`` with length ``window``."""
+    return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])

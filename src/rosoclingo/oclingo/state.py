@@ -1,0 +1,86 @@
+"""What the solver knows of its stream: enough to build the grounding anew at any time."""
+
+from dataclasses import dataclass, field, replace
+from typing import List, Optional, Set, Union
+
+import clingo
+
+from rosoclingo.oclingo.progression import Assert, Cumulative, Section, Statement, Volatile
+
+
+@dataclass(frozen=True)
+class Term:
+    """Lifetime of asserted statements: until ``term`` is retracted."""
+
+    term: clingo.Symbol
+
+
+FOREVER, UPDATE = "forever", "update"
+Lifetime = Union[str, int, Term]
+"""FOREVER, UPDATE (until the next update), the last horizon at which a statement holds, or a Term."""
+
+
+def lifetime_of(section: Section, step: int) -> Lifetime:
+    """Return how long a statement of ``section`` holds in an update of step ``step``."""
+    if isinstance(section, Cumulative):
+        return FOREVER
+    if isinstance(section, Assert):
+        return Term(section.term)
+    assert isinstance(section, Volatile)
+    return UPDATE if section.window is None else step + section.window - 1
+
+
+@dataclass
+class Entry:
+    """A statement that will lapse, or that waits until its head is declared.
+
+    Attributes:
+        statement: the rule.
+        lifetime: how long it holds.
+        guard: the literal under which the engine holds it; None while it waits.
+    """
+
+    statement: Statement
+    lifetime: Lifetime
+    guard: Optional[int] = None
+
+
+@dataclass
+class StreamState:
+    """State of a stream between two updates.
+
+    Attributes:
+        step: k, the step of the last update.
+        bound: B, the greatest horizon to search, None for no bound.
+        horizon: N, the last grounded step.
+        permanent: statements that hold for ever, in order.
+        lapsing: statements in force that will lapse.
+        waiting: statements whose head is an external that only a later step declares.
+        open_atoms: atoms of open signatures seen so far, in order.
+        forgotten: externals closed by ``#forget``.
+        forgets_done: last step at which the program's own ``#forget`` was carried out.
+        cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for each
+            search, since clingo looks for loops only among the rules that come between two searches.
+    """
+
+    step: int
+    horizon: int
+    bound: Optional[int] = None
+    permanent: List[Statement] = field(default_factory=list)
+    lapsing: List[Entry] = field(default_factory=list)
+    waiting: List[Entry] = field(default_factory=list)
+    open_atoms: List[clingo.Symbol] = field(default_factory=list)
+    forgotten: Set[clingo.Symbol] = field(default_factory=set)
+    forgets_done: int = 0
+    cyclic: bool = False
+
+    def copy(self) -> "StreamState":
+        """Return a copy that shares nothing that changes."""
+        return replace(
+            self,
+            permanent=list(self.permanent),
+            lapsing=[replace(entry) for entry in self.lapsing],
+            waiting=[replace(entry) for entry in self.waiting],
+            open_atoms=list(self.open_atoms),
+            forgotten=set(self.forgotten),
+        )

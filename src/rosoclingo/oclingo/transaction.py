@@ -1,0 +1,266 @@
+"""Taking one update: what it changes in the stream's state and in the grounding, all or nothing.
+
+A transaction works on a copy of the state. While the grounding fits the state it is changed in place; where a change can't be
+made in place (an open external that a grounded step could see, a loop over several steps) it is dropped and made anew.
+"""
+
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Optional, Set
+
+import clingo
+
+from rosoclingo.oclingo.engine import Engine
+from rosoclingo.oclingo.errors import SolverError
+from rosoclingo.oclingo.program import ReactiveProgram
+from rosoclingo.oclingo.progression import Assert, Cumulative, Forget, Retract, Statement, StreamUpdate, Volatile
+from rosoclingo.oclingo.signatures import Dependencies, Signature, signature_of
+from rosoclingo.oclingo.state import FOREVER, UPDATE, Entry, Lifetime, StreamState, Term, lifetime_of
+
+_NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
+
+
+@dataclass
+class Setting:
+    """What all transactions of a solver share.
+
+    Attributes:
+        program: the reactive logic program.
+        horizon_limit: the last step that may be grounded, None for no limit.
+        dependencies: who depends on whom, updates included.
+    """
+
+    program: ReactiveProgram
+    horizon_limit: Optional[int]
+    dependencies: Dependencies
+
+
+class Transaction:
+    """One update on its way into a stream's state.
+
+    Attributes:
+        state: the state as it will be; the caller keeps it if all goes well.
+        engine: the grounding that fits :attr:`state`, None where it has to be made anew.
+        warnings: what was ignored.
+        touched: True once the engine that was given no longer fits the old state.
+    """
+
+    def __init__(self, setting: Setting, state: StreamState, engine: Optional[Engine]) -> None:
+        self.program, self.state, self.engine = setting.program, state, engine
+        self.warnings: List[str] = []
+        self.touched = False
+        self._limit = setting.horizon_limit
+        self._dependencies = setting.dependencies
+        self._guards: Dict[Lifetime, int] = {}
+
+    def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
+        """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
+        state = self.state
+        step = state.step if update is None or update.step is None else update.step
+        self._check_limit(max(state.horizon, step))
+        self.touched = True
+        if update is not None:
+            self.warnings.extend(update.warnings)
+            self._lapse([entry for entry in state.lapsing + state.waiting if entry.lifetime == UPDATE])
+            if update.step is not None:
+                state.step = update.step
+                state.bound = None if update.bound is None else update.step + update.bound
+            self._open_heads(update)
+        complete = self._ground_to(max(state.horizon, step), halt)
+        if update is not None:
+            self._take_items(update)
+        return complete
+
+    def add_permanent(self, statements: List[Statement]) -> None:
+        """Add statements that are no part of an update."""
+        self.touched = True
+        engine = self.ready()
+        for statement in statements:
+            if engine.is_open(statement.head) if statement.head is not None else True:
+                self._put(statement, FOREVER)
+            elif not (statement.head is not None and engine.is_true(statement.head)):
+                self._wait(statement, FOREVER)
+
+    def ready(self) -> Engine:
+        """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
+        if self.engine is None or self.state.cyclic:
+            self.engine = self._build()
+        return self.engine
+
+    def may_grow(self) -> bool:
+        """Whether the bound and the limit of the horizon allow another step."""
+        bound, horizon = self.state.bound, self.state.horizon
+        return (bound is None or horizon < bound) and (self._limit is None or horizon < self._limit)
+
+    def grow(self) -> None:
+        """Ground one more step."""
+        self._step_on(self.ready())
+        self.state.horizon = self.ready().horizon if not self.state.cyclic else self.state.horizon
+
+    def explain(self, error: RuntimeError) -> str:
+        """Return what clingo's ``error`` means for this update."""
+        said = self.engine.messages.text() if self.engine is not None else ""
+        text = "the update was refused: {}".format(error)
+        return "{}\n{}".format(text, said) if said else text
+
+    def _check_limit(self, horizon: int) -> None:
+        if self._limit is not None and horizon > self._limit:
+            mend = "raise the limit or send a lower step"
+            raise SolverError("step {} is beyond the horizon limit {}; {}".format(horizon, self._limit, mend))
+
+    def _open_heads(self, update: StreamUpdate) -> None:
+        """Make new atoms of open signatures known; what has been grounded and could have seen one is given up."""
+        known = set(self.state.open_atoms)
+        fresh: Dict[clingo.Symbol, bool] = {}
+        for section, statement in update.sections():
+            head = statement.head
+            if head is not None and signature_of(head) in self.program.open_signatures and head not in known:
+                fresh[head] = fresh.get(head, False) or (not statement.body and isinstance(section, Cumulative))
+        if not fresh:
+            return
+        self.state.open_atoms.extend(fresh)
+        if self.engine is not None:
+            new = [atom for atom in fresh if not self.engine.knows(atom)]
+            if any(self.program.may_see(atom, self.engine.horizon) for atom in new):
+                self.engine = None
+            else:
+                self.engine.declare(new, set())
+
+    def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
+        self.state.horizon = max(self.state.horizon, self.program.first_step)
+        engine = self.ready() if not self.state.cyclic or self.engine is None else self.engine
+        while self.state.horizon < horizon:
+            if halt():
+                return False
+            self._step_on(engine)
+        return True
+
+    def _step_on(self, engine: Engine) -> None:
+        """Ground the next step, with all that falls due at it."""
+        self.state.horizon += 1
+        engine.ground_step()
+        self._fall_due(engine)
+
+    def _fall_due(self, engine: Engine) -> None:
+        state = self.state
+        horizon = state.horizon
+        self._lapse([e for e in state.lapsing + state.waiting if isinstance(e.lifetime, int) and e.lifetime < horizon])
+        for entry in [one for one in state.waiting if one.statement.head is not None and engine.is_open(one.statement.head)]:
+            state.waiting.remove(entry)
+            self._put(entry.statement, entry.lifetime)
+        while state.forgets_done < horizon:
+            state.forgets_done += 1
+            for step in self.program.forgotten_at(state.forgets_done):
+                self._forget(Forget(step, step))
+
+    def _lapse(self, entries: List[Entry]) -> None:
+        """End the given lapsing or waiting statements."""
+        if not entries:
+            return
+        gone = {id(entry) for entry in entries}
+        self.state.lapsing = [entry for entry in self.state.lapsing if id(entry) not in gone]
+        self.state.waiting = [entry for entry in self.state.waiting if id(entry) not in gone]
+        guards = sorted({entry.guard for entry in entries if entry.guard is not None})
+        if self.engine is not None:
+            self.engine.release(guards)
+
+    def _take_items(self, update: StreamUpdate) -> None:
+        section: object = Cumulative()
+        for item in update.items:
+            if isinstance(item, (Cumulative, Volatile, Assert)):
+                section = item
+            elif isinstance(item, Statement):
+                self._take_statement(item, lifetime_of(section, self.state.step))  # type: ignore[arg-type]
+            elif isinstance(item, Forget):
+                self._forget(item)
+            elif isinstance(item, Retract):
+                self._retract(item.term)
+
+    def _take_statement(self, statement: Statement, lifetime: Lifetime) -> None:
+        if isinstance(lifetime, int) and lifetime < self.state.horizon:
+            return  # its window has passed
+        engine = self._standing()
+        head = statement.head
+        if head is None or engine.is_open(head) or self._is_new(head, engine):
+            self._put(statement, lifetime)
+        elif not statement.body and engine.is_true(head):
+            return  # said before
+        elif head in self.state.forgotten or engine.knows(head) or not self._may_come(head):
+            self.warnings.append(_NOT_EXTERNAL.format(head))
+        else:
+            self._wait(statement, lifetime)
+
+    def _standing(self) -> Engine:
+        """Return the engine without making it anew for loops: within an update all rules come together."""
+        if self.engine is None:
+            self.engine = self._build()
+        return self.engine
+
+    def _is_new(self, atom: clingo.Symbol, engine: Engine) -> bool:
+        """Whether the program has no word of ``atom``, so that an update may define it freely."""
+        signature = signature_of(atom)
+        return signature not in self.program.signatures | self.program.open_signatures and not engine.knows(atom)
+
+    def _may_come(self, atom: clingo.Symbol) -> bool:
+        return self.program.may_declare(atom, self.state.horizon)
+
+    def _wait(self, statement: Statement, lifetime: Lifetime) -> None:
+        self.state.waiting.append(Entry(statement, lifetime))
+
+    def _put(self, statement: Statement, lifetime: Lifetime) -> None:
+        """Put a statement in force whose head may be defined."""
+        self._watch_loops(statement)
+        engine = self._standing()
+        if lifetime == FOREVER:
+            engine.add(statement, None)
+            self.state.permanent.append(statement)
+            return
+        if lifetime not in self._guards:
+            self._guards[lifetime] = engine.new_guard()
+        engine.add(statement, self._guards[lifetime])
+        self.state.lapsing.append(Entry(statement, lifetime, self._guards[lifetime]))
+
+    def _watch_loops(self, statement: Statement) -> None:
+        if statement.head is None or not statement.body:
+            return
+        head = signature_of(statement.head)
+        bodies: Set[Signature] = {signature_of(one.atom) for one in statement.body if one.positive}
+        self.state.cyclic = self.state.cyclic or self._dependencies.reaches(head, bodies)
+        self._dependencies.add([head], bodies)
+
+    def _forget(self, item: Forget) -> None:
+        engine = self._standing()
+        defined = {entry.statement.head for entry in self.state.lapsing}
+        for atom in engine.declared_between(item.first, item.last):
+            if atom not in defined:
+                engine.close(atom)
+                self.state.forgotten.add(atom)
+
+    def _retract(self, term: clingo.Symbol) -> None:
+        entries = [one for one in self.state.lapsing + self.state.waiting if one.lifetime == Term(term)]
+        if not entries:
+            self.warnings.append("Term {} has not been asserted. The retraction is ignored.".format(term))
+        self._lapse(entries)
+        self._guards.pop(Term(term), None)
+
+    def _build(self) -> Engine:
+        """Ground the program anew, up to the state's horizon, and put in force all that the state holds."""
+        state = self.state
+        facts = {one.head for one in state.permanent if one.head is not None and not one.body}
+        self._guards = {}
+        engine = Engine(self.program, state.open_atoms, facts)
+        while engine.horizon < state.horizon:
+            engine.ground_step()
+        for atom in state.forgotten:
+            engine.close(atom)
+        given = set(state.open_atoms) & facts
+        for statement in state.permanent:
+            if statement.body or statement.head not in given:
+                engine.add(statement, None)
+        for entry in state.lapsing:
+            if entry.lifetime not in self._guards:
+                self._guards[entry.lifetime] = engine.new_guard()
+            entry.guard = self._guards[entry.lifetime]
+            engine.add(entry.statement, entry.guard)
+        self.engine = engine
+        self._fall_due(engine)
+        return engine
