@@ -1,0 +1,219 @@
+"""The common pattern of all interfaces: read commands, send actionlib goals, wait, answer."""
+
+import abc
+import functools
+import time
+from typing import Any, Dict, Optional, Tuple
+
+import rospy
+from clingo import Function
+
+from rosoclingo.interfaces.answers import Answer, answer, conclude
+from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
+from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.link import ServerLink
+from rosoclingo.interfaces.outbox import Outbox
+from rosoclingo.interfaces.runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
+from rosoclingo.interfaces.templates import Ended, Scope
+from rosoclingo.interfaces.worker import Worker
+from rosoclingo.msg import InterfaceIO
+from rosoclingo.reasoning.keywords import Action
+
+IN_TOPIC = "in_rosoclingo"
+OUT_TOPIC = "out_rosoclingo"
+
+_FINAL = ("preempted", "interface_lost")  # verdicts after which nothing is sent again
+
+
+class RefusalError(ValueError):
+    """An action that cannot be turned into a goal: `reason` is the name of the return term, the message says why."""
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
+class _Attempt:
+    """One goal on its way for one action."""
+
+    def __init__(self, action: Action, goal: Any, asked_by: str, limits: Limits, now: Instant) -> None:
+        self.action = action
+        self.goal = goal
+        self.asked_by = asked_by
+        self.limits = limits
+        self.run = Run(limits, now)
+        self.handle: Optional[Any] = None
+        self.ended: Optional[Ended] = None
+
+    def again(self, now: Instant) -> "_Attempt":
+        """The next attempt at the same action."""
+        limits = self.limits._replace(retries=self.limits.retries - 1)
+        return _Attempt(self.action, self.goal, self.asked_by, limits, now)
+
+
+class Interface(abc.ABC):
+    """Base of every interface: turns `_action_lib(A,P,C)` into a goal of one actionlib server, its end into facts.
+
+    A subclass supplies `make_goal` and, where the defaults do not do, `make_answer`; both run on the worker thread:
+
+        class GripperInterface(Interface):
+            def make_goal(self, action):
+                return GripperCommandGoal(command=GripperCommand(position=GRASPS[str(action.parameter)]))
+
+        worker = Worker()
+        GripperInterface("gripper", GripperCommandAction, "gripper_controller", worker=worker)
+        worker.start()
+
+    Several actions may be under way at once.  Whatever happens, each is answered by exactly one return: the parameter
+    itself on success, otherwise a reason (answers.DEFAULT_RETURNS).  Commands that cannot be read are logged and
+    dropped.
+
+    Subscribes:
+        out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it.
+            Messages with another interface's name are dropped unread.
+    Publishes:
+        in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any.
+    Actions called:
+        the server that is given by name; it may come, go and come back.
+
+    Arguments: the interface's name (the first argument of `_action_lib`), the action type, the server's name, time
+    limits and retries, the reasons after which a goal is sent again, and the worker on which all this runs.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        action_type: type,
+        server: str,
+        limits: Limits = DEFAULT_LIMITS,
+        retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON,
+        *,
+        worker: Worker,
+    ) -> None:
+        self.name = name
+        self._limits = limits
+        self._retry_on = retry_on
+        self._worker = worker
+        self._attempts: Dict[Action, _Attempt] = {}
+        self._server = server
+        self._link = ServerLink(server, action_type)
+        self._outbox = Outbox(IN_TOPIC)
+        worker.add_ticker(self._tick)
+        rospy.on_shutdown(lambda: worker.post(self._shut_down))
+        self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
+
+    @abc.abstractmethod
+    def make_goal(self, action: Action) -> Any:
+        """The goal message for an action.  Raise RefusalError if there is none."""
+
+    def make_answer(self, action: Action, ended: Ended) -> Answer:
+        """What to tell the core about an action whose goal has ended in this way."""
+        return answer((), Scope(action.parameter, action.cycle, ended=ended))
+
+    # ---- in: ROS callbacks only enqueue ---------------------------------------------------------------------------
+
+    def _on_message(self, message: InterfaceIO) -> None:
+        if message.interface == self.name:
+            self._worker.post(functools.partial(self._read, message))
+
+    def _read(self, message: InterfaceIO) -> None:
+        sender = message._connection_header["callerid"]
+        for fact in message.facts:
+            try:
+                command = parse_command(fact, self.name)
+            except FactError as error:
+                rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender, error)
+            else:
+                self._obey(command, sender)
+
+    def _obey(self, command: Command, sender: str) -> None:
+        attempt = self._attempts.get(command.action)
+        if command.verb is Verb.RUN and attempt is None:
+            self._begin(command.action, sender)
+        elif command.verb is Verb.RUN:
+            rospy.logwarn("%s: %s is under way already", self.name, command.action.atom)
+        elif attempt is None:
+            rospy.logwarn("%s: nothing to cancel, %s is not under way", self.name, command.action.atom)
+        else:
+            self._handle(attempt, Event.CANCEL)
+
+    # ---- one attempt ----------------------------------------------------------------------------------------------
+
+    def _begin(self, action: Action, sender: str) -> None:
+        try:
+            goal = self.make_goal(action)
+        except RefusalError as error:
+            rospy.logerr("%s: %s: %s", self.name, action.atom, error)
+            self._publish(action, self.make_answer(action, Ended(error.reason, str(error))), sender)
+        except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer
+            rospy.logerr("%s: %s: %s: %s", self.name, action.atom, type(error).__name__, error, exc_info=True)
+            self._publish(action, Answer(Function("failed")), sender)
+        else:
+            self._attempts[action] = _Attempt(action, goal, sender, self._limits, _now())
+            self._tick()
+
+    def _handle(self, attempt: _Attempt, event: Event, ended: Optional[Ended] = None) -> None:
+        if ended is not None and not attempt.run.done:
+            attempt.ended = ended
+        self._do(attempt, attempt.run.handle(event, _now()))
+
+    def _do(self, attempt: _Attempt, effect: Effect) -> None:
+        if effect is Effect.SEND:
+            attempt.handle = self._link.send(attempt.goal, functools.partial(self._report, attempt))
+        if effect in (Effect.CANCEL, Effect.ABANDON) and attempt.handle is not None:
+            attempt.handle.cancel()
+        if effect in (Effect.FINISH, Effect.ABANDON):
+            self._finish(attempt)
+
+    def _report(self, attempt: _Attempt, event: Event, ended: Optional[Ended]) -> None:
+        self._worker.post(functools.partial(self._handle, attempt, event, ended))
+
+    def _finish(self, attempt: _Attempt) -> None:
+        action, ended = attempt.action, conclude(attempt.run.verdict, attempt.ended)
+        try:
+            result = self.make_answer(action, ended)
+        except Exception as error:  # noqa: BLE001 as in _begin
+            rospy.logerr("%s: %s: %s: %s", self.name, action.atom, type(error).__name__, error, exc_info=True)
+            result = Answer(Function("failed"))
+        if ended.status != "succeeded":
+            rospy.logwarn("%s: %s: %s %s", self.name, action.atom, ended.status.replace("_", " "), ended.text)
+        if self._is_worth_another(attempt, ended, result):
+            self._attempts[action] = attempt.again(_now())
+            return
+        del self._attempts[action]
+        self._publish(action, result, attempt.asked_by)
+
+    def _is_worth_another(self, attempt: _Attempt, ended: Ended, result: Answer) -> bool:
+        if ended.status == "succeeded" or attempt.run.verdict in _FINAL or attempt.limits.retries < 1:
+            return False
+        return str(result.value).partition("(")[0] in self._retry_on
+
+    # ---- time and shutdown ----------------------------------------------------------------------------------------
+
+    def _tick(self) -> bool:
+        now = _now()
+        gone = bool(self._attempts) and self._link.gone(now.wall)
+        for attempt in list(self._attempts.values()):
+            if attempt.run.phase is Phase.WAITING and self._link.connected:
+                self._handle(attempt, Event.SERVER_FOUND)
+            elif attempt.run.phase is not Phase.WAITING and gone:
+                self._handle(attempt, Event.SERVER_LOST)
+            else:
+                self._do(attempt, attempt.run.tick(now))
+        return self._outbox.flush(now.wall) or bool(self._attempts)
+
+    def _shut_down(self) -> None:
+        for attempt in list(self._attempts.values()):
+            self._handle(attempt, Event.SHUTDOWN)
+
+    # ---- out ------------------------------------------------------------------------------------------------------
+
+    def _publish(self, action: Action, result: Answer, reader: str) -> None:
+        for warning in result.warnings:
+            rospy.logerr("%s: %s: %s", self.name, action.atom, warning)
+        facts = [*result.facts, return_text(action, result.value)]
+        self._outbox.put(InterfaceIO(interface=self.name, facts=facts), reader, _now().wall)
+
+
+def _now() -> Instant:
+    return Instant(rospy.get_time(), time.monotonic())

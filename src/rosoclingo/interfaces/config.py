@@ -1,0 +1,195 @@
+"""Interfaces by configuration: reading and checking the entries of config/interfaces.yaml.  No ROS.
+
+move_base:                           # the first argument of _action_lib(move_base,P,C)
+  server: move_base                  # name of the actionlib server; default: the interface's name
+  type: move_base_msgs/MoveBaseAction
+  goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
+  timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
+  server_timeout: 5.0                # seconds until a silent server counts as lost
+  retries: 0                         # how often a goal that failed is sent again ...
+  retry_on: [failed]                 # ... for these reasons only
+  returns:                           # first rule that matches; without: the parameter, or a reason
+    - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
+    - {status: aborted, when: {outcome: 3}, return: not_here}
+"""
+
+import math
+import re
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
+
+from rosoclingo.interfaces.answers import DEFAULT_RETURNS, Rule
+from rosoclingo.interfaces.runs import DEFAULT_LIMITS, Limits
+from rosoclingo.interfaces.templates import ANSWER_NAMES, GOAL_NAMES, TemplateError, check
+from rosoclingo.interfaces.terms import TermError, read_term
+
+DEFAULT_RETRY_ON = ("failed", "blocked", "server_lost")
+
+_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
+_FIELDS = ("server", "type", "goal", "timeout", "server_timeout", "retries", "retry_on", "returns")
+_RULE_FIELDS = ("status", "text", "when", "return", "facts")
+
+
+class ConfigError(ValueError):
+    """A configuration that cannot be used; the message lists each fault with its place and its mend."""
+
+
+class InterfaceSpec(NamedTuple):
+    """One interface: which actionlib action it drives, how goals are filled, how ends are answered."""
+
+    name: str
+    type: str
+    server: str
+    goal: Mapping[str, Any] = {}
+    rules: Tuple[Rule, ...] = ()
+    limits: Limits = DEFAULT_LIMITS
+    retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON
+
+
+def read_specs(data: Any) -> Dict[str, InterfaceSpec]:
+    """All entries of an interface configuration by name.  Raises ConfigError listing all faults."""
+    if not isinstance(data, Mapping) or not data:
+        raise ConfigError(f"interfaces must be a mapping of interface names to their settings, not {data!r}")
+    specs, faults = {}, []
+    for name, entry in data.items():
+        try:
+            specs[str(name)] = read_spec(str(name), entry)
+        except ConfigError as error:
+            faults.append(str(error))
+    if faults:
+        raise ConfigError("\n".join(faults))
+    return specs
+
+
+def read_spec(name: str, entry: Any) -> InterfaceSpec:
+    """One entry of an interface configuration.  Raises ConfigError listing its faults."""
+    if not isinstance(entry, Mapping):
+        raise ConfigError(f"{name}: must be a mapping with type, server, goal ..., not {entry!r}")
+    reader = _Reader(name)
+    reader.known_fields(entry, _FIELDS, "")
+    spec = InterfaceSpec(
+        name=reader.term(name),
+        type=reader.type_name(entry.get("type")),
+        server=reader.text(entry.get("server", name), "server"),
+        goal=reader.goal(entry.get("goal", {})),
+        rules=reader.rules(entry.get("returns", [])),
+        limits=reader.limits(entry),
+        retry_on=reader.reasons(entry.get("retry_on", DEFAULT_RETRY_ON)),
+    )
+    if reader.faults:
+        raise ConfigError("\n".join(reader.faults))
+    return spec
+
+
+def read_limits(entry: Mapping[str, Any], place: str, defaults: Limits = DEFAULT_LIMITS) -> Limits:
+    """The fields `timeout`, `server_timeout` and `retries` of a mapping.  Raises ConfigError."""
+    reader = _Reader(place)
+    limits = reader.limits(entry, defaults)
+    if reader.faults:
+        raise ConfigError("\n".join(reader.faults))
+    return limits
+
+
+class _Reader:
+    """Reads the fields of one entry and collects the faults."""
+
+    def __init__(self, place: str) -> None:
+        self._place = place
+        self.faults: List[str] = []
+
+    def fault(self, field: str, message: str) -> None:
+        self.faults.append("{}{}: {}".format(self._place, "." + field if field else "", message))
+
+    def known_fields(self, entry: Mapping[str, Any], known: Tuple[str, ...], place: str) -> None:
+        for field in entry:
+            if field not in known:
+                self.fault(place, "unknown field {!r}; fields are {}".format(field, ", ".join(known)))
+
+    def term(self, name: str) -> str:
+        try:
+            return str(read_term(name))
+        except TermError:
+            self.fault("", "the name must be the ASP term that the program uses, like gripper or arm(left)")
+            return name
+
+    def type_name(self, value: Any) -> str:
+        if value is None:
+            self.fault("type", "is missing; name the action type, like move_base_msgs/MoveBaseAction")
+        elif not isinstance(value, str) or not _TYPE.match(value):
+            self.fault("type", f"{value!r} is no action type; write package/NameAction")
+        return str(value)
+
+    def text(self, value: Any, field: str) -> str:
+        if not isinstance(value, str) or not value:
+            self.fault(field, f"must be a text, not {value!r}")
+        return str(value)
+
+    def goal(self, value: Any) -> Mapping[str, Any]:
+        if not isinstance(value, Mapping):
+            self.fault("goal", f"must be a mapping of the goal's fields, not {value!r}")
+            return {}
+        self._check(value, GOAL_NAMES, "goal")
+        return value
+
+    def limits(self, entry: Mapping[str, Any], defaults: Limits = DEFAULT_LIMITS) -> Limits:
+        timeout = self._number(entry, "timeout", defaults.timeout, lambda value: value >= 0, "a number from 0 on")
+        server = self._number(entry, "server_timeout", defaults.server_timeout, lambda value: value > 0, "above 0")
+        retries = self._number(
+            entry, "retries", defaults.retries, lambda value: value >= 0 and value == int(value), "a whole number"
+        )
+        return Limits(float(timeout), float(server), int(retries))
+
+    def _number(
+        self, entry: Mapping[str, Any], field: str, default: float, holds: Callable[[float], bool], wanted: str
+    ) -> float:
+        value = entry.get(field, default)
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not number or not math.isfinite(value) or not holds(value):
+            self.fault(field, f"must be {wanted}, not {value!r}")
+            return default
+        return float(value)
+
+    def reasons(self, value: Any) -> Tuple[str, ...]:
+        if not isinstance(value, (list, tuple)) or not all(isinstance(reason, str) for reason in value):
+            self.fault("retry_on", f"must be a list of reasons like [failed, blocked], not {value!r}")
+            return ()
+        return tuple(value)
+
+    def rules(self, value: Any) -> Tuple[Rule, ...]:
+        if not isinstance(value, (list, tuple)):
+            self.fault("returns", f"must be a list of rules, not {value!r}")
+            return ()
+        rules = [self._rule(entry, f"returns[{index}]") for index, entry in enumerate(value)]
+        return tuple(rule for rule in rules if rule is not None)
+
+    def _rule(self, entry: Any, place: str) -> Optional[Rule]:
+        if not isinstance(entry, Mapping):
+            self.fault(place, "must be a mapping with {}, not {!r}".format(", ".join(_RULE_FIELDS), entry))
+            return None
+        self.known_fields(entry, _RULE_FIELDS, place)
+        status, when, facts = entry.get("status"), entry.get("when", {}), entry.get("facts", [])
+        if status is not None and status not in DEFAULT_RETURNS:
+            self.fault(place, "no status {!r}; statuses are {}".format(status, ", ".join(DEFAULT_RETURNS)))
+        if not isinstance(when, Mapping):
+            self.fault(place, f"when must be a mapping of result fields to values, not {when!r}")
+            when = {}
+        if not isinstance(facts, (list, tuple)) or not all(isinstance(fact, str) for fact in facts):
+            self.fault(place, f"facts must be a list of atoms as text, not {facts!r}")
+            facts = []
+        returns = entry.get("return", DEFAULT_RETURNS.get(str(status), "failed"))
+        self._check([returns, *facts], ANSWER_NAMES, place)
+        return Rule(returns, status, self._pattern(entry.get("text"), place), when, tuple(facts))
+
+    def _pattern(self, value: Any, place: str) -> Optional[Pattern[str]]:
+        if value is None:
+            return None
+        try:
+            return re.compile(str(value))
+        except re.error as error:
+            self.fault(place, f"text {value!r} is no regular expression: {error}")
+            return None
+
+    def _check(self, template: Any, names: Tuple[str, ...], place: str) -> None:
+        try:
+            check(template, names, place)
+        except TemplateError as error:
+            self.fault("", str(error))

@@ -1,0 +1,81 @@
+"""The client's side of one actionlib server: is it there, send a goal, hear of its progress."""
+
+from typing import Any, Callable, Optional, Set
+
+from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
+
+from rosoclingo.interfaces.runs import Event
+from rosoclingo.interfaces.templates import Ended
+
+# Seconds of wall time that the connection to a server may be down before the server counts as gone.
+CONNECTION_GRACE = 1.0
+
+STATUS_NAMES = {
+    TerminalState.SUCCEEDED: "succeeded",
+    TerminalState.ABORTED: "aborted",
+    TerminalState.REJECTED: "rejected",
+    TerminalState.PREEMPTED: "preempted",
+    TerminalState.RECALLED: "recalled",
+}
+
+_ACKNOWLEDGING = (
+    CommState.PENDING,
+    CommState.ACTIVE,
+    CommState.RECALLING,
+    CommState.PREEMPTING,
+    CommState.WAITING_FOR_RESULT,
+)
+
+Report = Callable[[Event, Optional[Ended]], None]
+
+
+class ServerLink:
+    """An ActionClient that can be asked whether its server is connected, and that reports progress as Events.
+
+    actionlib's own `wait_for_server` blocks, and measures its time-out in simulated time, which may stand still.
+    """
+
+    def __init__(self, server: str, action_type: type) -> None:
+        self._client = ActionClient(server, action_type)
+        self._down_since: Optional[float] = None
+
+    @property
+    def connected(self) -> bool:
+        """True if one server hears goals and cancels and is heard with status and result.
+
+        Names are compared, because a recorder of these topics is connected as well.
+        """
+        servers = _publishers(self._client.status_sub) & _publishers(self._client.result_sub)
+        return any(
+            self._client.pub_goal.impl.has_connection(server) and self._client.pub_cancel.impl.has_connection(server)
+            for server in servers
+        )
+
+    def gone(self, wall: float) -> bool:
+        """True if no server has been heard for a while; `wall` is steady time in seconds."""
+        if self._client.status_sub.get_num_connections() > 0:
+            self._down_since = None
+            return False
+        if self._down_since is None:
+            self._down_since = wall
+        return wall - self._down_since >= CONNECTION_GRACE
+
+    def send(self, goal: Any, report: Report) -> ClientGoalHandle:
+        """Send a goal; `report` is called on rospy's threads and may only enqueue."""
+        return self._client.send_goal(goal, transition_cb=lambda handle: _report_transition(handle, report))
+
+
+def _report_transition(handle: ClientGoalHandle, report: Report) -> None:
+    state = handle.get_comm_state()
+    if state in _ACKNOWLEDGING:
+        report(Event.ACKNOWLEDGED, None)
+    elif state == CommState.DONE:
+        status = STATUS_NAMES.get(handle.get_terminal_state())
+        if status is None:
+            report(Event.SERVER_LOST, None)
+        else:
+            report(Event.ENDED, Ended(status, handle.get_goal_status_text(), handle.get_result()))
+
+
+def _publishers(subscriber: Any) -> Set[str]:
+    return {connection.callerid_pub for connection in subscriber.impl.connections}

@@ -1,0 +1,191 @@
+"""Templates: how fields of a goal and terms of an answer are filled from what is known of an action.  No ROS.
+
+A text that is one reference stands for the value itself; other texts may hold references in braces:
+
+    $parameter         the parameter P of `_action_lib(A,P,C)`
+    $1, $2.1           its first argument, the first argument of its second one ($1 of a constant is itself)
+    $parameter.pose    the label that this term names: .pose .x .y .yaw .frame; also $1.pose and so on
+    $cycle, $now       the cycle C, the ROS time at which the goal is sent
+    $status, $text     how the goal ended, and the server's words (only in answers)
+    $result.field      a field of the result (only in answers)
+    "box_${1}"         text with the value of $1 in it;  "$$" is a dollar sign
+"""
+
+import re
+from typing import Any, Callable, Dict, List, Mapping, Match, NamedTuple, Optional, Tuple
+
+from clingo import Symbol, SymbolType
+
+from rosoclingo.interfaces.terms import TermError, as_text
+from rosoclingo.navigation.labels import Label, LabelTable
+
+LABEL_FIELDS = ("pose", "x", "y", "yaw", "frame")
+GOAL_NAMES = ("parameter", "cycle", "now")
+ANSWER_NAMES = (*GOAL_NAMES, "status", "text", "result")
+
+_WHOLE = re.compile(r"\$(?:\{([A-Za-z0-9_.]+)\}|([A-Za-z0-9_.]+))\Z")
+_INSIDE = re.compile(r"\$\$|\$\{([^}]*)\}|\$")
+
+
+class TemplateError(ValueError):
+    """A template that no action could fill; a fault of the configuration."""
+
+
+class FillError(ValueError):
+    """A template that this action cannot fill, for example because its parameter has too few arguments."""
+
+
+class Now:
+    """Stands for the time at which the message is built."""
+
+
+class Ended(NamedTuple):
+    """How a goal ended: actionlib's terminal status in lower case, the server's words, the result message."""
+
+    status: str
+    text: str = ""
+    result: Any = None
+
+
+class Scope(NamedTuple):
+    """What the references of a template may refer to."""
+
+    parameter: Symbol
+    cycle: int
+    labels: LabelTable = LabelTable()
+    ended: Optional[Ended] = None
+
+
+def evaluate(template: Any, scope: Scope) -> Any:
+    """The value of a template; lists and mappings are filled inside.  Raises FillError, UnknownLabelError."""
+    if isinstance(template, Mapping):
+        return {key: evaluate(value, scope) for key, value in template.items()}
+    if isinstance(template, (list, tuple)):
+        return [evaluate(value, scope) for value in template]
+    if not isinstance(template, str):
+        return template
+    whole = _WHOLE.match(template)
+    if whole:
+        return _lookup(whole.group(1) or whole.group(2), scope)
+    return _INSIDE.sub(lambda match: _substitute(match, scope), template)
+
+
+def check(template: Any, names: Tuple[str, ...] = GOAL_NAMES, place: str = "") -> None:
+    """Raise TemplateError if the template holds a reference that is malformed or not among `names`."""
+    if isinstance(template, Mapping):
+        for key, value in template.items():
+            check(value, names, f"{place}.{key}")
+    elif isinstance(template, (list, tuple)):
+        for index, value in enumerate(template):
+            check(value, names, f"{place}[{index}]")
+    elif isinstance(template, str):
+        for reference in references(template, place):
+            _check_reference(reference, names, place)
+
+
+def references(template: str, place: str = "") -> List[str]:
+    """The references in one text, without dollar and braces.  Raises TemplateError."""
+    whole = _WHOLE.match(template)
+    if whole:
+        return [whole.group(1) or whole.group(2)]
+    found = []
+    for match in _INSIDE.finditer(template):
+        if match.group(0) == "$":
+            raise TemplateError(
+                f"{place}: {template!r}: write $name alone, ${{name}} inside a text, $$ for a dollar sign"
+            )
+        if match.group(1) is not None:
+            found.append(match.group(1))
+    return found
+
+
+def _check_reference(reference: str, names: Tuple[str, ...], place: str) -> None:
+    head, _, tail = reference.partition(".")
+    if not head.isdigit() and head not in names:
+        known = ", ".join("$" + name for name in names)
+        raise TemplateError(f"{place}: no ${reference}; known are {known}, $1, $2 ...")
+    if head in ("cycle", "now", "status", "text") and tail:
+        raise TemplateError(f"{place}: ${head} has no .{tail}")
+    if head.isdigit() or head == "parameter":
+        steps = tail.split(".") if tail else []
+        wrong = [step for step in steps[:-1] if not step.isdigit()]
+        wrong += [step for step in steps[-1:] if not step.isdigit() and step not in LABEL_FIELDS]
+        if wrong or head == "0" or "0" in steps:
+            message = "{}: ${}: after a term come argument numbers from 1 on and at last one of {}"
+            raise TemplateError(message.format(place, reference, ", ".join(LABEL_FIELDS)))
+
+
+def _substitute(match: Match[str], scope: Scope) -> str:
+    if match.group(0) == "$$":
+        return "$"
+    return _inner_text(_lookup(match.group(1), scope))
+
+
+def _inner_text(value: Any) -> str:
+    if isinstance(value, (Label, Now)):
+        raise FillError("a pose or time cannot stand inside a text")
+    return as_text(value)
+
+
+def _lookup(reference: str, scope: Scope) -> Any:
+    head, *steps = reference.split(".")
+    if head.isdigit():
+        return _walk_term(_argument(scope.parameter, int(head), top=True), steps, scope)
+    if head not in _HEADS:
+        raise FillError(f"no ${reference}")
+    return _HEADS[head](steps, scope)
+
+
+def _walk_term(term: Symbol, steps: List[str], scope: Scope) -> Any:
+    for step in steps:
+        if not step.isdigit():
+            label = scope.labels[term]
+            return label if step == "pose" else getattr(label, step)
+        term = _argument(term, int(step))
+    return term
+
+
+def _argument(term: Symbol, number: int, top: bool = False) -> Symbol:
+    arguments = term.arguments if term.type == SymbolType.Function else []
+    if top and not arguments and number == 1:
+        return term
+    if number > len(arguments):
+        raise FillError(f"{term} has no argument {number}")
+    return arguments[number - 1]
+
+
+def _walk_result(steps: List[str], scope: Scope) -> Any:
+    value: Any = scope.ended.result if scope.ended is not None else None
+    for step in steps:
+        try:
+            value = value[int(step)] if step.isdigit() else getattr(value, step)
+        except (AttributeError, IndexError, TypeError):
+            raise FillError("the result has no {}".format(".".join(steps))) from None
+    return value
+
+
+def _of_ended(field: str) -> Callable[[List[str], Scope], Any]:
+    return lambda steps, scope: getattr(scope.ended, field) if scope.ended is not None else ""
+
+
+_HEADS: Dict[str, Callable[[List[str], Scope], Any]] = {
+    "parameter": lambda steps, scope: _walk_term(scope.parameter, steps, scope),
+    "cycle": lambda steps, scope: scope.cycle,
+    "now": lambda steps, scope: Now(),
+    "status": _of_ended("status"),
+    "text": _of_ended("text"),
+    "result": _walk_result,
+}
+
+__all__ = [
+    "ANSWER_NAMES",
+    "GOAL_NAMES",
+    "Ended",
+    "FillError",
+    "Now",
+    "Scope",
+    "TemplateError",
+    "TermError",
+    "check",
+    "evaluate",
+]

@@ -1,0 +1,83 @@
+"""Between ASP terms and plain Python values.  No ROS."""
+
+import math
+from typing import Any
+
+from clingo import Number, String, Symbol, SymbolType
+
+from rosoclingo.oclingo import ProgressionError, parse_atom, parse_term
+
+
+class TermError(ValueError):
+    """A text that is no ground term, or a value that does not fit the field it is meant for."""
+
+
+def read_term(text: str) -> Symbol:
+    """The ground term that the text holds.  Raises TermError."""
+    try:
+        return parse_term(text)
+    except ProgressionError as error:
+        raise TermError(f"{text!r} is no ground term: {error.message}") from error
+
+
+def read_atom(text: str) -> Symbol:
+    """The ground atom that the text holds.  Raises TermError."""
+    try:
+        return parse_atom(text)
+    except ProgressionError as error:
+        raise TermError(f"{text!r} is no ground atom: {error.message}") from error
+
+
+def as_text(value: Any) -> str:
+    """The value as plain text: the characters of an ASP string, any other term as clingo prints it."""
+    if isinstance(value, Symbol):
+        return value.string if value.type == SymbolType.String else str(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return str(value)
+
+
+def as_term(value: Any) -> Symbol:
+    """The value as a term: whole numbers as numbers, text that is a term as that term, other text as a string."""
+    if isinstance(value, Symbol):
+        return value
+    if isinstance(value, int) and not isinstance(value, bool):
+        return Number(value)
+    text = as_text(value)
+    try:
+        return read_term(text)
+    except TermError:
+        return String(text)
+
+
+def as_integer(value: Any) -> int:
+    """The value as a whole number (also a string that holds one).  Raises TermError."""
+    if isinstance(value, Symbol) and value.type == SymbolType.Number:
+        return value.number
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
+    try:
+        return int(as_text(value))
+    except ValueError:
+        raise TermError(f"{as_text(value)} is no whole number") from None
+
+
+def as_real(value: Any) -> float:
+    """The value as a finite number; ASP writes fractions as strings ("0.5").  Raises TermError."""
+    try:
+        number = float(value) if isinstance(value, (int, float)) else float(as_text(value))
+    except ValueError:
+        number = math.nan
+    if isinstance(value, bool) or not math.isfinite(number):
+        raise TermError(f"{as_text(value)} is no finite number")
+    return number
+
+
+def as_boolean(value: Any) -> bool:
+    """The value as a truth value: true, false, 1 or 0.  Raises TermError."""
+    text = as_text(value)
+    if text in ("true", "1"):
+        return True
+    if text in ("false", "0"):
+        return False
+    raise TermError(f"{text} is neither true nor false")
