@@ -191,9 +191,8 @@ class Tests:
 
     def install(self, _names: Sequence[str]) -> Outcome:
         """The install space, on its own."""
-        return self._run(
-            "install", [str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")], INSTALL_LIMIT, None
-        )
+        command = [str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")]
+        return self._run("install", command, INSTALL_LIMIT, None)
 
 
 def _python_files(path: Path) -> Iterator[Path]:
