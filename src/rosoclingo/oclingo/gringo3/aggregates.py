@@ -1,0 +1,143 @@
+"""Translates the aggregates of gringo 3: sets in braces, multisets of weighted literals in brackets.
+
+A set counts each literal once, as today's braces do. A multiset counts every instance of every element, so that each
+gets a tuple of its own: weight, the element's number, and all variables of the element.
+"""
+
+from typing import Callable, List, Optional, Sequence
+
+from rosoclingo.oclingo.gringo3.elements import (
+    ElementTranslator,
+    Naming,
+    instance_variables,
+    show_conditions,
+    show_element,
+    weight,
+)
+from rosoclingo.oclingo.gringo3.faults import RefusalError
+from rosoclingo.oclingo.gringo3.lexer import Token
+from rosoclingo.oclingo.gringo3.rewriting import Rewriting
+from rosoclingo.oclingo.gringo3.syntax import Aggregate, Element, Literal, Term
+from rosoclingo.oclingo.gringo3.terms import has_pool, show
+
+SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
+"""Tokens inside literals and terms that today's syntax lacks or reads otherwise."""
+
+
+class AggregateTranslator:
+    """Translates aggregates in place; heads and bodies write the elements of a multiset in different ways."""
+
+    def __init__(self, tokens: Sequence[Token], rewriting: Rewriting, naming: Naming) -> None:
+        self._tokens, self._rewriting, self._naming = tokens, rewriting, naming
+        self.elements = ElementTranslator(tokens, naming)
+
+    def special(self, first: int, after: int) -> bool:
+        """Whether a range of tokens holds one that today's syntax lacks or reads otherwise."""
+        return any(token.text in SPECIAL for token in self._tokens[first:after])
+
+    def in_place(self, aggregate: Aggregate, in_head: bool) -> None:
+        """Translate any aggregate but averages and parities."""
+        self._bounds(aggregate)
+        first, after = aggregate.inside
+        if aggregate.bracket == "{":
+            self._rewriting.replace((aggregate.start, first + 1), "{")
+            for element in aggregate.elements:
+                self._set_element(element)
+        else:
+            self._rewriting.replace((aggregate.start, first + 1), aggregate.function + " {")
+            self._rewriting.replace((after - 1, after), "}")
+            self._weighted_elements(aggregate, in_head)
+        self._separators(aggregate)
+
+    def _separators(self, aggregate: Aggregate) -> None:
+        for number, comma in enumerate(aggregate.commas, 1):
+            self._rewriting.replace((comma, comma + 1), ";" if number < len(aggregate.elements) else "")
+
+    def _bounds(self, aggregate: Aggregate) -> None:
+        for bound in (aggregate.lower, aggregate.upper, aggregate.assigned):
+            self._check_bound(aggregate, bound)
+        first = aggregate.span[0] + aggregate.negated
+        before = aggregate.assigned or aggregate.lower
+        if before and self.special(first, aggregate.start):
+            equals = " = " if aggregate.assigned else " "
+            self._rewriting.replace((first, aggregate.start), show(before) + equals)
+        if aggregate.upper and self.special(aggregate.inside[1], aggregate.span[1]):
+            self._rewriting.replace((aggregate.inside[1], aggregate.span[1]), " " + show(aggregate.upper))
+
+    def _check_bound(self, aggregate: Aggregate, bound: Optional[Term]) -> None:
+        if bound and has_pool(bound):
+            raise RefusalError(
+                self._tokens[aggregate.start], "a pool as bound has no clear meaning", "write one rule for each bound"
+            )
+
+    def _set_element(self, element: Element) -> None:
+        self._check_set_literal(element.literal)
+        if self.special(*element.span):
+            self._rewriting.replace(element.span, "; ".join(map(show_element, self.elements.elements(element))))
+        else:
+            self.chain(element)
+
+    def _check_set_literal(self, literal: Literal) -> None:
+        if not literal.is_atom:
+            message = "a comparison as element of a set cannot be translated"
+            raise RefusalError(self._tokens[literal.span[0]], message, "write it as a condition, after ':'")
+
+    def chain(self, element: Element) -> None:
+        """Write the colons between the conditions of an element as commas, in place."""
+        for condition in element.conditions[1:]:
+            colon = condition.span[0] - 1
+            self._rewriting.replace((colon, colon + 1), ",")
+
+    def _weighted_elements(self, aggregate: Aggregate, in_head: bool) -> None:
+        number = 0
+        for element in aggregate.elements:
+            texts = []
+            for single in self.elements.elements(element):
+                texts.append(self.weighted(single, str(number), in_head))
+                number += 1
+            self._rewriting.replace(element.span, "; ".join(texts))
+
+    def weighted(self, element: Element, key: str, in_head: bool, change: Callable[[str], str] = str) -> str:
+        """An element of a multiset with its own tuple; ``change`` maps the text of the weight."""
+        element = self.elements.counted(element)
+        literal = element.literal
+        if in_head and not literal.is_atom:
+            raise RefusalError(self._tokens[literal.span[0]], "a comparison in a head cannot be translated")
+        terms = ",".join([change(weight(element)), key, *instance_variables(element)])
+        if in_head:
+            return f"{terms} : {show_element(element)}"
+        return f"{terms} : {show_conditions((literal, *element.conditions))}"
+
+    def tuples(self, aggregate: Aggregate, in_head: bool, change: Callable[[str], str] = str) -> str:
+        """All elements of a multiset in one text."""
+        singles = [single for element in aggregate.elements for single in self.elements.elements(element)]
+        return "; ".join(self.weighted(single, str(key), in_head, change) for key, single in enumerate(singles))
+
+    def literals(self, aggregate: Aggregate) -> str:
+        """All elements as a set, without weights, in one text."""
+        for element in aggregate.elements:
+            self._check_set_literal(element.literal)
+        singles = [single for element in aggregate.elements for single in self.elements.elements(element)]
+        return "; ".join(map(show_element, singles))
+
+    def averages(self, aggregate: Aggregate, in_head: bool) -> List[str]:
+        """The one or two sums that say the same as bounds on an average; none without bounds.
+
+        The average of no weights lies between any bounds, and so does a sum of no differences.
+        """
+        sums = []
+        for bound, relation in ((aggregate.lower, ">="), (aggregate.upper, "<=")):
+            if bound is None:
+                continue
+            self._check_bound(aggregate, bound)
+            difference = f"({{}})-({show(bound)})".format
+            sums.append(f"#sum {{ {self.tuples(aggregate, in_head, difference)} }} {relation} 0")
+        return sums
+
+    def parity(self, aggregate: Aggregate, wanted: bool) -> str:
+        """Body literals saying that a parity holds, or not; a fresh variable takes the aggregate's value."""
+        value = show(self._naming.fresh())
+        elements = self.literals(aggregate) if aggregate.bracket == "{" else self.tuples(aggregate, False)
+        function = "" if aggregate.bracket == "{" else "#sum "
+        relation = "=" if (aggregate.function == "#even") == wanted else "!="
+        return f"{value} = {function}{{ {elements} }}, {value} \\ 2 {relation} 0"

@@ -1,0 +1,152 @@
+"""Tokens of logic programs, in gringo 3's language and in clingo 5's alike.
+
+The lexer never fails: what is no token of either language becomes a token of kind :attr:`Kind.UNKNOWN`, which no rule
+of the grammar accepts. White space and comments are no tokens; their text is found again by the tokens' offsets.
+"""
+
+import enum
+import re
+from dataclasses import dataclass
+from typing import Iterator, List, Sequence, Tuple
+
+
+class Kind(enum.Enum):
+    """What a token is."""
+
+    IDENTIFIER = "identifier"
+    VARIABLE = "variable"
+    ANONYMOUS = "anonymous variable"
+    NUMBER = "number"
+    BASED_NUMBER = "number with a base"
+    STRING = "string"
+    DIRECTIVE = "directive"
+    SYMBOL = "symbol"
+    SCRIPT = "script"
+    UNKNOWN = "unknown"
+    END = "end of file"
+
+
+@dataclass(frozen=True)
+class Token:
+    """One token; offsets count characters of the text, lines and columns count from 1."""
+
+    kind: Kind
+    text: str
+    start: int
+    end: int
+    line: int
+    column: int
+
+    def shown(self) -> str:
+        """The token's text as a message shows it."""
+        return "the end of the file" if self.kind is Kind.END else "'{}'".format(self.text.split("\n")[0][:40])
+
+
+_TOKEN = re.compile(
+    r"""
+    (?P<SPACE>\s+)
+  | (?P<LINE_COMMENT>%(?!\*)[^\n]*)
+  | (?P<BLOCK_COMMENT>%\*)
+  | (?P<SCRIPT>\#begin_lua.*?\#end_lua[ \t\r]*\. | \#script\s*\(\s*\w+\s*\).*?\#end\s*\.)
+  | (?P<DIRECTIVE>\#sum\+ | \#[A-Za-z_][A-Za-z0-9_]*)
+  | (?P<BASED_NUMBER>0x[0-9A-Fa-f]+ | 0o[0-7]+ | 0b[01]+)
+  | (?P<NUMBER>0 | [1-9][0-9]*)
+  | (?P<IDENTIFIER>_*[a-z]['A-Za-z0-9_]*)
+  | (?P<VARIABLE>_*[A-Z]['A-Za-z0-9_]*)
+  | (?P<ANONYMOUS>_(?![A-Za-z0-9_']))
+  | (?P<STRING>"(?:[^\\"\n] | \\["\\n])*")
+  | (?P<SYMBOL>;; | := | :- | :~ | \.\. | \*\* | <= | >= | == | != | [][(){}.,;:|+\-*/\\<>=@&?^~!$])
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_COMMENT_MARKS = re.compile(r"%\*|\*%|%[^\n]*")
+_KINDS = {name: Kind[name] for name in (*_TOKEN.groupindex, "UNKNOWN") if name in Kind.__members__}
+
+
+def tokens(text: str) -> List[Token]:
+    """All tokens of a text; the last one is of kind :attr:`Kind.END`."""
+    lines = _LineCounter(text)
+    found = [lines.token(kind, start, end) for kind, start, end in _matches(text)]
+    return [*found, lines.token(Kind.END, len(text), len(text))]
+
+
+def comments(text: str) -> Iterator[str]:
+    """All comments of a text that end with their line, without the leading ``%``."""
+    for match in _scan(text):
+        if match[0] == "LINE_COMMENT":
+            yield text[match[1] + 1 : match[2]]
+
+
+def statements(all_tokens: Sequence[Token]) -> Iterator[Tuple[int, int]]:
+    """Index ranges ``(first, after)`` of the statements; each holds its dot, unless the text ends before."""
+    first = 0
+    while all_tokens[first].kind is not Kind.END:
+        after = _after_dot(all_tokens, first)
+        yield first, after
+        first = after
+
+
+def _after_dot(all_tokens: Sequence[Token], first: int) -> int:
+    """The index after a statement and the bracket that weak constraints and some directives have after their dot."""
+    if all_tokens[first].kind is Kind.SCRIPT:
+        return first + 1
+    index, theory = first, all_tokens[first].text == "#theory"
+    while all_tokens[index].kind is not Kind.END:
+        if all_tokens[index].text == "." and (not theory or all_tokens[index - 1].text == "}"):
+            return _after_bracket(all_tokens, index + 1)
+        index += 1
+    return index
+
+
+def _after_bracket(all_tokens: Sequence[Token], index: int) -> int:
+    if all_tokens[index].text != "[":
+        return index
+    while all_tokens[index].kind is not Kind.END and all_tokens[index].text != "]":
+        index += 1
+    return min(index + 1, len(all_tokens) - 1)
+
+
+class _LineCounter:
+    """Gives tokens their lines and columns, in the order of the text."""
+
+    def __init__(self, text: str) -> None:
+        self._text, self._offset, self._line, self._line_start = text, 0, 1, 0
+
+    def token(self, kind: Kind, start: int, end: int) -> Token:
+        """The token between two offsets, neither of them before the token asked for last."""
+        newlines = self._text.count("\n", self._offset, start)
+        if newlines:
+            self._line += newlines
+            self._line_start = self._text.rfind("\n", self._offset, start) + 1
+        self._offset = start
+        return Token(kind, self._text[start:end], start, end, self._line, start - self._line_start + 1)
+
+
+def _matches(text: str) -> Iterator[Tuple[Kind, int, int]]:
+    return ((_KINDS[name], start, end) for name, start, end in _scan(text) if name in _KINDS)
+
+
+def _scan(text: str) -> Iterator[Tuple[str, int, int]]:
+    offset = 0
+    while offset < len(text):
+        match = _TOKEN.match(text, offset)
+        name, end = (str(match.lastgroup), match.end()) if match else ("UNKNOWN", offset + 1)
+        if name == "BLOCK_COMMENT":
+            end = _end_of_comment(text, end)
+            name = "BLOCK_COMMENT" if end > 0 else "UNKNOWN"
+            end = end if end > 0 else len(text)
+        yield name, offset, end
+        offset = end
+
+
+def _end_of_comment(text: str, offset: int) -> int:
+    """The end of a block comment whose inside starts at the offset, or -1; a ``%`` inside hides the rest of its line."""
+    depth = 1
+    for mark in _COMMENT_MARKS.finditer(text, offset):
+        if mark.group() == "%*":
+            depth += 1
+        elif mark.group() == "*%":
+            depth -= 1
+        if depth == 0:
+            return mark.end()
+    return -1

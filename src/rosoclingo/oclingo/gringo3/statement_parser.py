@@ -1,0 +1,220 @@
+"""Recursive descent over the rules of gringo 3's language, with their bodies, heads and aggregates."""
+
+from typing import List, Optional, Tuple
+
+from rosoclingo.oclingo.gringo3.faults import RefusalError
+from rosoclingo.oclingo.gringo3.lexer import Kind
+from rosoclingo.oclingo.gringo3.syntax import (
+    Aggregate,
+    Body,
+    BodyItem,
+    Disjunction,
+    Element,
+    Function,
+    Head,
+    Literal,
+    Rule,
+    Signed,
+    Symbol,
+    Term,
+    Variable,
+)
+from rosoclingo.oclingo.gringo3.term_parser import TermParser
+
+COMPARISONS = ("==", "!=", "<=", ">=", "<", ">")
+FUNCTIONS = {
+    "#count": "{",
+    "#sum": "[",
+    "#sum+": "[",
+    "#min": "[",
+    "#max": "[",
+    "#avg": "[",
+    "#even": "{[",
+    "#odd": "{[",
+}
+ASSIGNABLE = ("#count", "#sum", "#sum+", "#min", "#max")
+PARITY = ("#even", "#odd")
+
+
+class StatementParser(TermParser):
+    """The grammar's rules above terms; each method raises :class:`RefusalError` at the token that does not fit."""
+
+    def rule(self) -> Rule:
+        """A rule with its dot."""
+        head = None if self.at(":-") else self.head()
+        arrow = self.accept(":-")
+        body = Body() if arrow is None else self.body()
+        return Rule(head, arrow, body, self.dot())
+
+    def dot(self) -> int:
+        """The dot that ends a statement; its index."""
+        return self.expect(".")
+
+    def head(self) -> Head:
+        """An atom, an aggregate, or a disjunction."""
+        first = self.index
+        aggregate = self._aggregate_at_cursor()
+        if aggregate:
+            return aggregate
+        term = self.term()
+        if self._at_aggregate():
+            return self.aggregate(first, lower=term)
+        return self._disjunction(first, self._atom(first, term))
+
+    def _disjunction(self, first: int, atom: Literal) -> Head:
+        elements = [self._element(atom)]
+        while self.accept("|") is not None:
+            start = self.index
+            elements.append(self._element(self._atom(start, self.term())))
+        if len(elements) == 1 and not elements[0].conditions:
+            return atom
+        return Disjunction((first, self.index), tuple(elements))
+
+    def _element(self, literal: Literal) -> Element:
+        conditions = self.conditions()
+        return Element((literal.span[0], self.index), literal, conditions)
+
+    def conditions(self) -> Tuple[Literal, ...]:
+        """Any number of literals, each after a colon."""
+        found = []
+        while self.accept(":") is not None:
+            found.append(self.literal(assignments=True))
+        return tuple(found)
+
+    def body(self) -> Body:
+        """Body items separated by commas, up to the dot; there may be none."""
+        if self.at("."):
+            return Body()
+        items, commas = [self.body_item()], []
+        while self.at(","):
+            commas.append(self.step())
+            items.append(self.body_item())
+        return Body(tuple(items), tuple(commas))
+
+    def body_item(self) -> BodyItem:
+        """A literal, maybe with conditions, or an aggregate."""
+        first = self.index
+        negated = self.accept("not") is not None
+        aggregate = self._aggregate_at_cursor(first, negated)
+        if aggregate:
+            return aggregate
+        if self.at("#true", "#false"):
+            return self._with_conditions(self._boolean(first, negated))
+        term = self.term()
+        if self._at_aggregate():
+            return self.aggregate(first, negated, lower=term)
+        if not negated and self.at("=", ":="):
+            return self._assignment(first, term)
+        return self._with_conditions(self._literal(first, term, negated, assignments=True))
+
+    def _with_conditions(self, literal: Literal) -> BodyItem:
+        return self._element(literal) if self.at(":") else literal
+
+    def _assignment(self, first: int, term: Term) -> BodyItem:
+        self._check_target(term)
+        after_equals = self._tokens[self.index + 1].text
+        if after_equals in (*FUNCTIONS, "{", "["):
+            if after_equals not in (*ASSIGNABLE, "{", "["):
+                raise RefusalError(self._tokens[self.index + 1], f"the value of {after_equals} cannot be assigned")
+            self.step()
+            return self.aggregate(first, assigned=term)
+        return self._with_conditions(self._literal(first, term, False, assignments=True))
+
+    def literal(self, assignments: bool) -> Literal:
+        """An atom, a comparison, or, if allowed, an assignment."""
+        first = self.index
+        negated = self.accept("not") is not None
+        if self.at("#true", "#false"):
+            return self._boolean(first, negated)
+        return self._literal(first, self.term(), negated, assignments)
+
+    def _boolean(self, first: int, negated: bool) -> Literal:
+        text = self._tokens[self.step()].text
+        return Literal((first, self.index), Symbol(text), negated)
+
+    def _literal(self, first: int, left: Term, negated: bool, assignments: bool) -> Literal:
+        allowed = (*COMPARISONS, "=", ":=") if assignments and isinstance(left, Variable) else COMPARISONS
+        allowed = (*allowed, ":=") if assignments else allowed
+        if negated and self.at(*COMPARISONS):
+            raise RefusalError(self.token, "a comparison cannot be negated", "turn the comparison round")
+        if negated or not self.at(*allowed):
+            return self._atom(first, left, negated)
+        operator = self._tokens[self.step()].text
+        right = self.term()
+        return Literal((first, self.index), left, False, "=" if operator == ":=" else operator, right)
+
+    def _check_target(self, term: Term) -> None:
+        if self.at("=") and not isinstance(term, Variable):
+            raise RefusalError(self.token, "only a variable can stand before '='", "write '==' or ':='")
+
+    def _atom(self, first: int, term: Term, negated: bool = False) -> Literal:
+        inner = term.term if isinstance(term, Signed) and term.operator == "-" else term
+        named = isinstance(inner, Function) and inner.name and not inner.comma
+        identifier = isinstance(inner, Symbol) and inner.text.strip("_")[:1].islower()
+        if not named and not identifier:
+            raise self.unexpected("a comparison, since the term before is no atom")
+        return Literal((first, self.index), term, negated)
+
+    def _at_aggregate(self) -> bool:
+        return self.at("{", "[", *FUNCTIONS)
+
+    def _aggregate_at_cursor(self, first: Optional[int] = None, negated: bool = False) -> Optional[Aggregate]:
+        start = self.index if first is None else first
+        return self.aggregate(start, negated) if self._at_aggregate() else None
+
+    def aggregate(
+        self, first: int, negated: bool = False, lower: Optional[Term] = None, assigned: Optional[Term] = None
+    ) -> Aggregate:
+        """An aggregate from its function's name or opening bracket on, with its upper bound."""
+        start = self.index
+        name = self._tokens[self.step()].text if self.at(*FUNCTIONS) else ""
+        bracket = self._bracket(name)
+        opening = self.index
+        elements, commas = self.elements(bracket)
+        inside = (opening, self.index)
+        parity = name in PARITY
+        upper = self.term() if assigned is None and not parity and self._at_term() else None
+        if parity and lower is not None:
+            raise RefusalError(self._tokens[start], f"{name} takes no bounds")
+        return Aggregate(
+            (first, self.index), start, inside, name or ("#count" if bracket == "{" else "#sum"), elements, commas,
+            negated, lower, upper, assigned, bracket,
+        )  # fmt: skip
+
+    def _bracket(self, name: str) -> str:
+        allowed = FUNCTIONS.get(name, "{[")
+        if not self.at(*allowed):
+            raise self.unexpected(" or ".join(f"'{bracket}'" for bracket in allowed))
+        return self.token.text
+
+    def elements(self, bracket: str, priorities: bool = False) -> Tuple[Tuple[Element, ...], Tuple[int, ...]]:
+        """The elements in braces or brackets and the indices of the commas between them; the cursor is at the opening one."""
+        closing = "}" if bracket == "{" else "]"
+        self.step()
+        found: List[Element] = []
+        commas: List[int] = []
+        while not self.at(closing):
+            found.append(self.element(bracket == "[", priorities))
+            if self.at(","):
+                commas.append(self.step())
+            elif not self.at(closing):
+                raise self.unexpected(f"',' or '{closing}'")
+        self.step()
+        return tuple(found), tuple(commas)
+
+    def element(self, weighted: bool, priorities: bool) -> Element:
+        """A literal with conditions and, where allowed, ``= weight`` and ``@ priority`` before or after them."""
+        first = self.index
+        literal = self.literal(assignments=False)
+        conditions = self.conditions()
+        weight = self.term() if weighted and self.accept("=") is not None else None
+        priority = self.term() if priorities and self.accept("@") is not None else None
+        if not conditions:
+            conditions = self.conditions()
+        return Element((first, self.index), literal, conditions, weight, priority)
+
+    def _at_term(self) -> bool:
+        return self.at("(", "-", "~", "|", "#abs", "#mod", "#div", "#pow", "#infimum", "#supremum", "@") or (
+            self.at_kind(Kind.IDENTIFIER, Kind.VARIABLE, Kind.NUMBER, Kind.STRING, Kind.ANONYMOUS)
+            and not self.at("not")
+        )

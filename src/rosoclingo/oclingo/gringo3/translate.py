@@ -1,0 +1,94 @@
+"""Translates programs of gringo 3 and oClingo into clingo 5's language.
+
+Only what differs is changed; comments, layout and line numbers stay. oClingo's own directives stay too, with today's
+separators inside.
+"""
+
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import List, Sequence, Tuple
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, decide, inspect
+from rosoclingo.oclingo.gringo3.elements import Naming
+from rosoclingo.oclingo.gringo3.evidence import Sign
+from rosoclingo.oclingo.gringo3.faults import TranslationError
+from rosoclingo.oclingo.gringo3.file_translator import FileTranslator, Program
+from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+
+MARK = "% dialect: clingo 5"
+"""Comment put at the end of a translation that could be taken for gringo 3's language again."""
+
+
+@dataclass(frozen=True)
+class TranslationResult:
+    """A program in clingo 5's language, warnings about it, and the language that it was in."""
+
+    text: str
+    warnings: Tuple[str, ...] = ()
+    dialect: Dialect = Dialect.EITHER
+
+
+def translate(text: str, filename: str, undecided: Dialect = Dialect.CLINGO5) -> TranslationResult:
+    """Translate a program of a single file; see :func:`translate_program`."""
+    return translate_program([(filename, text)], undecided)[0]
+
+
+def translate_program(
+    files: Sequence[Tuple[str, str]], undecided: Dialect = Dialect.CLINGO5
+) -> Tuple[TranslationResult, ...]:
+    """Translate a program of several files, given as names and texts in the order in which they are loaded.
+
+    ``#domain``, ``#hide``, ``#show``, ``#const`` and the order of optimization statements reach from file to file, so the
+    files of a program belong into one call. Files in clingo 5's language come back as they are. ``undecided`` is the
+    language of files that read differently in both languages and hold nothing to tell which one is meant.
+
+    Raises :class:`TranslationError` with all faults of all files.
+    """
+    lexed = [tokens(text) for _, text in files]
+    inspected = [inspect(text, found) for (_, text), found in zip(files, lexed)]
+    dialects = decide(inspected, undecided)
+    naming = Naming(token.text for found in lexed for token in found if token.kind is Kind.VARIABLE)
+    program, translators = Program(naming), []
+    for (name, text), found, told, dialect in zip(files, lexed, inspected, dialects):
+        translators.append(FileTranslator(program, PurePath(name).name, text, found, told, dialect))
+    faults = _run(files, program, translators)
+    if faults:
+        raise TranslationError(faults)
+    return tuple(
+        TranslationResult(_marked(text, translator.text()), _warnings(name, told, dialect, translator), dialect)
+        for (name, text), told, dialect, translator in zip(files, inspected, dialects, translators)
+    )
+
+
+def _run(files: Sequence[Tuple[str, str]], program: Program, translators: Sequence[FileTranslator]) -> List[Fault]:
+    faults = []
+    for (name, _), translator in zip(files, translators):
+        faults += [refusal.fault(name) for refusal in translator.run()]
+    for statement, refusal in program.visibility.write():
+        place = next(i for i, translator in enumerate(translators) if translator.rewriting is statement.rewriting)
+        faults.append(refusal.fault(files[place][0]))
+    return faults
+
+
+def _marked(old: str, new: str) -> str:
+    """A translation, with the mark if it needs one to be known for what it is."""
+    if new == old or inspect(new, tokens(new)).decided in (Dialect.CLINGO5, Dialect.EITHER):
+        return new
+    return new + ("" if new.endswith("\n") else "\n") + MARK + "\n"
+
+
+def _warnings(name: str, told: FileDialect, dialect: Dialect, translator: FileTranslator) -> Tuple[str, ...]:
+    found = [f"{name}:{token.line}:{token.column}: {message}" for token, message in translator.warnings]
+    if told.decided is None:
+        found += _undecided(name, told, dialect)
+    return tuple(found)
+
+
+def _undecided(name: str, told: FileDialect, dialect: Dialect) -> List[str]:
+    conflicts = (f for statement in told.of(Dialect.CONFLICT) for f in statement.findings if f.sign is Sign.CONFLICT)
+    text = "{}:{}:{}: {} means one thing in gringo 3 and another in clingo 5; read as {} (say so by '% dialect: {}')"
+    return [
+        text.format(name, f.token.line, f.token.column, f.what, dialect.value, dialect.value)
+        for f in list(conflicts)[:1]
+    ]
