@@ -25,8 +25,8 @@ class Finding:
     what: str
 
 
-_ONLY_GRINGO3 = "#hide #domain #compute #avg #even #odd #mod #div #pow #abs := ;;".split()
-_ONLY_CLINGO5 = ":~ #heuristic #edge #project #theory #defined #inf #sup $".split()
+_ONLY_GRINGO3 = ("#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;")
+_ONLY_CLINGO5 = (":~", "#heuristic", "#edge", "#project", "#theory", "#defined", "#inf", "#sup", "$")
 _WORDS = {**dict.fromkeys(_ONLY_GRINGO3, Sign.GRINGO3), **dict.fromkeys(_ONLY_CLINGO5, Sign.CLINGO5)}
 _COMPARISONS = ("=", "==", "!=", "<", "<=", ">", ">=")
 _OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")

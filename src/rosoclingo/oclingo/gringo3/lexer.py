@@ -140,7 +140,7 @@ def _scan(text: str) -> Iterator[Tuple[str, int, int]]:
 
 
 def _end_of_comment(text: str, offset: int) -> int:
-    """The end of a block comment whose inside starts at the offset, or -1; a ``%`` inside hides the rest of its line."""
+    """The end of a block comment that began before the offset, or -1; a ``%`` inside hides the rest of its line."""
     depth = 1
     for mark in _COMMENT_MARKS.finditer(text, offset):
         if mark.group() == "%*":

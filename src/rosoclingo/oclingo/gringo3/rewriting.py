@@ -15,7 +15,7 @@ class Rewriting:
         self._insertions: Dict[int, str] = {}
 
     def replace(self, span: Span, new: str) -> None:
-        """Replace the tokens of a span by a text without newlines; a span around earlier replacements wins over them."""
+        """Replace the tokens of a span by a text without newlines; earlier edits inside the span are dropped."""
         first, after = span
         for inner in [index for index in self._edits if first <= index < after]:
             del self._edits[inner]

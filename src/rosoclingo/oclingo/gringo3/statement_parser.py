@@ -188,7 +188,7 @@ class StatementParser(TermParser):
         return self.token.text
 
     def elements(self, bracket: str, priorities: bool = False) -> Tuple[Tuple[Element, ...], Tuple[int, ...]]:
-        """The elements in braces or brackets and the indices of the commas between them; the cursor is at the opening one."""
+        """The elements from the opening brace or bracket to the closing one, and the indices of the commas."""
         closing = "}" if bracket == "{" else "]"
         self.step()
         found: List[Element] = []

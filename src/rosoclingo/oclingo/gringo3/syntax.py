@@ -28,8 +28,8 @@ class Variable:
 class Function:
     """``name(arguments)``, or a tuple or a term in parentheses if the name is empty.
 
-    ``lists`` holds one list of arguments, or several where the text separates them by ``;;``. ``comma`` tells of a comma
-    after the last argument, which makes a tuple of one.
+    ``lists`` holds one list of arguments, or several where the text separates them by ``;;``. ``comma`` tells of a
+    comma after the last argument, which makes a tuple of one.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Signed:
 
 @dataclass(frozen=True)
 class Operation:
-    """Terms joined by binary operators in today's spelling; precedences are the same in both languages, so no tree is needed."""
+    """Terms joined by binary operators in today's spelling; precedences are the same in both languages."""
 
     terms: Tuple["Term", ...]
     operators: Tuple[str, ...]
@@ -96,7 +96,7 @@ class Literal:
 
 @dataclass(frozen=True)
 class Element:
-    """A literal with conditions, as bodies, heads, aggregates and directives hold them; some give it a weight and a priority."""
+    """A literal with conditions, and in multisets and optimization statements with a weight and a priority."""
 
     span: Span
     literal: Literal
@@ -109,8 +109,8 @@ class Element:
 class Aggregate:
     """``lower function{elements} upper``; braces hold sets, brackets multisets of weighted literals.
 
-    ``assigned`` is the term in front of ``=`` or ``:=`` that takes the aggregate's value. ``inside`` is the span from the
-    opening to the closing bracket, ``start`` the token where the function's name or the opening bracket stands;
+    ``assigned`` is the term in front of ``=`` or ``:=`` that takes the aggregate's value. ``inside`` is the span from
+    the opening to the closing bracket, ``start`` the token where the function's name or the opening bracket stands;
     ``commas`` are the indices of the tokens between elements.
     """
 
@@ -151,7 +151,7 @@ Head = Union[Literal, Disjunction, Aggregate]
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule, a fact (``arrow`` is None) or a constraint (``head`` is None); ``dot`` and ``arrow`` are indices of tokens."""
+    """A rule, a fact (``arrow`` is None) or a constraint (``head`` is None); ``dot`` and ``arrow`` index tokens."""
 
     head: Optional[Head]
     arrow: Optional[int]

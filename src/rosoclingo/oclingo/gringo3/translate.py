@@ -39,8 +39,8 @@ def translate_program(
 ) -> Tuple[TranslationResult, ...]:
     """Translate a program of several files, given as names and texts in the order in which they are loaded.
 
-    ``#domain``, ``#hide``, ``#show``, ``#const`` and the order of optimization statements reach from file to file, so the
-    files of a program belong into one call. Files in clingo 5's language come back as they are. ``undecided`` is the
+    ``#domain``, ``#hide``, ``#show``, ``#const`` and the order of optimization statements reach from file to file, so
+    the files of a program belong into one call. Files in clingo 5's language come back as they are. ``undecided`` is the
     language of files that read differently in both languages and hold nothing to tell which one is meant.
 
     Raises :class:`TranslationError` with all faults of all files.

@@ -5,7 +5,7 @@ the statements mean therefore depends on all files together, so they are collect
 """
 
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Sequence, Set
+from typing import Dict, List, Optional, Sequence, Set, Tuple
 
 from rosoclingo.oclingo.gringo3.directive_parser import Display, Signature, signature_of
 from rosoclingo.oclingo.gringo3.elements import ElementTranslator
@@ -55,7 +55,7 @@ class Visibility:
         if not display.signatures and display.element is None:
             self._hides_all = not display.shows
 
-    def write(self) -> List["Tuple[Statement, RefusalError]"]:
+    def write(self) -> List[Tuple[Statement, RefusalError]]:
         """Edit the files; the statements that could not be written, with the reasons."""
         refused = []
         for statement in self._statements:
