@@ -3,6 +3,7 @@
 from typing import Callable, Dict, List, Sequence, Set, Tuple
 
 from rosoclingo.oclingo.gringo3.clingo5 import head_signatures
+from rosoclingo.oclingo.gringo3.constants import Constants
 from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, StatementDialect
 from rosoclingo.oclingo.gringo3.directive_parser import DirectiveParser, Display, Signature, TermDirective, signature_of
 from rosoclingo.oclingo.gringo3.elements import ElementTranslator, Naming, show_element
@@ -24,7 +25,7 @@ class Program:
         self.visibility = Visibility()
         self.domains: List[Tuple[str, List[str]]] = []
         self.levels = 0
-        self.constants: Dict[str, Tuple[str, int]] = {}
+        self.constants = Constants()
         self.seen_variables: Set[str] = set()
 
 
@@ -40,7 +41,7 @@ class FileTranslator:
         self._elements = ElementTranslator(tokens, program.naming)
         self._rules = RuleTranslator(tokens, self.rewriting, program.naming)
         self._optimization = OptimizationTranslator(tokens, self.rewriting, program.naming, name)
-        self._text = text
+        self._text, self._name = text, name
         self._step = ""
 
     def text(self) -> str:
@@ -72,6 +73,8 @@ class FileTranslator:
             self._directives()[tokens[0].text](statement, parser)
         else:
             self._rule(statement, parser)
+        if tokens[0].text != "#const":
+            self._program.constants.note(self._name, tokens)
         self._program.seen_variables.update(token.text for token in tokens if token.kind is Kind.VARIABLE)
 
     def _leave(self, statement: StatementDialect, tokens: Sequence[Token]) -> None:
@@ -125,6 +128,7 @@ class FileTranslator:
         directive = parser.term_directive(True, "=")
         if directive.term is None:
             raise RefusalError(self._tokens[statement.first], "#const needs a value", "write '#const name = value.'")
+        self._program.constants.define(self._tokens[statement.first], directive.identifier)
         self._terms(directive)
 
     def _include(self, statement: StatementDialect, parser: DirectiveParser) -> None:

@@ -25,8 +25,9 @@ class OptimizationTranslator:
         self._elements = ElementTranslator(tokens, naming)
 
     def optimize(self, parsed: Elements, level: int, step: str, domains: Domains) -> None:
-        """Translate in place; ``level`` is the number of optimization statements before this one, ``step`` the parameter
-        of the program's part, if it has one.
+        """Translate in place.
+
+        ``level`` is the number of optimization statements before this one, ``step`` the parameter of the program's part.
         """
         first, after = parsed.inside
         self._rewriting.replace((first, first + 1), "{")

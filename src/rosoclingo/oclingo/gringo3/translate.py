@@ -40,8 +40,8 @@ def translate_program(
     """Translate a program of several files, given as names and texts in the order in which they are loaded.
 
     ``#domain``, ``#hide``, ``#show``, ``#const`` and the order of optimization statements reach from file to file, so
-    the files of a program belong into one call. Files in clingo 5's language come back as they are. ``undecided`` is the
-    language of files that read differently in both languages and hold nothing to tell which one is meant.
+    the files of a program belong into one call. Files in clingo 5's language come back as they are. ``undecided`` is
+    the language of files that read differently in both languages and hold nothing to tell which one is meant.
 
     Raises :class:`TranslationError` with all faults of all files.
     """
@@ -59,6 +59,18 @@ def translate_program(
         TranslationResult(_marked(text, translator.text()), _warnings(name, told, dialect, translator), dialect)
         for (name, text), told, dialect, translator in zip(files, inspected, dialects, translators)
     )
+
+
+def included_files(text: str) -> List[Tuple[str, int]]:
+    """The files that ``#include`` statements name, each with its line, in either language.
+
+    A program's files have to be translated together, so whoever loads them needs to know before the translation.
+    """
+    found = tokens(text)
+    pairs = zip(found, found[1:])
+    return [
+        (name.text[1:-1], name.line) for word, name in pairs if word.text == "#include" and name.kind is Kind.STRING
+    ]
 
 
 def _run(files: Sequence[Tuple[str, str]], program: Program, translators: Sequence[FileTranslator]) -> List[Fault]:

@@ -1,0 +1,56 @@
+"""The command ``gringo3to5``: reads files, prints or writes their translations."""
+
+import sys
+from pathlib import Path
+from typing import List, Optional, Sequence, Tuple
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.gringo3.dialect import Dialect
+from rosoclingo.oclingo.gringo3.faults import TranslationError
+from rosoclingo.oclingo.gringo3.translate import TranslationResult, translate_program
+
+
+def main(names: Sequence[str], folder: Optional[str]) -> int:
+    """Translate the files of a program; ``-`` is standard input.
+
+    What reads differently in both languages is taken for gringo 3's, since that is what the command is asked for. The
+    translations are printed one after the other, or written under the files' names into a folder; warnings and errors go
+    to standard error. Returns the exit code.
+    """
+    try:
+        sources = [(name, _read(name)) for name in names]
+        results = translate_program(sources, Dialect.GRINGO3)
+    except (TranslationError, _UnreadableError) as error:
+        sys.stderr.write(f"{error}\n")
+        return 1
+    sys.stderr.writelines(f"warning: {warning}\n" for result in results for warning in result.warnings)
+    return _write(list(zip(names, results)), folder)
+
+
+class _UnreadableError(Exception):
+    """A file cannot be read."""
+
+
+def _read(name: str) -> str:
+    try:
+        data = sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
+        return data.decode("utf-8")
+    except OSError as error:
+        raise _UnreadableError(str(Fault(name, 0, 0, f"cannot be read: {error.strerror}"))) from None
+    except UnicodeDecodeError as error:
+        message = f"no UTF-8 text: {error.reason} at byte {error.start}"
+        raise _UnreadableError(str(Fault(name, 0, 0, message, "save the file as UTF-8"))) from None
+
+
+def _write(results: List[Tuple[str, TranslationResult]], folder: Optional[str]) -> int:
+    for name, result in results:
+        if folder is None:
+            sys.stdout.write(result.text if result.text.endswith("\n") or not result.text else result.text + "\n")
+            continue
+        path = Path(folder) / ("standard_input.lp" if name == "-" else Path(name).name)
+        try:
+            path.write_text(result.text, encoding="utf-8")
+        except OSError as error:
+            sys.stderr.write("{}\n".format(Fault(str(path), 0, 0, f"cannot be written: {error.strerror}")))
+            return 1
+    return 0
