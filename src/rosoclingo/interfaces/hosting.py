@@ -27,12 +27,12 @@ class InterfacesNode:
         ~frame (string, "map"): tf frame of labels that name none.
         ~server, ~timeout, ~server_timeout, ~retries: in place of the entry's own, if the node runs a single interface.
     Topics and actions: those of Interface, for each.
-    Raises ConfigError or LabelError, listing every fault, if a parameter cannot be used.
+    Raises ConfigError, listing every fault, if a parameter cannot be used.
 
     """
 
     def __init__(self, names: Sequence[str] = ()) -> None:
-        labels = LabelTable.from_mapping(rospy.get_param("~labels", {}), rospy.get_param("~frame", DEFAULT_FRAME))
+        labels = _labels()
         specs = _override(_choose(read_specs(_entries()), rospy.get_param("~names", list(names))))
         self._worker = Worker()
         self.interfaces = tuple(ConfiguredInterface(spec, labels, worker=self._worker) for spec in specs)
@@ -45,11 +45,18 @@ def run(node_name: str, names: Sequence[str] = ()) -> int:
     rospy.init_node(node_name)
     try:
         InterfacesNode(names)
-    except (ConfigError, LabelError) as error:
+    except ConfigError as error:
         rospy.logfatal("%s: %s", rospy.get_name(), error)
         return 1
     rospy.spin()
     return 0
+
+
+def _labels() -> LabelTable:
+    try:
+        return LabelTable.from_mapping(rospy.get_param("~labels", {}), rospy.get_param("~frame", DEFAULT_FRAME))
+    except LabelError as error:
+        raise ConfigError(f"~labels: {error}") from error
 
 
 def _entries() -> Any:

@@ -74,7 +74,7 @@ class OfficeNode:
     Parameters
     ----------
         ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
-        ~packages (mapping, {}): where each package lies at the start, `{1: office3}`.
+        ~packages (mapping, {}): which packages lie where at the start, `{office3: [1, 2]}`.
         ~appear (bool, false): a package never heard of is found where the robot first tries to pick it up.
         ~capacity (int, 3): how many packages the robot can carry.
         ~duration (float, 3.0): seconds of ROS time that the arm takes.
@@ -104,7 +104,7 @@ class OfficeNode:
         self._duration = not_negative("~duration", 3.0)
         self._tolerance = not_negative("~tolerance", 0.5)
         self._jobs: Deque[_Job] = deque()
-        self._worker = Worker(settle=self._tick, idle=self._tick, period=0.02)
+        self._worker = Worker(settle=self._tick, period=0.02)
         self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
         self._publish()
         self._worker.start()

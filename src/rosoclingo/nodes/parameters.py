@@ -4,6 +4,15 @@ from typing import Any
 
 import rospy
 
+_WORDS = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    str: "a text",
+    dict: "a mapping",
+    list: "a list",
+}
+
 
 class ParameterError(ValueError):
     """A parameter that the node cannot work with; the message names it and says what it has to be."""
@@ -17,7 +26,7 @@ def parameter(name: str, kind: type, default: Any = None) -> Any:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be a {kind.__name__}, not {value!r}")
+        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be {_WORDS[kind]}, not {value!r}")
     return value
 
 

@@ -64,12 +64,17 @@ class PackageOffice:
         capacity: int = DEFAULT_CAPACITY,
         appear: bool = False,
     ) -> "PackageOffice":
-        """An office with `{package: label}`, as config/office_packages.yaml holds it; raises PackageError."""
+        """An office with `{label: [package, ...]}`, as config/office_packages.yaml holds it; raises PackageError."""
         if not isinstance(packages, Mapping):
-            raise PackageError(f"packages must be a mapping of packages to labels, not {packages!r}")
+            raise PackageError(f"packages must be a mapping of labels to lists of packages, not {packages!r}")
         office = cls(labels, capacity, appear)
-        for package, location in packages.items():
-            office.put(str(package), str(location))
+        for location, there in packages.items():
+            if not isinstance(there, (list, tuple)):
+                raise PackageError(f"packages at {location} must be a list, not {there!r}")
+            for package in there:
+                if str(package) in office._locations:
+                    raise PackageError(f"package {package} is listed twice")
+                office.put(str(package), str(location))
         return office
 
     @property

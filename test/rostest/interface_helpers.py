@@ -1,0 +1,97 @@
+"""What the tests of the interface layer share: the core's side of the two topics, and actionlib servers at hand."""
+
+import os
+import queue
+import signal
+import subprocess
+import time
+
+import rospy
+from actionlib.action_server import ActionServer
+from rosoclingo.msg import InterfaceIO
+
+PATIENCE = 30.0  # seconds of wall time; long, so that no test depends on the machine's speed
+
+
+def wait_until(condition, what):
+    """Wait for a condition in wall time, as simulated time may stand still."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"timed out: {what}"
+        time.sleep(0.01)
+
+
+class CoreSide:
+    """Sends commands as the core does and collects what comes back."""
+
+    def __init__(self):
+        self._messages = queue.Queue()
+        self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, queue_size=100)
+        self._subscriber = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._messages.put)
+
+    def wait_for(self, count=1):
+        """Wait until so many interfaces listen and are heard."""
+        wait_until(lambda: self._publisher.get_num_connections() >= count, "interfaces that listen")
+        wait_until(lambda: self._subscriber.get_num_connections() >= count, "interfaces that are heard")
+
+    def send(self, interface, *facts):
+        self._publisher.publish(InterfaceIO(interface=interface, facts=list(facts)))
+
+    def receive(self):
+        """The facts of the next message."""
+        return self._messages.get(timeout=PATIENCE).facts
+
+    def silent(self):
+        return self._messages.empty()
+
+    def run(self, interface, *facts):
+        """Send one message and wait for the facts that answer it."""
+        self.send(interface, *facts)
+        return self.receive()
+
+
+class Server:
+    """A real actionlib server that does what the test says."""
+
+    def __init__(self, name, action):
+        self._goals = queue.Queue()
+        self._cancels = queue.Queue()
+        self._server = ActionServer(name, action, self._goals.put, self._cancels.put, auto_start=False)
+        self._server.start()
+
+    def take(self):
+        """The next goal's handle."""
+        return self._goals.get(timeout=PATIENCE)
+
+    def accept(self):
+        """The next goal's handle, accepted."""
+        handle = self.take()
+        handle.set_accepted()
+        return handle
+
+    def cancelled(self):
+        """The handle of the next goal that a client cancels."""
+        return self._cancels.get(timeout=PATIENCE)
+
+
+class Process:
+    """A node in a process of its own, ended with the test."""
+
+    def __init__(self, *command):
+        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+    def signal(self, number):
+        os.killpg(self._process.pid, number)
+
+    def wait(self):
+        """Exit code and what was written to standard error."""
+        error = self._process.communicate(timeout=PATIENCE)[1]
+        return self._process.returncode, error
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self._process.poll() is None:
+            self.signal(signal.SIGKILL)
+        self._process.communicate()

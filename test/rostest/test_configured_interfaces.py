@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""Interfaces by configuration: goals filled, ends answered, time-outs, retries, servers that are absent or die."""
+
+import signal
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib.msg import TestAction, TestActionGoal, TestActionResult, TestRequestAction, TestRequestResult
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from interface_helpers import CoreSide, Process, Server, wait_until
+
+from rosoclingo.interfaces.config import ConfigError
+from rosoclingo.interfaces.hosting import InterfacesNode
+
+MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
+
+
+def arm(**settings):
+    return {"interfaces": {"arm": {"type": "actionlib/TestAction", **settings}}}
+
+
+class ConfiguredInterfaces(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_side")
+        cls.core = CoreSide()
+        cls.oracle = Server("oracle", TestRequestAction)
+        cls.count = Server("count", TestAction)
+        cls.hasty = Server("hasty", TestAction)
+        cls.core.wait_for()
+
+    def tearDown(self):
+        self.assertTrue(self.core.silent(), "exactly one message answers an action")
+
+    def test_goal_fields_and_answer(self):
+        self.core.send("ask", '_action_lib(ask,q(42,"some words",true,"1.5"),2)')
+        handle = self.oracle.accept()
+        goal = handle.get_goal()
+        self.assertEqual((goal.the_result, goal.result_text, goal.ignore_cancel), (42, "some words!", True))
+        self.assertEqual(goal.delay_terminate, rospy.Duration(1.5))
+        handle.set_succeeded(TestRequestResult(the_result=43), "seen(cup)")
+        self.assertEqual(self.core.receive(), ["said(42,2)", "seen(cup)", "_return(ask,answer(43),2)"])
+
+    def test_rules_by_result_and_text(self):
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_aborted(TestRequestResult(the_result=7), "No Term")
+        self.assertEqual(self.core.receive(), ['_return(ask,"No Term",2)'])
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_aborted(TestRequestResult(the_result=8), "No Term")
+        self.assertEqual(self.core.receive(), ["_return(ask,failed,2)"])
+
+    def test_a_fact_that_is_no_atom_is_left_out(self):
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_succeeded(TestRequestResult(the_result=1), "No Atom")
+        self.assertEqual(self.core.receive(), ["said(1,2)", "_return(ask,answer(1),2)"])
+
+    def test_parameters_that_do_not_fit(self):
+        for parameter in ("q(1,a,false)", "q(much,a,false,0)", "q(1,a,perhaps,0)", "alone"):
+            self.assertEqual(
+                self.core.run("ask", f"_action_lib(ask,{parameter},2)"), ["_return(ask,bad_parameter,2)"], parameter
+            )
+
+    def test_a_failed_goal_is_sent_again(self):
+        self.core.send("count", "_action_lib(count,5,1)")
+        self.count.accept().set_aborted()
+        self.count.accept().set_aborted()
+        self.count.accept().set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(count,5,1)"])
+
+    def test_retries_come_to_an_end(self):
+        self.core.send("count", "_action_lib(count,5,1)")
+        for _ in range(3):
+            self.count.accept().set_aborted()
+        self.assertEqual(self.core.receive(), ["_return(count,failed,1)"])
+
+    def test_other_reasons_are_not_tried_again(self):
+        self.core.send("count", "_action_lib(count,5,1)")
+        self.count.take().set_rejected()
+        self.assertEqual(self.core.receive(), ["_return(count,rejected,1)"])
+
+    def test_time_out(self):
+        self.core.send("hasty", "_action_lib(hasty,a,1)")
+        self.hasty.accept()
+        self.hasty.cancelled().set_canceled()
+        self.assertEqual(self.core.receive(), ["_return(hasty,timeout,1)"])
+
+    def test_time_out_of_a_server_that_does_not_heed_the_cancellation(self):
+        self.core.send("hasty", "_action_lib(hasty,a,2)")
+        handle = self.hasty.accept()
+        self.hasty.cancelled()
+        self.assertEqual(self.core.receive(), ["_return(hasty,timeout,2)"])
+        handle.set_succeeded()  # too late: it must not be heard
+        self.assertEqual(self.core.run("absent", "_action_lib(absent,a,3)"), ["_return(absent,server_lost,3)"])
+
+    def test_a_server_that_is_absent(self):
+        self.assertEqual(self.core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
+        self.core.send("absent", "_action_lib(absent,a,2)", "_cancel(absent,a,2)")
+        self.assertEqual(self.core.receive(), ["_return(absent,preempted,2)"])
+
+    def test_a_server_that_never_acknowledges(self):
+        topics = [
+            rospy.Publisher("mute/status", GoalStatusArray, queue_size=1),
+            rospy.Publisher("mute/result", TestActionResult, queue_size=1),
+            rospy.Subscriber("mute/goal", TestActionGoal, lambda _: None),
+            rospy.Subscriber("mute/cancel", GoalID, lambda _: None),
+        ]
+        wait_until(lambda: all(topic.get_num_connections() for topic in topics), "the interface to connect")
+        self.assertEqual(self.core.run("mute", "_action_lib(mute,a,1)"), ["_return(mute,server_lost,1)"])
+
+    def test_a_server_that_dies_and_comes_back(self):
+        for end in (signal.SIGKILL, signal.SIGINT):
+            with Process(sys.executable, MORTAL) as server:
+                self.core.send("mortal", "_action_lib(mortal,a,1)")
+                statuses = rospy.Subscriber("mortal/status", GoalStatusArray, self._note)
+                self.statuses = []
+                wait_until(lambda: 1 in self.statuses, "the goal to be active")
+                server.signal(end)
+                self.assertEqual(self.core.receive(), ["_return(mortal,server_lost,1)"])
+                statuses.unregister()
+
+    def _note(self, message):
+        self.statuses.extend(status.status for status in message.status_list)
+
+
+class InterfaceNode(unittest.TestCase):
+    """The node as a process: its parameters, and its end."""
+
+    def test_parameters_that_cannot_be_used(self):
+        for fault, parameters in (
+            (
+                "arm.type: no action nowhere/NoAction on the Python path",
+                {"interfaces": {"arm": {"type": "nowhere/NoAction"}}},
+            ),
+            ("arm.goal.gaol: actionlib/TestGoal has no such field; it has goal", arm(goal={"gaol": 1})),
+            ("arm.returns[0]: actionlib/TestResult has no field x; it has result", arm(returns=[{"when": {"x": 1}}])),
+            ("arm.returns[0]: actionlib/TestResult has no field y", arm(returns=[{"return": "$result.y"}])),
+            ("~names: no entry leg in ~interfaces", {"names": ["leg"]}),
+            ("~names must be a list", {"names": "pickup"}),
+            ("~labels: label a: expected", {"labels": {"a": 3}}),
+            ("~.timeout: must be a number from 0 on", {"names": ["pickup"], "timeout": -1}),
+            ("need a node with a single interface", {"timeout": 3}),
+            ("~server must be the name", {"names": ["pickup"], "server": 3}),
+        ):
+            for name, value in parameters.items():
+                rospy.set_param("~" + name, value)
+            with self.assertRaises(ConfigError) as caught:
+                InterfacesNode()
+            self.assertIn(fault, str(caught.exception))
+            for name in parameters:
+                rospy.delete_param("~" + name)
+
+    def test_the_exit_code_tells(self):
+        with Process("rosrun", "rosoclingo", "interface", "__name:=broken", "_names:=[leg]") as node:
+            code, error = node.wait()
+        self.assertEqual(code, 1)
+        self.assertIn("no entry leg", error)
+
+    def test_an_interface_that_ends_says_so(self):
+        core = CoreSide()
+        server = Server("elsewhere", TestAction)
+        entry = "_interfaces:={arm: {type: actionlib/TestAction, goal: {goal: $parameter}}}"
+        with Process(
+            "rosrun", "rosoclingo", "interface", "__name:=mortal_interface", entry, "_server:=elsewhere"
+        ) as node:
+            core.wait_for(2)
+            core.send("arm", "_action_lib(arm,3,1)")
+            server.accept()
+            node.signal(signal.SIGINT)
+            self.assertEqual(core.receive(), ["_return(arm,interface_lost,1)"])
+            server.cancelled()
+            self.assertEqual(node.wait()[0], 0)
+
+
+class Suite(unittest.TestSuite):
+    def __init__(self):
+        super().__init__()
+        for case in (ConfiguredInterfaces, InterfaceNode):
+            self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "configured_interfaces", "test_configured_interfaces.Suite", sys.argv)
