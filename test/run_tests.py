@@ -23,7 +23,7 @@ LINTERS: Dict[str, List[str]] = {
     "ruff check": ["ruff", "check", "--quiet", "--output-format=concise", "."],
     "ruff format": ["ruff", "format", "--quiet", "--check", "--diff", "."],
     "mypy": ["mypy"],
-    "vermin": ["vermin", "--quiet", "--violations", "--no-tips", "--target=3.8-", "--eval-annotations"],
+    "vermin": ["vermin", "--quiet", "--violations", "--no-tips", "--target=3.8-"],
     "catkin_lint": ["catkin_lint", "-W2", "--strict", "--offline", "--quiet"],  # with the folder of the package
     "shellcheck": ["shellcheck", "dev", ".ci/run"],
 }
