@@ -1,1 +1,43 @@
-"""Occupancy grids, path planning, path following and recovery (pure)."""
+"""Occupancy grids, costmaps, path planning, path following and recovery (pure)."""
+
+from rosoclingo.navigation.costmap import Costmap, CostmapLimits
+from rosoclingo.navigation.follower import Command, FollowerLimits, FollowOutcome, LocalPlanner, RolloutFollower, Velocity
+from rosoclingo.navigation.geometry import Pose2D, normalize_angle, quaternion_to_yaw, yaw_to_quaternion
+from rosoclingo.navigation.grid import MapError, OccupancyGrid, load_map
+from rosoclingo.navigation.navigator import NavigationError, Navigator, NavigatorLimits, Outcome, Result, State, Tick
+from rosoclingo.navigation.planner import GlobalPlanner, GridPlanner, GridPlannerLimits, Plan, PlanOutcome
+from rosoclingo.navigation.recovery import ClearCostmap, RecoveryBehavior, RotateRecovery, default_recoveries
+
+__all__ = [
+    "ClearCostmap",
+    "Command",
+    "Costmap",
+    "CostmapLimits",
+    "FollowOutcome",
+    "FollowerLimits",
+    "GlobalPlanner",
+    "GridPlanner",
+    "GridPlannerLimits",
+    "LocalPlanner",
+    "MapError",
+    "NavigationError",
+    "Navigator",
+    "NavigatorLimits",
+    "OccupancyGrid",
+    "Outcome",
+    "Plan",
+    "PlanOutcome",
+    "Pose2D",
+    "RecoveryBehavior",
+    "Result",
+    "RolloutFollower",
+    "RotateRecovery",
+    "State",
+    "Tick",
+    "Velocity",
+    "default_recoveries",
+    "load_map",
+    "normalize_angle",
+    "quaternion_to_yaw",
+    "yaw_to_quaternion",
+]

@@ -1,1 +1,31 @@
-"""The two-dimensional world: robots, sensors, doors, packages (pure)."""
+"""The two-dimensional world: robots, sensors, doors, obstacles, packages (pure)."""
+
+from rosoclingo.simulation.robot import Laser, Robot
+from rosoclingo.simulation.simulation import Collision, Simulation
+from rosoclingo.simulation.spec import (
+    Box,
+    DoorSpec,
+    LaserSpec,
+    ObstacleSpec,
+    PackageSpec,
+    RobotSpec,
+    WorldError,
+    WorldSpec,
+    load_world,
+)
+
+__all__ = [
+    "Box",
+    "Collision",
+    "DoorSpec",
+    "Laser",
+    "LaserSpec",
+    "ObstacleSpec",
+    "PackageSpec",
+    "Robot",
+    "RobotSpec",
+    "Simulation",
+    "WorldError",
+    "WorldSpec",
+    "load_world",
+]

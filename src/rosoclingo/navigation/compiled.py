@@ -1,0 +1,161 @@
+"""Loops over grid cells that numba compiles: clearance, ray casting, clearing by rays.
+
+All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (metres - origin) / resolution; cell
+(row, column) is the square [column, column + 1] x [row, row + 1].
+"""
+
+import math
+
+import numba
+import numpy as np
+
+__all__ = ["cast_rays", "clear_along_rays", "jit", "segment_is_clear", "update_clearance"]
+
+jit = numba.njit(cache=True, nogil=True)
+
+
+@jit
+def update_clearance(occupied, reach, row0, row1, column0, column1, out):
+    """Write into ``out[row0:row1, column0:column1]`` each cell centre's distance to the nearest occupied square.
+
+    ``occupied``: uint8 (H, W), non-zero is occupied; ``reach``: distances are cut off there; ``out``: float32
+    (H, W). Exact up to ``reach``; an occupied cell has -0.5.
+    """
+    height, width = occupied.shape
+    span = int(math.ceil(reach)) + 1
+    top = max(0, row0 - span)
+    rows = min(height, row1 + span) - top
+    columns = column1 - column0
+    gaps = np.full((rows, columns), reach * reach, dtype=np.float32)
+    for r in range(rows):
+        _row_gaps(occupied[top + r], reach, span, column0, column1, gaps[r])
+    for r in range(row0, row1):
+        for c in range(columns):
+            if occupied[r, column0 + c]:
+                out[r, column0 + c] = -0.5
+                continue
+            best = gaps[r - top, c]
+            for d in range(1, span + 1):
+                down = (d - 0.5) * (d - 0.5)
+                if down >= best:
+                    break
+                if r - d >= top:
+                    best = min(best, gaps[r - d - top, c] + down)
+                if r + d < top + rows:
+                    best = min(best, gaps[r + d - top, c] + down)
+            out[r, column0 + c] = math.sqrt(best)
+
+
+@jit
+def _row_gaps(row, reach, span, column0, column1, out):
+    """Write the squared gaps, within one row, between cell centres and the nearest occupied cell's edge."""
+    width = row.shape[0]
+    limit = reach * reach
+    last = -1000000
+    for c in range(max(0, column0 - span), column1):
+        if row[c]:
+            last = c
+        if c >= column0:
+            gap = max(c - last - 0.5, 0.0)
+            out[c - column0] = min(limit, gap * gap)
+    last = 1000000
+    for c in range(min(width, column1 + span) - 1, column0 - 1, -1):
+        if row[c]:
+            last = c
+        if c < column1:
+            gap = max(last - c - 0.5, 0.0)
+            out[c - column0] = min(out[c - column0], np.float32(gap * gap))
+
+
+@jit
+def cast_rays(occupied, x, y, angles, reach, out):
+    """Write into ``out`` (float64, n) how far each ray from (x, y) runs before it enters an occupied cell.
+
+    ``angles`` in rad; a ray that meets nothing, or leaves the grid for good, has ``reach``; one that starts in an
+    occupied cell has 0. Walks every cell that the ray crosses (Amanatides and Woo 1987), so the ranges are exact.
+    """
+    height, width = occupied.shape
+    for i in range(angles.shape[0]):
+        dx, dy = math.cos(angles[i]), math.sin(angles[i])
+        column, row = int(math.floor(x)), int(math.floor(y))
+        step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+        per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
+        per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
+        next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
+        next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
+        at = 0.0
+        while at < reach:
+            if 0 <= row < height and 0 <= column < width:
+                if occupied[row, column]:
+                    break
+            elif _leaves(column, step_c, width) or _leaves(row, step_r, height):
+                at = reach
+                break
+            if next_c < next_r:
+                at, next_c, column = next_c, next_c + per_c, column + step_c
+            else:
+                at, next_r, row = next_r, next_r + per_r, row + step_r
+        out[i] = min(at, reach)
+
+
+@jit
+def _leaves(index, step, size):
+    """Tell whether a walk at ``index`` with this ``step`` is outside of 0 .. size - 1 and will not come back."""
+    return (index < 0 and step < 0) or (index >= size and step > 0)
+
+
+@jit
+def clear_along_rays(marks, x, y, angles, lengths):
+    """Set to 0 the cells of ``marks`` (uint8 H, W) that rays from (x, y) cross before their ``lengths`` end.
+
+    The cell in which a ray ends keeps its mark. Returns (row0, row1, column0, column1), the half-open window of the
+    cells changed, empty (0, 0, 0, 0) where none was.
+    """
+    height, width = marks.shape
+    low_r, high_r, low_c, high_c = height, -1, width, -1
+    for i in range(angles.shape[0]):
+        dx, dy = math.cos(angles[i]), math.sin(angles[i])
+        column, row = int(math.floor(x)), int(math.floor(y))
+        last_c, last_r = int(math.floor(x + dx * lengths[i])), int(math.floor(y + dy * lengths[i]))
+        step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+        per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
+        per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
+        next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
+        next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
+        for _ in range(abs(last_c - column) + abs(last_r - row)):
+            if 0 <= row < height and 0 <= column < width and marks[row, column]:
+                marks[row, column] = 0
+                low_r, high_r = min(low_r, row), max(high_r, row)
+                low_c, high_c = min(low_c, column), max(high_c, column)
+            if next_c < next_r:
+                next_c, column = next_c + per_c, column + step_c
+            else:
+                next_r, row = next_r + per_r, row + step_r
+    if high_r < 0:
+        return 0, 0, 0, 0
+    return low_r, high_r + 1, low_c, high_c + 1
+
+
+@jit
+def segment_is_clear(clearance, x0, y0, x1, y1, least):
+    """Tell whether each point of a segment (in cells) certainly is ``least`` or more away from what is occupied.
+
+    ``clearance`` is a field as :func:`update_clearance` writes it. Distance changes by no more than one walks, so a
+    point is at least as clear as the nearest centre less the way there; that makes the answer safe, never exact.
+    """
+    height, width = clearance.shape
+    length = math.hypot(x1 - x0, y1 - y0)
+    done = 0.0
+    while True:
+        part = done / length if length > 0.0 else 0.0
+        x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
+        column, row = int(math.floor(x)), int(math.floor(y))
+        if not (0 <= row < height and 0 <= column < width):
+            return False
+        spare = clearance[row, column] - math.hypot(x - column - 0.5, y - row - 0.5) - least
+        if spare < 0.0:
+            return False
+        if done >= length:
+            return True
+        # No point nearer than what is spared can be closer than `least`; a small step covers grazing lines.
+        done = min(length, done + max(spare, 0.1))

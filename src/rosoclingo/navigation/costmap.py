@@ -1,0 +1,175 @@
+"""What is known to be in the way: the static map, and what the laser saw that the map lacks."""
+
+import math
+from typing import NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from rosoclingo.navigation.compiled import clear_along_rays, update_clearance
+from rosoclingo.navigation.geometry import Pose2D
+from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
+
+__all__ = ["Costmap", "CostmapLimits", "Window"]
+
+Window = Tuple[int, int, int, int]
+EMPTY: Window = (0, 0, 0, 0)
+STATIC, MARKED = 1, 2
+
+
+class CostmapLimits(NamedTuple):
+    """How the costmap reads map and laser; lengths in m. Names and meanings as in costmap_2d.
+
+    ``static_tolerance`` is this costmap's own: a hit that near to something on the map is that thing, not a new one,
+    so that noise does not make walls thicker and doors narrower.
+    """
+
+    robot_radius: float = 0.18
+    inflation_radius: float = 0.55
+    cost_scaling_factor: float = 10.0
+    obstacle_range: float = 5.0
+    raytrace_range: float = 6.0
+    static_tolerance: float = 0.1
+    lethal_threshold: int = OCCUPIED
+    allow_unknown: bool = False
+
+
+class Costmap:
+    """A grid with a clearance field: for each cell the distance to the nearest obstacle, cut off at ``reach``.
+
+    ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`),
+    -1 where nothing may go: unknown cells, unless allowed. ``static_clearance`` is the same for the map alone.
+    """
+
+    def __init__(self, grid: OccupancyGrid, limits: Optional[CostmapLimits] = None) -> None:
+        self.grid = grid
+        self.limits = limits or CostmapLimits()
+        self.resolution = grid.resolution
+        self.reach = (max(self.limits.inflation_radius, self.limits.robot_radius) + 0.1) / grid.resolution + 2.0
+        static = grid.occupied(self.limits.lethal_threshold)
+        self._closed = (grid.cells < 0) & (not self.limits.allow_unknown)
+        self._occupied = static.copy()
+        self._marks = np.zeros(grid.shape, dtype=np.uint8)
+        self._marked = 0
+        self._static = static
+        self.clearance = np.empty(grid.shape, dtype=np.float32)
+        self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
+        self.static_clearance = self.clearance.copy()
+
+    @property
+    def has_marks(self) -> bool:
+        """Whether the laser has put anything on the costmap that is still there."""
+        return self._marked > 0
+
+    @property
+    def occupied(self) -> np.ndarray:
+        """The cells (uint8, non-zero) that the map or the laser says are occupied."""
+        return self._occupied
+
+    @property
+    def marks(self) -> np.ndarray:
+        """The cells (uint8, non-zero) that the laser marked."""
+        return self._marks
+
+    def to_cells(self, x: float, y: float) -> Tuple[float, float]:
+        """Return a point (m) in cells, as the compiled functions take it."""
+        return (x - self.grid.origin_x) / self.resolution, (y - self.grid.origin_y) / self.resolution
+
+    def clearance_at(self, x: float, y: float) -> float:
+        """Return the distance (m) from a point's cell to what is nearest, negative inside of it, -inf off the map."""
+        row, column = self.grid.cell(x, y)
+        if not (0 <= row < self.grid.shape[0] and 0 <= column < self.grid.shape[1]):
+            return -math.inf
+        return float(self.clearance[row, column]) * self.resolution
+
+    def observe(self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, range_max: float) -> bool:
+        """Mark what a scan hit and clear what it looked through; tell whether anything changed.
+
+        ``sensor`` is the laser's pose in the map's frame, ``angles`` (rad, float64) are relative to it, ``ranges``
+        in m. A range of ``range_max`` or more, or infinity, hit nothing; NaN and negative ones are left out.
+        """
+        good = ~np.isnan(ranges) & (ranges >= 0.0)
+        turned = np.asarray(angles[good] + sensor.yaw, dtype=np.float64)
+        far = np.asarray(ranges[good], dtype=np.float64)
+        x, y = self.to_cells(sensor.x, sensor.y)
+        window = EMPTY
+        if self._marked:
+            lengths = np.minimum(far, min(self.limits.raytrace_range, range_max)) / self.resolution
+            window = clear_along_rays(self._marks, x, y, turned, lengths)
+        hits = far < min(self.limits.obstacle_range, range_max - 1e-3)
+        steps = far[hits] / self.resolution + 1e-3
+        window = _joined(window, self._mark(x + steps * np.cos(turned[hits]), y + steps * np.sin(turned[hits])))
+        return self._changed(window)
+
+    def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
+        """Drop what the laser marked further than ``beyond`` m (in x or y) from a point; tell whether any was."""
+        if not self._marked:
+            return False
+        row, column = self.grid.cell(x, y)
+        span = int(round(beyond / self.resolution))
+        kept = np.zeros_like(self._marks)
+        near = (slice(max(0, row - span), max(0, row + span)), slice(max(0, column - span), max(0, column + span)))
+        if span > 0:
+            kept[near] = self._marks[near]
+        dropped = np.argwhere(self._marks != kept)
+        self._marks = kept
+        return self._changed(_window_of(dropped))
+
+    def costs(self, window: Optional[Window] = None) -> np.ndarray:
+        """Return occupancy as navigation's costmap topics show it (int8: 100 lethal, 99 inscribed, .. 0 free, -1)."""
+        row0, row1, column0, column1 = window or (0, self.grid.shape[0], 0, self.grid.shape[1])
+        part = (slice(row0, row1), slice(column0, column1))
+        metres = self.clearance[part] * self.resolution
+        radius, factor = self.limits.robot_radius, self.limits.cost_scaling_factor
+        costs = np.clip(98.0 * np.exp(-factor * (metres - radius)), 1.0, 98.0)
+        costs[metres > self.limits.inflation_radius] = 0.0
+        costs[metres < radius] = 99.0
+        costs[self._occupied[part] != 0] = 100.0
+        shown = costs.astype(np.int8)
+        shown[self._closed[part] & (self._occupied[part] == 0)] = -1
+        return shown
+
+    def _mark(self, xs: np.ndarray, ys: np.ndarray) -> Window:
+        """Mark the cells of points (in cells) that nothing on the map accounts for; return their window."""
+        columns, rows = np.floor(xs).astype(np.intp), np.floor(ys).astype(np.intp)
+        inside = (rows >= 0) & (rows < self.grid.shape[0]) & (columns >= 0) & (columns < self.grid.shape[1])
+        rows, columns = rows[inside], columns[inside]
+        new = self._marks[rows, columns] == 0
+        new &= self.static_clearance[rows, columns] > self.limits.static_tolerance / self.resolution
+        rows, columns = rows[new], columns[new]
+        if not rows.size:
+            return EMPTY
+        self._marks[rows, columns] = 1
+        return _window_of(np.stack((rows, columns), axis=1))
+
+    def _changed(self, window: Window) -> bool:
+        """Bring occupancy and clearance up to date after marks changed within a window."""
+        if window == EMPTY:
+            return False
+        self._refresh(window, margin=int(math.ceil(self.reach)) + 1)
+        self._marked = int(np.count_nonzero(self._marks))
+        return True
+
+    def _refresh(self, window: Window, margin: int) -> None:
+        row0, row1, column0, column1 = window
+        part = (slice(row0, row1), slice(column0, column1))
+        self._occupied[part] = self._static[part] | self._marks[part]
+        row0, row1 = max(0, row0 - margin), min(self.grid.shape[0], row1 + margin)
+        column0, column1 = max(0, column0 - margin), min(self.grid.shape[1], column1 + margin)
+        update_clearance(self._occupied, self.reach, row0, row1, column0, column1, self.clearance)
+        part = (slice(row0, row1), slice(column0, column1))
+        self.clearance[part][self._closed[part]] = -1.0
+
+
+def _window_of(cells: np.ndarray) -> Window:
+    """Return the half-open window around cells (n, 2)."""
+    if not len(cells):
+        return EMPTY
+    low, high = cells.min(axis=0), cells.max(axis=0) + 1
+    return int(low[0]), int(high[0]), int(low[1]), int(high[1])
+
+
+def _joined(a: Window, b: Window) -> Window:
+    """Return the window around two windows."""
+    if EMPTY in (a, b):
+        return b if a == EMPTY else a
+    return min(a[0], b[0]), max(a[1], b[1]), min(a[2], b[2]), max(a[3], b[3])

@@ -1,0 +1,68 @@
+"""Planar poses: metres and radians, x forward, y left, yaw counter-clockwise (REP 103)."""
+
+import math
+from typing import NamedTuple, Optional, Tuple
+
+__all__ = ["Pose2D", "normalize_angle", "quaternion_to_yaw", "yaw_to_quaternion"]
+
+
+def normalize_angle(angle: float) -> float:
+    """Return ``angle`` (rad) in [-pi, pi]."""
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+class Pose2D(NamedTuple):
+    """A pose (or a transform) in the plane: ``x``, ``y`` in m, ``yaw`` in rad."""
+
+    x: float
+    y: float
+    yaw: float = 0.0
+
+    def compose(self, other: "Pose2D") -> "Pose2D":
+        """Return ``other``, given in the frame of this pose, in the frame that this pose is given in."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(
+            self.x + c * other.x - s * other.y,
+            self.y + s * other.x + c * other.y,
+            normalize_angle(self.yaw + other.yaw),
+        )
+
+    def inverse(self) -> "Pose2D":
+        """Return the inverse transform."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
+
+    def distance(self, other: "Pose2D") -> float:
+        """Return the distance (m) between the two positions."""
+        return math.hypot(self.x - other.x, self.y - other.y)
+
+    def moved(self, v: float, w: float, dt: float) -> "Pose2D":
+        """Return the pose after ``dt`` s at ``v`` m/s and ``w`` rad/s: the exact arc of a differential drive."""
+        half = 0.5 * w * dt
+        # sin(x)/x, exact for the straight line too: the chord of an arc of length v*dt.
+        chord = v * dt * (math.sin(half) / half if abs(half) > 1e-9 else 1.0 - half * half / 6.0)
+        direction = self.yaw + half
+        return Pose2D(
+            self.x + chord * math.cos(direction),
+            self.y + chord * math.sin(direction),
+            normalize_angle(self.yaw + w * dt),
+        )
+
+
+def yaw_to_quaternion(yaw: float) -> Tuple[float, float, float, float]:
+    """Return the quaternion (x, y, z, w) of a turn by ``yaw`` about the z axis."""
+    return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
+
+
+def quaternion_to_yaw(x: float, y: float, z: float, w: float, tilt: float = 1e-3) -> Optional[float]:
+    """Return the yaw of a quaternion, or None where it is no planar pose.
+
+    As move_base does, refuse one that is not finite, is near to zero, or whose turned z axis leans by more
+    than ``tilt`` (1 - cosine) from the vertical.
+    """
+    norm2 = x * x + y * y + z * z + w * w
+    if not math.isfinite(norm2) or norm2 < 1e-6:
+        return None
+    if 2.0 * (x * x + y * y) / norm2 > tilt:
+        return None
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)

@@ -1,0 +1,158 @@
+"""Occupancy grids, read from the files that map_server reads (PGM or PNG with YAML)."""
+
+import math
+from pathlib import Path
+from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
+
+import numpy as np
+import yaml
+from PIL import Image
+
+__all__ = ["FREE", "MapError", "OCCUPIED", "OccupancyGrid", "UNKNOWN", "load_map", "read_map_info"]
+
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1
+MODES = ("trinary", "scale", "raw")
+
+
+class MapError(ValueError):
+    """A map that cannot be used; the message names the file and the key."""
+
+
+class OccupancyGrid(NamedTuple):
+    """A map as in nav_msgs/OccupancyGrid.
+
+    ``cells`` is an int8 array of shape (height, width), row 0 at the bottom (least y): 0 free .. 100 occupied,
+    -1 unknown. ``resolution`` is the edge of a cell in m, ``origin_x`` and ``origin_y`` (m) the lower left corner
+    of cell (0, 0). The axes of the grid are those of its frame.
+    """
+
+    cells: np.ndarray
+    resolution: float
+    origin_x: float = 0.0
+    origin_y: float = 0.0
+
+    @property
+    def shape(self) -> Tuple[int, int]:
+        """(height, width) in cells."""
+        return self.cells.shape[0], self.cells.shape[1]
+
+    def cell(self, x: float, y: float) -> Tuple[int, int]:
+        """Return (row, column) of the cell around a point (m); it may lie outside of the grid."""
+        return (
+            math.floor((y - self.origin_y) / self.resolution),
+            math.floor((x - self.origin_x) / self.resolution),
+        )
+
+    def centre(self, row: int, column: int) -> Tuple[float, float]:
+        """Return the centre (x, y) of a cell in m."""
+        return (
+            self.origin_x + (column + 0.5) * self.resolution,
+            self.origin_y + (row + 0.5) * self.resolution,
+        )
+
+    def contains(self, x: float, y: float) -> bool:
+        """Tell whether a point (m) lies on the grid."""
+        row, column = self.cell(x, y)
+        return 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
+
+    def occupied(self, threshold: int = OCCUPIED) -> np.ndarray:
+        """Return the mask (uint8, the grid's shape) of cells occupied to ``threshold`` or more."""
+        return np.ascontiguousarray(self.cells >= threshold, dtype=np.uint8)
+
+
+def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
+    """Read and check the YAML file of a map; return its keys with map_server's defaults filled in.
+
+    Raises MapError.
+    """
+    path = Path(path)
+    try:
+        info = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise MapError("map {}: cannot be read: {}".format(path, error)) from error
+    if not isinstance(info, dict):
+        raise MapError("map {}: the file must hold keys and values (image, resolution, origin ...)".format(path))
+    return {
+        "image": _image_path(path, info),
+        "resolution": _number(path, info, "resolution", low=1e-6),
+        "origin": _origin(path, info),
+        "negate": bool(_number(path, info, "negate", default=0)),
+        "occupied_thresh": _number(path, info, "occupied_thresh", low=0.0, high=1.0),
+        "free_thresh": _number(path, info, "free_thresh", low=0.0, high=1.0),
+        "mode": _mode(path, info),
+    }
+
+
+def load_map(path: Union[str, Path]) -> OccupancyGrid:
+    """Read a map: the YAML file and the image that it names, as map_server does. Raises MapError."""
+    info = read_map_info(path)
+    try:
+        with Image.open(str(info["image"])) as image:
+            levels = _levels(image)
+    except (OSError, ValueError) as error:
+        raise MapError("map {}: image {}: {}".format(path, info["image"], error)) from error
+    cells = _occupancy(levels, info)
+    x, y = info["origin"]
+    return OccupancyGrid(np.ascontiguousarray(cells[::-1]), info["resolution"], x, y)
+
+
+def _levels(image: Image.Image) -> Tuple[np.ndarray, np.ndarray]:
+    """Return (mean colour, opacity) of an image as uint8 arrays of its shape."""
+    if image.mode in ("1", "L"):
+        grey = np.asarray(image.convert("L"))
+        return grey, np.full(grey.shape, 255, dtype=np.uint8)
+    rgba = np.asarray(image.convert("RGBA"))
+    return (rgba[:, :, :3].mean(axis=2) + 0.5).astype(np.uint8), rgba[:, :, 3]
+
+
+def _occupancy(levels: Tuple[np.ndarray, np.ndarray], info: Mapping[str, Any]) -> np.ndarray:
+    """Turn image levels into occupancy, after map_server's three modes."""
+    grey, opacity = levels
+    if info["mode"] == "raw":
+        raw = grey if not info["negate"] else 255 - grey
+        return np.where(raw > OCCUPIED, UNKNOWN, raw).astype(np.int8)
+    darkness = (grey if info["negate"] else 255.0 - grey) / 255.0
+    occupied, free = darkness > info["occupied_thresh"], darkness < info["free_thresh"]
+    if info["mode"] == "scale":
+        span = info["occupied_thresh"] - info["free_thresh"]
+        between = 1 + 98 * (darkness - info["free_thresh"]) / (span if span > 0 else 1.0)
+        between = np.where(opacity < 255, UNKNOWN, np.clip(between, 1, 99))
+    else:
+        between = np.full(grey.shape, UNKNOWN)
+    return np.where(occupied, OCCUPIED, np.where(free, FREE, between)).astype(np.int8)
+
+
+def _image_path(path: Path, info: Mapping[str, Any]) -> Path:
+    image = info.get("image")
+    if not isinstance(image, str) or not image:
+        raise MapError("map {}: image: the image's file name is missing".format(path))
+    return path.parent / image
+
+
+def _mode(path: Path, info: Mapping[str, Any]) -> str:
+    mode = info.get("mode", "trinary")
+    if mode not in MODES:
+        raise MapError("map {}: mode: {!r} is none of {}".format(path, mode, ", ".join(MODES)))
+    return str(mode)
+
+
+def _origin(path: Path, info: Mapping[str, Any]) -> Tuple[float, float]:
+    origin = info.get("origin")
+    if not isinstance(origin, (list, tuple)) or len(origin) not in (2, 3):
+        raise MapError("map {}: origin: must be [x, y, yaw] in m, m, rad".format(path))
+    numbers = {name: value for name, value in zip(("x", "y", "yaw"), origin)}
+    x, y = (_number(path, numbers, key) for key in ("x", "y"))
+    if _number(path, numbers, "yaw", default=0) != 0:
+        raise MapError("map {}: origin: a turned map (yaw) is not supported; costmap_2d ignores it too".format(path))
+    return x, y
+
+
+def _number(path, info, key, default=None, low=-math.inf, high=math.inf) -> float:  # type: ignore[no-untyped-def]
+    value = info.get(key, default)
+    if isinstance(value, bool) and default is not None:
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise MapError("map {}: {}: must be a number, is {!r}".format(path, key, value))
+    if not low <= value <= high:
+        raise MapError("map {}: {}: {} is not within {} .. {}".format(path, key, value, low, high))
+    return float(value)

@@ -1,0 +1,299 @@
+"""Driving to a goal: the state machine of move_base, without ROS."""
+
+import enum
+import math
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from rosoclingo.navigation.costmap import Costmap
+from rosoclingo.navigation.follower import STOP, FollowOutcome, LocalPlanner, Velocity
+from rosoclingo.navigation.geometry import Pose2D
+from rosoclingo.navigation.planner import GlobalPlanner, Plan, PlanOutcome
+from rosoclingo.navigation.recovery import RecoveryBehavior
+from rosoclingo.navigation.rollout import path_is_clear
+
+__all__ = ["NavigationError", "Navigator", "NavigatorLimits", "Outcome", "Result", "State", "Tick"]
+
+
+class NavigationError(RuntimeError):
+    """A call that the navigator's state does not allow."""
+
+
+class State(enum.Enum):
+    """move_base's states, and idle."""
+
+    IDLE = "idle"
+    PLANNING = "planning"
+    CONTROLLING = "controlling"
+    CLEARING = "clearing"
+
+
+class Outcome(enum.Enum):
+    """How a goal ended; the message of the result says why."""
+
+    REACHED = 0
+    NO_PLAN = 1
+    NO_CONTROL = 2
+    OSCILLATING = 3
+    LOCALISATION_LOST = 4
+    LASER_LOST = 5
+    NO_PROGRESS = 6
+
+
+class Trigger(enum.Enum):
+    """Why the robot recovers: the outcome if it cannot, and the words of move_base."""
+
+    PLANNING = (Outcome.NO_PLAN, "Failed to find a valid plan. Even after executing recovery behaviors")
+    CONTROLLING = (Outcome.NO_CONTROL, "Failed to find a valid control. Even after executing recovery behaviors")
+    OSCILLATION = (Outcome.OSCILLATING, "Robot is oscillating. Even after executing recovery behaviors")
+    STUCK = (Outcome.NO_PROGRESS, "Robot makes no progress. Even after executing recovery behaviors")
+
+
+# A new way is a detour when it is that much (m) longer; a bound keeps a goal that cannot be reached from lasting for ever.
+DETOUR, MOST_DETOURS = 1.0, 20
+# The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
+MOMENT = 0.25
+
+TRANSITIONS = {
+    State.IDLE: (State.PLANNING,),
+    State.PLANNING: (State.CONTROLLING, State.CLEARING, State.IDLE, State.PLANNING),
+    State.CONTROLLING: (State.PLANNING, State.CLEARING, State.IDLE),
+    State.CLEARING: (State.PLANNING, State.IDLE),
+}
+
+
+class NavigatorLimits(NamedTuple):
+    """Settings, named as move_base names them (s, m, Hz); ``progress_timeout`` (0: never) is this navigator's own.
+
+    ``planner_frequency`` 0: plan for a new goal and when the way is blocked only. ``max_planning_retries`` -1: as
+    many as planner_patience allows. ``oscillation_timeout`` 0: never.
+    """
+
+    planner_frequency: float = 1.0
+    planner_patience: float = 5.0
+    controller_patience: float = 15.0
+    max_planning_retries: int = -1
+    oscillation_timeout: float = 0.0
+    oscillation_distance: float = 0.5
+    progress_timeout: float = 60.0
+    recovery_behavior_enabled: bool = True
+
+
+class Result(NamedTuple):
+    """The end of a goal."""
+
+    outcome: Outcome
+    message: str
+
+
+class Tick(NamedTuple):
+    """What one control period gives: the velocity to drive, and the result once the goal has ended."""
+
+    velocity: Velocity = STOP
+    result: Optional[Result] = None
+
+
+class Navigator:
+    """Takes goals and, once a control period, what is known of the robot; gives velocities and results.
+
+    ``costmap`` may be exchanged when a new map comes. Observers: ``on_plan(points)``, ``on_recovery(behavior, number,
+    total, pose)``, ``on_log(text)``; all optional attributes.
+    """
+
+    def __init__(
+        self,
+        costmap: Costmap,
+        planner: GlobalPlanner,
+        follower: LocalPlanner,
+        recoveries: List[RecoveryBehavior],
+        limits: Optional[NavigatorLimits] = None,
+    ) -> None:
+        self.costmap, self.planner, self.follower = costmap, planner, follower
+        self.recoveries = recoveries
+        self.limits = limits or NavigatorLimits()
+        self.state = State.IDLE
+        self.goal = Pose2D(0.0, 0.0)
+        self.plan: Plan = Plan(PlanOutcome.NO_PATH, np.empty((0, 2)))
+        self.on_plan: Callable[[np.ndarray], None] = lambda points: None
+        self.on_recovery: Callable[[RecoveryBehavior, int, int, Pose2D], None] = lambda *event: None
+        self.on_log: Callable[[str], None] = lambda text: None
+        self._now = 0.0
+        self._changed = False
+        self._start(0.0)
+        self._handlers: Dict[State, Callable[[float, Pose2D, Velocity, float], Tick]] = {
+            State.PLANNING: self._planning,
+            State.CONTROLLING: self._controlling,
+            State.CLEARING: self._clearing,
+        }
+
+    @property
+    def active(self) -> bool:
+        """Whether there is a goal to drive to."""
+        return self.state is not State.IDLE
+
+    def set_goal(self, now: float, goal: Pose2D) -> None:
+        """Drive to a pose (m, rad; the map's frame) from now (s) on, instead of to any other."""
+        self.goal = goal
+        self._start(now)
+        if self.state is State.CONTROLLING or self.state is State.CLEARING:
+            self._go(State.PLANNING)
+        elif self.state is State.IDLE:
+            self._go(State.PLANNING)
+
+    def cancel(self) -> None:
+        """Give the goal up."""
+        if self.active:
+            self._go(State.IDLE)
+
+    def obstacles_changed(self) -> None:
+        """Tell that the costmap has changed: the way ahead is looked at again."""
+        self._changed = True
+
+    def tick(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Go on for one control period (s) and return what to drive. Raises NavigationError when idle."""
+        if not self.active:
+            raise NavigationError("tick without a goal")
+        if now < self._now:
+            self.on_log("Time went back by {:.1f} s: patience starts anew".format(self._now - now))
+            self._start(now)
+        self._now = now
+        tick = self._handlers[self.state](now, pose, velocity, period)
+        if tick.result is not None:
+            self._go(State.IDLE)
+        return tick
+
+    def _start(self, now: float) -> None:
+        """Set the clocks and counts of a fresh goal."""
+        self._now = self._last_plan = self._last_control = self._last_progress = now
+        self._oscillation: Tuple[float, Optional[Pose2D]] = (now, None)
+        self._planned_at = -math.inf
+        self._tries = self._recovery = 0
+        self._running: Optional[RecoveryBehavior] = None
+        self._trigger = Trigger.PLANNING
+        self._reason = ""
+        self._best = math.inf
+        self._detours = 0
+
+    def _go(self, state: State) -> None:
+        if state not in TRANSITIONS[self.state]:
+            raise NavigationError("no transition from {} to {}".format(self.state.value, state.value))
+        self.state = state
+
+    def _planning(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Look for a path; while there is none, wait for planner_patience."""
+        if self._make_plan(now, pose):
+            self._last_control = now
+            self._go(State.CONTROLLING)
+            return self._controlling(now, pose, velocity, period)
+        self._tries += 1
+        self._reason = self.plan.outcome.value
+        if self.plan.outcome.on_map:
+            return Tick(result=Result(Outcome.NO_PLAN, "Failed to find a valid plan: {}.".format(self._reason)))
+        patient = now - self._last_plan <= self.limits.planner_patience
+        if patient and not 0 <= self.limits.max_planning_retries < self._tries:
+            return Tick()
+        return self._recover(now, pose, Trigger.PLANNING)
+
+    def _controlling(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Follow the path; plan again in time and when it is blocked."""
+        if not self._replan(now, pose):
+            self._last_plan = max(self._last_plan, now)
+            self._go(State.PLANNING)
+            return Tick()
+        if self._oscillates(now, pose):
+            return self._recover(now, pose, Trigger.OSCILLATION)
+        if self._stuck(now, pose):
+            return self._recover(now, pose, Trigger.STUCK)
+        command = self.follower.compute(self.costmap, pose, velocity, period)
+        if command.outcome is FollowOutcome.REACHED:
+            return Tick(result=Result(Outcome.REACHED, "Goal reached."))
+        if command.outcome is FollowOutcome.DRIVING:
+            self._last_control = now
+            return Tick(command.velocity)
+        self._reason = command.outcome.value
+        if now - self._last_control > self.limits.controller_patience:
+            return self._recover(now, pose, Trigger.CONTROLLING)
+        self._changed = True  # plan again, in case the robot has left its path
+        return Tick()
+
+    def _clearing(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Go on with the recovery behaviour, then plan again."""
+        if self._running is not None:
+            step = self._running.step(now, pose, self.costmap, self.follower)
+            if not step.done:
+                return Tick(step.velocity)
+        self._running = None
+        self._last_plan = self._last_control = self._last_progress = now
+        self._oscillation = (now, None)
+        self._tries = 0
+        self._go(State.PLANNING)
+        return Tick()
+
+    def _recover(self, now: float, pose: Pose2D, trigger: Trigger) -> Tick:
+        """Start the next recovery behaviour, or give up when there is none left."""
+        self._trigger = trigger
+        outcome, words = trigger.value
+        if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
+            return Tick(result=Result(outcome, "{}: {}.".format(words, self._reason or outcome.name.lower())))
+        self._running = self.recoveries[self._recovery]
+        self._recovery += 1
+        self.on_log("{}: recovery behavior {}".format(self._reason or trigger.name.lower(), self._running.name))
+        self.on_recovery(self._running, self._recovery - 1, len(self.recoveries), pose)
+        self._running.start(now, pose)
+        self._go(State.CLEARING)
+        return Tick()
+
+    def _make_plan(self, now: float, pose: Pose2D) -> bool:
+        self.plan = self.planner.plan(self.costmap, pose, self.goal)
+        self._planned_at, self._changed = now, False
+        if self.plan.outcome is not PlanOutcome.FOUND:
+            return False
+        self._last_plan, self._tries = now, 0
+        self.follower.set_plan(self.plan.points, self.goal)
+        self.on_plan(self.plan.points)
+        self._note_progress(now)
+        return True
+
+    def _replan(self, now: float, pose: Pose2D) -> bool:
+        """Plan again where it is time to; tell whether there is a path to follow."""
+        if not self._changed:
+            return True
+        since = now - self._planned_at
+        due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
+        if due or (since >= MOMENT and not self._path_is_clear()):
+            return self._make_plan(now, pose)
+        return True
+
+    def _path_is_clear(self) -> bool:
+        costmap = self.costmap
+        cells = (self.plan.points - (costmap.grid.origin_x, costmap.grid.origin_y)) / costmap.resolution
+        return bool(path_is_clear(costmap.clearance, cells, self.follower.radius / costmap.resolution - 0.5))
+
+    def _note_progress(self, now: float) -> None:
+        """Keep the least length of the way that was left; getting half a metre below it renews all patience."""
+        length = self.plan.length
+        if length < self._best - self.limits.oscillation_distance:
+            self._best, self._last_progress, self._recovery = length, now, 0
+        elif length > self._best + DETOUR and self._detours < MOST_DETOURS:
+            # The way is blocked and another one known: that takes its time, but renews no recovery.
+            self._best, self._last_progress, self._detours = length, now, self._detours + 1
+
+    def _stuck(self, now: float, pose: Pose2D) -> bool:
+        """Tell whether the way left has not become shorter for progress_timeout, the end of the way aside."""
+        timeout = self.limits.progress_timeout
+        if timeout <= 0 or now - self._last_progress <= timeout + self._best:
+            return False
+        self._reason = "the way left has not become shorter for {:.0f} s".format(now - self._last_progress)
+        return True
+
+    def _oscillates(self, now: float, pose: Pose2D) -> bool:
+        since, place = self._oscillation
+        if place is None or place.distance(pose) >= self.limits.oscillation_distance:
+            self._oscillation = (now, pose)
+            return False
+        timeout = self.limits.oscillation_timeout
+        if timeout <= 0 or now - since <= timeout:
+            return False
+        self._reason = "it moved less than {} m in {:.0f} s".format(self.limits.oscillation_distance, now - since)
+        return True

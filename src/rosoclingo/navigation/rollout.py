@@ -1,0 +1,120 @@
+"""The compiled trial of commands: which of them stays clear, and which leads best to a point."""
+
+import math
+
+import numpy as np
+
+from rosoclingo.navigation.compiled import jit
+
+__all__ = ["best_command", "body_clearance", "least_along", "path_is_clear", "point_clearance", "spare_after"]
+
+
+@jit
+def point_clearance(clearance, x, y):
+    """Return the clearance at a point (cells), between the four nearest cell centres; -1 off the grid."""
+    height, width = clearance.shape
+    fx, fy = x - 0.5, y - 0.5
+    column, row = int(math.floor(fx)), int(math.floor(fy))
+    if not (0 <= row < height - 1 and 0 <= column < width - 1):
+        return -1.0
+    px, py = fx - column, fy - row
+    low = clearance[row, column] * (1.0 - px) + clearance[row, column + 1] * px
+    high = clearance[row + 1, column] * (1.0 - px) + clearance[row + 1, column + 1] * px
+    return low * (1.0 - py) + high * py
+
+
+@jit
+def least_along(clearance, x0, y0, x1, y1):
+    """Return the least clearance (cells) along a segment, looked at every third of a cell."""
+    count = int(3.0 * math.hypot(x1 - x0, y1 - y0)) + 1
+    least = np.inf
+    for i in range(count + 1):
+        part = i / count
+        least = min(least, point_clearance(clearance, x0 + (x1 - x0) * part, y0 + (y1 - y0) * part))
+    return least
+
+
+@jit
+def path_is_clear(clearance, points, least):
+    """Tell whether the way along points (float64 n, 2; cells) keeps ``least`` (cells) of clearance."""
+    for i in range(points.shape[0] - 1):
+        if least_along(clearance, points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]) < least:
+            return False
+    return True
+
+
+@jit
+def _square_distance(occupied, x, y, reach):
+    """Return the distance (cells) of a point from the nearest occupied square, ``reach`` if none is nearer."""
+    height, width = occupied.shape
+    best = reach * reach
+    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
+        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
+            if occupied[row, column]:
+                dx = max(0.0, max(column - x, x - column - 1.0))
+                dy = max(0.0, max(row - y, y - row - 1.0))
+                best = min(best, dx * dx + dy * dy)
+    return math.sqrt(best)
+
+
+@jit
+def body_clearance(clearance, occupied, body, x, y, yaw):
+    """Return how far (cells) a body at a pose is from what is nearest; 0 or less when it touches that.
+
+    ``body``: float64 (n, 3), the discs (x, y, radius in cells, in the robot's frame) that cover the robot. Exact
+    where it is tight, interpolated elsewhere.
+    """
+    least = np.inf
+    c, s = math.cos(yaw), math.sin(yaw)
+    for i in range(body.shape[0]):
+        px = x + c * body[i, 0] - s * body[i, 1]
+        py = y + s * body[i, 0] + c * body[i, 1]
+        spare = point_clearance(clearance, px, py) - body[i, 2]
+        if -1.0 < spare + body[i, 2] and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
+            spare = _square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
+        least = min(least, spare)
+    return least
+
+
+@jit
+def spare_after(clearance, occupied, body, x, y, yaw, v, w, horizon, steps):
+    """Return the least body clearance along an arc of ``horizon`` s, and the pose at its end: (least, x, y, yaw)."""
+    dt = horizon / steps
+    least = np.inf
+    half = 0.5 * w * dt
+    chord = v * dt * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+    for _ in range(steps):
+        x += chord * math.cos(yaw + half)
+        y += chord * math.sin(yaw + half)
+        yaw += w * dt
+        least = min(least, body_clearance(clearance, occupied, body, x, y, yaw))
+    return least, x, y, yaw
+
+
+@jit
+def best_command(clearance, occupied, body, pose, speeds, turns, carrot, margin, comfort, horizon, steps, weights):
+    """Return (index of speed, index of turn, spare) of the best command, indices -1 where none is safe.
+
+    ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells). A command is
+    safe when the body keeps ``margin`` for the whole horizon or, if it has not got it now, does not come closer.
+    ``weights``: of the distance to the carrot (1/cell), the angle to it (1/rad), nearness to obstacles (1/cell).
+    """
+    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2])
+    floor = min(margin, now - 1e-3)
+    best, best_i, best_j, best_spare = np.inf, -1, -1, 0.0
+    for i in range(speeds.shape[0]):
+        for j in range(turns.shape[0]):
+            spare, x, y, yaw = spare_after(
+                clearance, occupied, body, pose[0], pose[1], pose[2], speeds[i], turns[j], horizon, steps
+            )
+            if spare < floor:
+                continue
+            away = math.hypot(carrot[0] - x, carrot[1] - y)
+            bearing = math.atan2(carrot[1] - y, carrot[0] - x) - yaw
+            angle = abs(math.atan2(math.sin(bearing), math.cos(bearing)))
+            # Next to the carrot its direction says little.
+            angle *= min(1.0, 0.5 * away)
+            score = weights[0] * away + weights[1] * angle + weights[2] * max(0.0, comfort - spare)
+            if score < best:
+                best, best_i, best_j, best_spare = score, i, j, spare
+    return best_i, best_j, best_spare
