@@ -1,1 +1,59 @@
 """The core: goals, input feeder, action extractor and the cycle that joins them (pure)."""
+
+from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
+from rosoclingo.reasoning.core import Core, CoreSettings
+from rosoclingo.reasoning.events import (
+    ActionsDispatched,
+    Event,
+    FactTaken,
+    GoalChanged,
+    GoalProgress,
+    GoalRefused,
+    Observer,
+    PlanMade,
+    Problem,
+    ReturnTaken,
+    UpdateSent,
+)
+from rosoclingo.reasoning.goals import (
+    TERMINAL,
+    TRANSITIONS,
+    Goal,
+    GoalError,
+    GoalEvent,
+    GoalState,
+    Outcome,
+    TransitionError,
+    read_goal,
+)
+from rosoclingo.reasoning.keywords import Action, KeywordError, Return
+
+__all__ = [
+    "TERMINAL",
+    "TRANSITIONS",
+    "Action",
+    "ActionsDispatched",
+    "Core",
+    "CoreSettings",
+    "Event",
+    "FactTaken",
+    "Goal",
+    "GoalChanged",
+    "GoalError",
+    "GoalEvent",
+    "GoalProgress",
+    "GoalRefused",
+    "GoalState",
+    "KeywordError",
+    "Observer",
+    "Outcome",
+    "PlanMade",
+    "Problem",
+    "Return",
+    "ReturnTaken",
+    "TaskPlan",
+    "TransitionError",
+    "UpdateSent",
+    "extract_plan",
+    "read_goal",
+]

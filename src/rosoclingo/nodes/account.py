@@ -1,0 +1,102 @@
+"""The account of a run as a node: it listens to public topics only, so it reads a bag as well."""
+
+import threading
+from typing import Any, Callable, Dict, Optional
+
+import rosbag
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from nav_msgs.msg import Odometry
+from std_msgs.msg import String
+
+from rosoclingo.msg import InterfaceIO, PackageStates, ROSoClingoActionGoal, TaskPlan
+from rosoclingo.navigation.labels import LabelTable
+from rosoclingo.reasoning.account import Account, Summary
+
+#: Topics of an account and their types, relative to the core's namespace.
+TOPICS = {
+    "out_rosoclingo": InterfaceIO,
+    "in_rosoclingo": InterfaceIO,
+    "rosoclingo/goal": ROSoClingoActionGoal,
+    "rosoclingo/cancel": GoalID,
+    "rosoclingo/status": GoalStatusArray,
+    "rosoclingo/updates": String,
+    "rosoclingo/task_plan": TaskPlan,
+    "packages": PackageStates,
+    "base_pose_ground_truth": Odometry,
+}
+
+
+class TopicAccount:
+    """An Account that takes ROS messages.
+
+    ``labels`` names the robot's place when it is within ``tolerance`` metres of one.
+    """
+
+    def __init__(self, say: Callable[[str], None], labels: Optional[LabelTable] = None, tolerance: float = 0.5) -> None:
+        self.account = Account(say)
+        self._labels = labels
+        self._tolerance = tolerance
+        self._lock = threading.Lock()
+        self._readers: Dict[str, Callable[[float, Any], None]] = {
+            "out_rosoclingo": lambda time, message: self.account.dispatched(time, message.facts),
+            "in_rosoclingo": lambda time, message: self.account.returned(time, message.interface, message.facts),
+            "rosoclingo/goal": lambda time, message: self.account.goal(time, message.goal_id.id, message.goal.request),
+            "rosoclingo/cancel": lambda time, message: self.account.cancel(time, message.id),
+            "rosoclingo/status": self._statuses,
+            "rosoclingo/updates": lambda time, message: self.account.update(time, message.data),
+            "rosoclingo/task_plan": lambda time, message: self.account.plan(time, message.cycle, message.actions),
+            "packages": self._packages,
+            "base_pose_ground_truth": self._pose,
+        }
+
+    def take(self, topic: str, message: Any, time: float) -> None:
+        """Enter a message of one of TOPICS; callable from any thread."""
+        with self._lock:
+            self._readers[topic](time, message)
+
+    def finish(self) -> Summary:
+        """The end: say what was held back, and sum up."""
+        with self._lock:
+            self.account.finish()
+            return self.account.summary
+
+    def _statuses(self, time: float, message: GoalStatusArray) -> None:
+        for one in message.status_list:
+            self.account.status(time, one.goal_id.id, one.status, one.text)
+
+    def _packages(self, _time: float, message: PackageStates) -> None:
+        self.account.packages((one.id, "carried" if one.carried else one.location) for one in message.packages)
+
+    def _pose(self, _time: float, message: Odometry) -> None:
+        if self._labels is not None:
+            position = message.pose.pose.position
+            label = self._labels.nearest(position.x, position.y, self._tolerance)
+            self.account.robot("away from every label" if label is None else label.name)
+
+
+class AccountNode(TopicAccount):
+    """Tells the account of what happens from now on.
+
+    Subscribes:
+        all of TOPICS, and /clock through ROS time.
+    """
+
+    def __init__(self, say: Callable[[str], None], labels: Optional[LabelTable] = None) -> None:
+        super().__init__(say, labels)
+        self._subscribers = [
+            rospy.Subscriber(topic, kind, self._on_message, callback_args=topic, queue_size=None)
+            for topic, kind in TOPICS.items()
+        ]
+
+    def _on_message(self, message: Any, topic: str) -> None:
+        self.take(topic, message, rospy.get_time())
+
+
+def account_of_bag(path: str, say: Callable[[str], None], labels: Optional[LabelTable] = None) -> Summary:
+    """The account of a recorded run; raises rosbag.ROSBagException when the file is no bag."""
+    account = TopicAccount(say, labels)
+    with rosbag.Bag(path) as bag:
+        for topic, message, time in bag.read_messages(topics=["/" + name for name in TOPICS]):
+            account.take(topic.lstrip("/"), message, time.to_sec())
+    return account.finish()

@@ -1,0 +1,48 @@
+"""The clients' side of the core's goals: actionlib's goal handles, kept until their goals end."""
+
+from typing import Callable, Dict
+
+import rospy
+from actionlib import ServerGoalHandle
+
+from rosoclingo.msg import ROSoClingoFeedback, ROSoClingoResult
+from rosoclingo.reasoning import GoalChanged, GoalEvent, GoalProgress, GoalRefused, Outcome
+
+_ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
+    GoalEvent.SUCCEED: ServerGoalHandle.set_succeeded,
+    GoalEvent.CANCEL: ServerGoalHandle.set_canceled,
+    GoalEvent.REJECT: ServerGoalHandle.set_rejected,
+    GoalEvent.ABORT: ServerGoalHandle.set_aborted,
+}
+
+
+class GoalHandles:
+    """Handles by goal id. Used by the worker only, as a handle takes the action server's lock."""
+
+    def __init__(self) -> None:
+        self._handles: Dict[str, ServerGoalHandle] = {}
+
+    def add(self, key: str, handle: ServerGoalHandle) -> None:
+        """A goal came in."""
+        self._handles[key] = handle
+
+    def changed(self, event: GoalChanged) -> None:
+        """Tell the client of a transition; the one to a cancelling state the action server has made itself."""
+        if event.event is GoalEvent.ACCEPT:
+            self._handles[event.key].set_accepted(f"{event.term} is accepted")
+        elif event.outcome is not None:
+            self._end(event.key, event.event, event.outcome, event.message)
+
+    def refused(self, event: GoalRefused) -> None:
+        """Tell the client that its goal is not taken."""
+        self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
+
+    def progress(self, event: GoalProgress) -> None:
+        """Give the client feedback."""
+        plan = [str(action.atom) for action in event.actions]
+        self._handles[event.key].publish_feedback(ROSoClingoFeedback(event.cycle, plan, event.state.value))
+
+    def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
+        handle = self._handles.pop(key)
+        _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
+        rospy.loginfo("goal '%s' %s: %s", handle.get_goal().request, outcome.name.lower(), message)

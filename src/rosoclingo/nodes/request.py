@@ -1,0 +1,52 @@
+"""One goal sent from the command line."""
+
+from typing import Callable
+
+from rosoclingo.nodes.client import CoreClient, SentGoal
+
+#: Exit codes by outcome.
+EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
+
+#: Seconds of wall time between two looks at a goal that has no news.
+_TURN = 0.2
+
+
+def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> int:
+    """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES."""
+    client = CoreClient(server)
+    if not client.wait_for_server(wait):
+        say(f"no action server '{server}': is the core running?")
+        return EXIT_CODES["lost"]
+    goal = client.send(text)
+    cancelled = False
+    while True:
+        try:
+            _follow(client, goal, say)
+            break
+        except KeyboardInterrupt:
+            if cancelled:
+                say("not waiting any longer; the goal was asked to be cancelled")
+                return EXIT_CODES["lost"]
+            cancelled = True
+            say(f"cancelling {text} (Ctrl-C again: do not wait)")
+            goal.cancel()
+    say(f"{goal.outcome}: {goal.message}")
+    return EXIT_CODES[goal.outcome]
+
+
+def _follow(client: CoreClient, goal: SentGoal, say: Callable[[str], None]) -> None:
+    """Say feedback, each line once, until the goal has ended."""
+    shown = ""
+    while not goal.ended:
+        if goal.feedback is not None:
+            line = _line(goal)
+            if line != shown:
+                say(line)
+            shown = line
+        client.wait(_TURN)
+
+
+def _line(goal: SentGoal) -> str:
+    feedback = goal.feedback
+    plan = " ".join(feedback.task_plan) or "nothing to do"
+    return f"cycle {feedback.cycle}, {feedback.status}: {plan}"

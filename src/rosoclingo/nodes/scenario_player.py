@@ -1,0 +1,138 @@
+"""Plays a scenario: real goals by actionlib, cancels, facts; waits for the end of all goals."""
+
+import threading
+from typing import Callable, Dict, List, Optional
+
+import rospy
+from actionlib_msgs.msg import GoalStatusArray
+from clingo import Symbol
+
+from rosoclingo.msg import InterfaceIO, TaskPlan
+from rosoclingo.nodes.client import CoreClient, SentGoal
+from rosoclingo.reasoning import GoalError, read_goal
+from rosoclingo.reasoning.scenario import Scenario, ScenarioEvent
+from rosoclingo.srv import PutPackage
+
+#: Seconds of wall time between two looks at the clock.
+_TURN = 0.02
+
+
+class PlayError(RuntimeError):
+    """A scenario that could not be played to its end; the text says why."""
+
+
+class ScenarioPlayer:
+    """Plays one scenario against a running system.
+
+    Subscribes:
+        rosoclingo/task_plan (rosoclingo/TaskPlan): the cycles that events refer to.
+        NAME/status for each name of ``wait_for``: the action servers that have to be there.
+    Publishes:
+        in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
+    Services called:
+        office/put_package (rosoclingo/PutPackage), when the scenario puts packages.
+    Actions called:
+        rosoclingo (rosoclingo/ROSoClingo), with a client of its own for each client of the scenario.
+    """
+
+    def __init__(self, scenario: Scenario, wait_for: List[str], say: Callable[[str], None]) -> None:
+        self._scenario = scenario
+        self._say = say
+        self._news = threading.Condition()
+        self._begun: Dict[int, float] = {}
+        self._start: Optional[float] = None
+        self._missing = set(wait_for)
+        self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
+        self._facts = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
+        rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._on_plan)
+        for name in wait_for:
+            rospy.Subscriber(name + "/status", GoalStatusArray, self._on_status, callback_args=name)
+        self.goals: List[SentGoal] = []
+
+    def prepare(self, timeout: float) -> None:
+        """Wait for all servers, at most ``timeout`` seconds of wall time each, and put the packages; raises PlayError."""
+        self._until(lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing)))
+        self._until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
+        for client in self._clients.values():
+            if not client.wait_for_server(timeout):
+                raise PlayError("no action server rosoclingo")
+        if any(event.verb == "facts" for event in self._scenario.events):
+            self._until(lambda: self._facts.get_num_connections() > 0, timeout, lambda: "nobody reads in_rosoclingo")
+        self._put_packages(timeout)
+
+    def play(self) -> None:
+        """Let everything happen and wait until every goal has ended; raises PlayError when that takes too long."""
+        waiting = list(self._scenario.events)
+        self._start = rospy.get_time()
+        self._begun = dict.fromkeys(self._begun, self._start)
+        while waiting or not all(goal.ended for goal in self.goals):
+            elapsed = rospy.get_time() - self._start
+            if rospy.is_shutdown():
+                raise PlayError("shut down before the scenario's end")
+            if elapsed > self._scenario.timeout:
+                raise PlayError(f"not done after {elapsed:g} s: {self._open(waiting)}")
+            for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
+                waiting.remove(event)
+                self._do(event)
+            with self._news:
+                self._news.wait(_TURN)
+
+    def _elapsed_cycles(self) -> Dict[int, float]:
+        start = self._start or 0.0
+        return {cycle: moment - start for cycle, moment in dict(self._begun).items()}
+
+    def _open(self, waiting: List[ScenarioEvent]) -> str:
+        goals = [goal.text for goal in self.goals if not goal.ended]
+        return ", ".join([*map(str, waiting), *goals])
+
+    def _do(self, event: ScenarioEvent) -> None:
+        {"request": self._request, "cancel": self._cancel, "facts": self._tell}[event.verb](event)
+
+    def _request(self, event: ScenarioEvent) -> None:
+        self.goals.append(self._clients[event.client].send(event.value))
+
+    def _cancel(self, event: ScenarioEvent) -> None:
+        named = [goal for goal in self.goals if _identifier(goal.text) == str(event.value)]
+        if named:
+            named[-1].cancel()
+        else:
+            self._say(f"no goal {event.value} to cancel")
+
+    def _tell(self, event: ScenarioEvent) -> None:
+        self._facts.publish(InterfaceIO(event.origin, [str(fact) for fact in event.value]))
+
+    def _put_packages(self, timeout: float) -> None:
+        if not self._scenario.packages:
+            return
+        try:
+            rospy.wait_for_service("office/put_package", timeout)
+            put = rospy.ServiceProxy("office/put_package", PutPackage)
+            for package, label in self._scenario.packages.items():
+                answer = put(package, label)
+                if not answer.success:
+                    raise PlayError(f"package {package}: {answer.message}")
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            raise PlayError(f"office/put_package: {error}") from error
+
+    def _until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
+        turns = int(timeout / _TURN)
+        while not condition():
+            turns -= 1
+            if turns < 0 or rospy.is_shutdown():
+                raise PlayError(f"{missing()} within {timeout:g} s")
+            with self._news:
+                self._news.wait(_TURN)
+
+    def _on_plan(self, message: TaskPlan) -> None:
+        self._begun.setdefault(message.cycle, rospy.get_time())
+
+    def _on_status(self, _message: GoalStatusArray, name: str) -> None:
+        self._missing.discard(name)
+
+
+def _identifier(text: str) -> str:
+    try:
+        goal: Symbol = read_goal(text)
+    except GoalError:
+        return ""
+    return str(goal.arguments[-1])

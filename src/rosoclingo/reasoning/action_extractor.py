@@ -1,0 +1,43 @@
+"""The action extractor of Fig. 4: it reads the task plan out of an answer."""
+
+from typing import FrozenSet, List, NamedTuple, Tuple
+
+from clingo import Symbol
+
+from rosoclingo.reasoning.keywords import ACTION_LIB, Action, KeywordError, action_of, is_keyword
+
+
+class TaskPlan(NamedTuple):
+    """The actions of an answer by cycle, the past included, and what was wrong with it."""
+
+    actions: Tuple[Action, ...] = ()
+    faults: Tuple[str, ...] = ()
+
+    def at(self, cycle: int) -> Tuple[Action, ...]:
+        """The actions of a cycle."""
+        return tuple(action for action in self.actions if action.cycle == cycle)
+
+    def after(self, cycle: int) -> Tuple[Action, ...]:
+        """The actions later than a cycle."""
+        return tuple(action for action in self.actions if action.cycle > cycle)
+
+    def remaining(self, cycle: int) -> Tuple[Action, ...]:
+        """The actions of a cycle and later."""
+        return tuple(action for action in self.actions if action.cycle >= cycle)
+
+
+def extract_plan(answer: FrozenSet[Symbol]) -> TaskPlan:
+    """The task plan of an answer; ``_action_lib`` atoms of another form are left out and told as faults."""
+    actions: List[Action] = []
+    faults: List[str] = []
+    for atom in answer:
+        if is_keyword(atom, ACTION_LIB):
+            try:
+                actions.append(action_of(atom))
+            except KeywordError as error:
+                faults.append(f"{error}; it is ignored")
+    return TaskPlan(tuple(sorted(actions, key=_order)), tuple(sorted(faults)))
+
+
+def _order(action: Action) -> Tuple[int, str]:
+    return action.cycle, str(action.atom)

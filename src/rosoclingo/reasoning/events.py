@@ -1,0 +1,97 @@
+"""What the core tells its observers: one frozen value per thing that happened, in the order it happened."""
+
+from dataclasses import dataclass
+from typing import Callable, Optional, Tuple
+
+from clingo import Symbol
+
+from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
+from rosoclingo.reasoning.keywords import Action
+
+
+@dataclass(frozen=True)
+class Event:
+    """Anything that happened, in ``cycle``."""
+
+    cycle: int
+
+
+@dataclass(frozen=True)
+class UpdateSent(Event):
+    """The stream update ``text`` was handed to the solver and starts ``cycle``."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class PlanMade(Event):
+    """The solver's answer for the cycle: all actions of the plan by cycle, past ones included.
+
+    ``ground`` and ``solve`` are seconds of wall time.
+    """
+
+    horizon: int
+    actions: Tuple[Action, ...]
+    ground: float = 0.0
+    solve: float = 0.0
+
+
+@dataclass(frozen=True)
+class ActionsDispatched(Event):
+    """The actions of the cycle, to be run together."""
+
+    actions: Tuple[Action, ...]
+
+
+@dataclass(frozen=True)
+class ReturnTaken(Event):
+    """The answer of an interface to an action of this cycle."""
+
+    atom: Symbol
+
+
+@dataclass(frozen=True)
+class FactTaken(Event):
+    """Another fact about the world."""
+
+    atom: Symbol
+
+
+@dataclass(frozen=True)
+class GoalChanged(Event):
+    """A goal took a transition; ``outcome`` and ``message`` are set when that ended it."""
+
+    key: str
+    term: Symbol
+    event: GoalEvent
+    state: GoalState
+    outcome: Optional[Outcome] = None
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class GoalRefused(Event):
+    """A client's goal that was never entered, with its text and the reason."""
+
+    key: str
+    text: str
+    message: str
+
+
+@dataclass(frozen=True)
+class GoalProgress(Event):
+    """A live goal after an answer: its status, and the whole plan."""
+
+    key: str
+    state: GoalState
+    actions: Tuple[Action, ...]
+
+
+@dataclass(frozen=True)
+class Problem(Event):
+    """Something that should not be; ``message`` says what, where and what was done about it."""
+
+    message: str
+
+
+Observer = Callable[[Event], None]

@@ -1,0 +1,195 @@
+"""A client's goal, its life as actionlib draws it, and the list of all goals."""
+
+from enum import Enum, IntEnum
+from typing import Callable, Dict, List, Optional, Tuple
+
+from clingo import Symbol
+
+from rosoclingo.oclingo import ProgressionError, parse_term
+from rosoclingo.reasoning.keywords import CANCEL, identifier_of
+
+
+class GoalState(Enum):
+    """actionlib's server-side states, by name."""
+
+    PENDING = "pending"
+    RECALLING = "recalling"
+    ACTIVE = "active"
+    PREEMPTING = "preempting"
+    RECALLED = "recalled"
+    REJECTED = "rejected"
+    PREEMPTED = "preempted"
+    SUCCEEDED = "succeeded"
+    ABORTED = "aborted"
+
+
+class GoalEvent(Enum):
+    """What can happen to a goal."""
+
+    ACCEPT = "accept"
+    CANCEL_REQUEST = "cancel request"
+    REJECT = "reject"
+    CANCEL = "cancel"
+    SUCCEED = "succeed"
+    ABORT = "abort"
+
+
+class Outcome(IntEnum):
+    """Why a goal ended; the numbers are those of ``ROSoClingo.action``."""
+
+    SUCCEEDED = 0
+    CANCELED = 1
+    REJECTED = 2
+    ABORTED = 3
+
+
+#: The state diagram of actionlib's server: what is not listed is illegal.
+TRANSITIONS: Dict[Tuple[GoalState, GoalEvent], GoalState] = {
+    (GoalState.PENDING, GoalEvent.ACCEPT): GoalState.ACTIVE,
+    (GoalState.PENDING, GoalEvent.REJECT): GoalState.REJECTED,
+    (GoalState.PENDING, GoalEvent.CANCEL_REQUEST): GoalState.RECALLING,
+    (GoalState.PENDING, GoalEvent.CANCEL): GoalState.RECALLED,
+    (GoalState.RECALLING, GoalEvent.ACCEPT): GoalState.PREEMPTING,
+    (GoalState.RECALLING, GoalEvent.REJECT): GoalState.REJECTED,
+    (GoalState.RECALLING, GoalEvent.CANCEL): GoalState.RECALLED,
+    (GoalState.ACTIVE, GoalEvent.CANCEL_REQUEST): GoalState.PREEMPTING,
+    (GoalState.ACTIVE, GoalEvent.CANCEL): GoalState.PREEMPTED,
+    (GoalState.ACTIVE, GoalEvent.SUCCEED): GoalState.SUCCEEDED,
+    (GoalState.ACTIVE, GoalEvent.ABORT): GoalState.ABORTED,
+    (GoalState.PREEMPTING, GoalEvent.CANCEL): GoalState.PREEMPTED,
+    (GoalState.PREEMPTING, GoalEvent.SUCCEED): GoalState.SUCCEEDED,
+    (GoalState.PREEMPTING, GoalEvent.ABORT): GoalState.ABORTED,
+}
+
+#: States that a client's cancel leads to and that still need a terminal one.
+CANCELLING = frozenset({GoalState.RECALLING, GoalState.PREEMPTING})
+
+#: States before the program has said that it takes the goal.
+UNDECIDED = frozenset({GoalState.PENDING, GoalState.RECALLING})
+
+#: States that end a goal.
+TERMINAL = frozenset(set(GoalState) - {state for state, _ in TRANSITIONS})
+
+_ENDINGS = {
+    Outcome.SUCCEEDED: GoalEvent.SUCCEED,
+    Outcome.CANCELED: GoalEvent.CANCEL,
+    Outcome.REJECTED: GoalEvent.REJECT,
+    Outcome.ABORTED: GoalEvent.ABORT,
+}
+
+
+class TransitionError(RuntimeError):
+    """An event that the goal's present state does not allow."""
+
+
+class GoalError(ValueError):
+    """A goal that cannot be taken; the text is the reason a client is told."""
+
+
+class Goal:
+    """One client's goal.
+
+    ``key`` is the client's handle (actionlib's goal id), ``term`` the goal as the program sees it, ``identifier`` its
+    last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``observer`` is called
+    with the goal and the event after each transition.
+    """
+
+    def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
+        self.key = key
+        self.term = term
+        self.identifier: Symbol = term.arguments[-1]
+        self.state = GoalState.PENDING
+        self.request_cycle: Optional[int] = None
+        self.outcome: Optional[Outcome] = None
+        self.message = ""
+        self._observer = observer
+
+    @property
+    def live(self) -> bool:
+        """Whether the goal has not ended."""
+        return self.state not in TERMINAL
+
+    @property
+    def fed(self) -> bool:
+        """Whether the program knows the request."""
+        return self.request_cycle is not None
+
+    @property
+    def cancelling(self) -> bool:
+        """Whether a client has asked to cancel the goal, which has not ended yet."""
+        return self.state in CANCELLING
+
+    def apply(self, event: GoalEvent) -> None:
+        """Take a transition of the table; raises TransitionError."""
+        try:
+            self.state = TRANSITIONS[self.state, event]
+        except KeyError:
+            raise TransitionError(f"goal {self.term} is {self.state.value}: cannot {event.value}") from None
+        self._observer(self, event)
+
+    def accept(self) -> None:
+        """The program takes the goal; nothing happens when it already did."""
+        if self.state in UNDECIDED:
+            self.apply(GoalEvent.ACCEPT)
+
+    def end(self, outcome: Outcome, message: str) -> None:
+        """End the goal. Success and failure pass through acceptance, as actionlib wants it, and a goal once accepted is
+        aborted instead of rejected. Raises TransitionError when it has ended already.
+        """
+        if outcome is Outcome.REJECTED and self.live and self.state not in UNDECIDED:
+            outcome = Outcome.ABORTED
+        if outcome in (Outcome.SUCCEEDED, Outcome.ABORTED):
+            self.accept()
+        self.outcome, self.message = outcome, message
+        self.apply(_ENDINGS[outcome])
+
+
+def read_goal(text: str) -> Symbol:
+    """The goal term of a client's text; raises GoalError with the reason when it is none."""
+    try:
+        term = parse_term(text)
+    except ProgressionError as error:
+        raise GoalError(f"'{text}' is no ground term: {error}") from error
+    if identifier_of(term) is None:
+        raise GoalError(f"'{text}' names no goal: write a function whose last argument identifies it")
+    if term.name == CANCEL:
+        raise GoalError(f"'{text}' is the core's own request: cancel the goal itself instead")
+    return term
+
+
+class GoalBook:
+    """All live goals in the order of their arrival."""
+
+    def __init__(self) -> None:
+        self._goals: Dict[str, Goal] = {}
+
+    def add(self, goal: Goal) -> None:
+        """Enter a goal; raises GoalError when its identity is taken by a live one."""
+        if goal.key in self._goals:
+            raise GoalError(f"the goal handle '{goal.key}' is in use")
+        twin = self.by_identifier(goal.identifier)
+        if twin is not None:
+            raise GoalError(f"the identity '{goal.identifier}' is taken: goal {twin.term} has not ended")
+        self._goals[goal.key] = goal
+
+    def remove(self, goal: Goal) -> None:
+        """Drop a goal that has ended."""
+        self._goals.pop(goal.key, None)
+
+    def by_key(self, key: str) -> Optional[Goal]:
+        """The live goal of a client's handle."""
+        return self._goals.get(key)
+
+    def by_identifier(self, identifier: Symbol) -> Optional[Goal]:
+        """The live goal with this identity."""
+        return next((goal for goal in self._goals.values() if goal.identifier == identifier), None)
+
+    @property
+    def live(self) -> List[Goal]:
+        """The live goals, oldest first."""
+        return list(self._goals.values())
+
+    @property
+    def fed(self) -> List[Goal]:
+        """The live goals that the program knows, oldest first."""
+        return [goal for goal in self._goals.values() if goal.fed]

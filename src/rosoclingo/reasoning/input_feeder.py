@@ -1,0 +1,62 @@
+"""The input feeder of Fig. 4: it turns what happened into the next stream update."""
+
+from typing import Dict, Iterable, List, NamedTuple, Tuple, Union
+
+from clingo import Symbol
+
+from rosoclingo.oclingo import Literal, Statement, StreamUpdate
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.keywords import Action, cancellation, request
+
+
+class Batch(NamedTuple):
+    """A stream update and the goals whose requests it carries for the first time."""
+
+    update: StreamUpdate
+    goals: Tuple[Goal, ...]
+
+
+class InputFeeder:
+    """Collects requests, cancellations, returns and other facts in order of arrival, until the next update takes them.
+
+    Within an update commitments come first, then requests and cancellations, then returns and other facts; a new goal
+    in update n carries cycle n+1, a cancellation n (as in the paper's printed updates).
+    """
+
+    def __init__(self) -> None:
+        self._requests: List[Union[Goal, Symbol]] = []
+        self._facts: Dict[Symbol, None] = {}
+
+    @property
+    def pending(self) -> bool:
+        """Whether anything waits to be fed."""
+        return bool(self._requests or self._facts)
+
+    def add_goal(self, goal: Goal) -> None:
+        """A new goal arrived."""
+        self._requests.append(goal)
+
+    def withdraw(self, goal: Goal) -> None:
+        """Forget a goal that was cancelled before it was fed."""
+        self._requests = [item for item in self._requests if item is not goal]
+
+    def add_cancellation(self, identifier: Symbol) -> None:
+        """A goal that was fed is to be cancelled."""
+        self._requests.append(identifier)
+
+    def add_fact(self, atom: Symbol) -> None:
+        """A return or another fact arrived; the same fact twice in an update is one."""
+        self._facts[atom] = None
+
+    def next_update(self, step: int, executed: Iterable[Action]) -> Batch:
+        """The update that starts cycle ``step`` after ``executed`` in the one before; the feeder is empty afterwards."""
+        goals = tuple(item for item in self._requests if isinstance(item, Goal))
+        statements = [Statement(None, (Literal(action.atom, False),)) for action in executed]
+        statements += [Statement(self._request(item, step)) for item in self._requests]
+        statements += [Statement(atom) for atom in self._facts]
+        self._requests, self._facts = [], {}
+        return Batch(StreamUpdate(step=step, items=tuple(statements)), goals)
+
+    @staticmethod
+    def _request(item: Union[Goal, Symbol], step: int) -> Symbol:
+        return request(item.term, step + 1) if isinstance(item, Goal) else cancellation(item, step)

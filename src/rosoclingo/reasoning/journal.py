@@ -1,0 +1,52 @@
+"""A record of what the core told, for tests, for diagnosis and for replay."""
+
+from collections import deque
+from typing import Deque, List, Tuple, Type, TypeVar
+
+from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, Problem, ReturnTaken, UpdateSent
+
+_Kind = TypeVar("_Kind", bound=Event)
+
+
+class Journal:
+    """An observer that keeps the latest ``size`` events, oldest first."""
+
+    def __init__(self, size: int = 10000) -> None:
+        self._events: Deque[Event] = deque(maxlen=size)
+
+    def __call__(self, event: Event) -> None:
+        """Enter an event."""
+        self._events.append(event)
+
+    @property
+    def events(self) -> Tuple[Event, ...]:
+        """All events kept."""
+        return tuple(self._events)
+
+    def of(self, kind: Type[_Kind]) -> List[_Kind]:
+        """The events of one kind."""
+        return [event for event in self._events if isinstance(event, kind)]
+
+    @property
+    def updates(self) -> List[str]:
+        """The texts of all stream updates: an online progression that replays the run."""
+        return [event.text for event in self.of(UpdateSent)]
+
+    @property
+    def actions(self) -> List[str]:
+        """All actions dispatched, as atoms."""
+        return [str(action.atom) for event in self.of(ActionsDispatched) for action in event.actions]
+
+    @property
+    def returns(self) -> List[str]:
+        """All returns taken, as atoms."""
+        return [str(event.atom) for event in self.of(ReturnTaken)]
+
+    @property
+    def problems(self) -> List[str]:
+        """All problems told."""
+        return [event.message for event in self.of(Problem)]
+
+    def states_of(self, key: str) -> List[str]:
+        """The states that a goal went through."""
+        return [event.state.value for event in self.of(GoalChanged) if event.key == key]

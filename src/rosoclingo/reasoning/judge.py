@@ -1,0 +1,55 @@
+"""What an answer means for a goal: the program's word where it has one, else whether anything is left to do."""
+
+from typing import Optional
+
+from rosoclingo.reasoning.action_extractor import TaskPlan
+from rosoclingo.reasoning.goals import Goal, Outcome
+from rosoclingo.reasoning.statuses import Status, Statuses
+
+_TEXTS = {
+    Outcome.SUCCEEDED: "{} is met",
+    Outcome.CANCELED: "{} is cancelled",
+    Outcome.REJECTED: "the program rejects {}",
+    Outcome.ABORTED: "the program gives {} up",
+}
+
+
+def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: int) -> None:
+    """Bring a fed, live goal to the state that the answer of ``cycle`` gives it.
+
+    The program's ``_status`` of the cycle decides. Where it says nothing of a goal, the goal is accepted, and met (or
+    its cancellation done) as soon as no action is left in the plan. Before the request's own cycle only acceptance
+    and rejection are read, at that cycle, as all else would be a prediction.
+    """
+    first = goal.request_cycle or cycle
+    status = statuses.read(goal.identifier, max(cycle, first))
+    if first > cycle:
+        _judge_early(goal, status, horizon >= first)
+    elif status is not None:
+        _obey(goal, status)
+    else:
+        goal.accept()
+        if not plan.remaining(cycle):
+            _end(goal, Outcome.CANCELED if goal.cancelling else Outcome.SUCCEEDED)
+
+
+def _judge_early(goal: Goal, status: Optional[Status], seen: bool) -> None:
+    if status is None:
+        if seen:
+            goal.accept()
+    elif status.outcome is Outcome.REJECTED:
+        _obey(goal, status)
+    elif status.outcome in (None, Outcome.SUCCEEDED):
+        goal.accept()
+
+
+def _obey(goal: Goal, status: Status) -> None:
+    if status.outcome is None:
+        goal.accept()
+    else:
+        _end(goal, status.outcome, status.reason)
+
+
+def _end(goal: Goal, outcome: Outcome, reason: str = "") -> None:
+    text = _TEXTS[outcome].format(goal.term)
+    goal.end(outcome, f"{text}: {reason}" if reason else text)

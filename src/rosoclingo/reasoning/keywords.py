@@ -1,0 +1,103 @@
+"""The predicates by which the core and a reactive program talk (the paper's Fig. 5, plus ``_status``).
+
+Atoms and terms are ``clingo.Symbol`` throughout; cycles are integers from 1.
+"""
+
+from typing import NamedTuple, Optional
+
+from clingo import Function, Number, Symbol, SymbolType
+
+REQUEST = "_request"
+ACTION_LIB = "_action_lib"
+RETURN = "_return"
+STATUS = "_status"
+CANCEL = "cancel"
+
+#: Keywords that only the core itself or the program may state: ``(name, arity)``.
+RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (STATUS, 3)})
+
+#: The return value of an action that did not answer in time.
+TIMEOUT = Function("timeout")
+
+
+class KeywordError(ValueError):
+    """An atom with a keyword's name that is not of the keyword's form."""
+
+
+class Action(NamedTuple):
+    """One action of a plan: run ``interface`` with ``parameter`` in ``cycle``."""
+
+    interface: Symbol
+    parameter: Symbol
+    cycle: int
+
+    @property
+    def atom(self) -> Symbol:
+        """The action as ``_action_lib(A,P,C)``."""
+        return Function(ACTION_LIB, [self.interface, self.parameter, Number(self.cycle)])
+
+    @property
+    def interface_name(self) -> str:
+        """The interface's name as messages carry it."""
+        return name_of(self.interface)
+
+
+class Return(NamedTuple):
+    """What came back from ``interface`` for an action of ``cycle``."""
+
+    interface: Symbol
+    value: Symbol
+    cycle: int
+
+    @property
+    def atom(self) -> Symbol:
+        """The return as ``_return(A,V,C)``."""
+        return Function(RETURN, [self.interface, self.value, Number(self.cycle)])
+
+
+def request(goal: Symbol, cycle: int) -> Symbol:
+    """``_request(goal,cycle)``."""
+    return Function(REQUEST, [goal, Number(cycle)])
+
+
+def cancellation(identifier: Symbol, cycle: int) -> Symbol:
+    """``_request(cancel(identifier),cycle)``."""
+    return request(Function(CANCEL, [identifier]), cycle)
+
+
+def action_of(atom: Symbol) -> Action:
+    """Read an ``_action_lib(A,P,C)`` atom; raises KeywordError."""
+    interface, parameter, cycle = _arguments(atom, ACTION_LIB, "_action_lib(A,P,C)")
+    return Action(interface, parameter, cycle)
+
+
+def return_of(atom: Symbol) -> Return:
+    """Read a ``_return(A,V,C)`` atom; raises KeywordError."""
+    interface, value, cycle = _arguments(atom, RETURN, "_return(A,V,C)")
+    return Return(interface, value, cycle)
+
+
+def is_keyword(atom: Symbol, name: str) -> bool:
+    """Whether ``atom`` has the keyword's name, of whatever arity."""
+    return atom.type is SymbolType.Function and atom.name == name
+
+
+def identifier_of(goal: Symbol) -> Optional[Symbol]:
+    """The identity of a goal term, its last argument; None for a term without arguments."""
+    if goal.type is not SymbolType.Function or not goal.name or not goal.arguments:
+        return None
+    return goal.arguments[-1]
+
+
+def name_of(term: Symbol) -> str:
+    """A term as a name: a string's content, else the term's text."""
+    return term.string if term.type is SymbolType.String else str(term)
+
+
+def _arguments(atom: Symbol, name: str, form: str) -> "tuple[Symbol, Symbol, int]":
+    if not is_keyword(atom, name) or len(atom.arguments) != 3 or not atom.positive:
+        raise KeywordError(f"'{atom}' is not of the form {form}")
+    first, second, cycle = atom.arguments
+    if cycle.type is not SymbolType.Number or cycle.number < 1:
+        raise KeywordError(f"'{atom}': the cycle '{cycle}' is no positive integer")
+    return first, second, cycle.number

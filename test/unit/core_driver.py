@@ -1,0 +1,97 @@
+"""Drives the pure core in tests: small programs, a journal, and returns on demand."""
+
+from typing import List, Optional
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused
+from rosoclingo.reasoning.journal import Journal
+
+#: One errand per goal ``do(What,Id)``: run What with Id until it returns Id. No statuses. "never" cannot be done.
+ERRANDS = """
+#external _request/2. #external _return/3. #external _seen/1.
+asked(W,I,C) :- _request(do(W,I),C).
+#program cumulative(t).
+{ _action_lib(W,I,t) : asked(W,I,C), C <= t+1, W != never } 1.
+:- _action_lib(W,I,t), done(I,t-1).
+failed(I,t) :- _action_lib(W,I,t), _return(W,V,t), V != I.
+done(I,t) :- _action_lib(W,I,t), not failed(I,t).
+done(I,t) :- done(I,t-1).
+done(I,t) :- _request(cancel(I),t).
+#program volatile(t).
+:- asked(W,I,C), not done(I,t).
+#program base.
+#show _action_lib/3. #show _status/3.
+#defined _status/3.
+"""
+
+
+class Driver:
+    """A core with a journal; ``run`` lets it go as far as it goes by itself."""
+
+    def __init__(self, text: str = ERRANDS, settings: Optional[CoreSettings] = None, start: bool = True) -> None:
+        self.program = ReactiveProgram.from_text(text)
+        self.journal = Journal()
+        settings = settings or CoreSettings(horizon_limit=8)
+        self.core = Core(self.program, lambda: ReactiveSolver(self.program, shortest=True), self.journal, settings)
+        self.now = 1.0
+        if start:
+            self.core.start()
+            self.run()
+
+    def run(self) -> "Driver":
+        """Advance until the core waits."""
+        for _ in range(200):
+            self.core.poll(self.now)
+            if not self.core.advance(self.now):
+                return self
+        raise AssertionError("the core does not come to rest")
+
+    def goal(self, key: str, text: str) -> "Driver":
+        """A goal arrives, and the core goes on."""
+        self.core.add_goal(key, text)
+        return self.run()
+
+    def cancel(self, key: str) -> "Driver":
+        """A cancel arrives, and the core goes on."""
+        self.core.cancel_goal(key)
+        return self.run()
+
+    def facts(self, *facts: str) -> "Driver":
+        """An interface's message arrives, and the core goes on."""
+        self.core.receive("interface", facts)
+        return self.run()
+
+    def succeed(self) -> "Driver":
+        """Everything under way returns its parameter, and the core goes on."""
+        for action in self.core.awaited:
+            self.core.receive(
+                "interface", [f"_return({action.interface},{action.parameter},{action.cycle})"]
+            )
+        return self.run()
+
+    def finish(self) -> "Driver":
+        """All succeeds until nothing is under way."""
+        for _ in range(200):
+            if not self.core.awaited:
+                return self
+            self.succeed()
+        raise AssertionError("the core does not come to rest")
+
+    @property
+    def awaited(self) -> List[str]:
+        """The actions under way."""
+        return [str(action.atom) for action in self.core.awaited]
+
+    def states(self, key: str) -> List[str]:
+        """The states that a goal went through."""
+        return self.journal.states_of(key)
+
+    def message(self, key: str) -> str:
+        """The message with which a goal ended."""
+        ends = [event for event in self.journal.of(GoalChanged) if event.key == key and event.outcome is not None]
+        refused = [event for event in self.journal.of(GoalRefused) if event.key == key]
+        return ([event.message for event in ends] + [event.message for event in refused])[0]
+
+    def feedback(self, key: str) -> List[GoalProgress]:
+        """The feedback that a goal got."""
+        return [event for event in self.journal.of(GoalProgress) if event.key == key]
