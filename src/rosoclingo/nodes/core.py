@@ -42,14 +42,13 @@ class CoreNode:
         ~labels (map or list, default {}): named locations; each is given to the program's base part as ``label(Name).``
         ~horizon_limit (int, default 100): steps that a plan may reach beyond the current cycle.
         ~search_timeout (float, default 30.0): seconds of wall time for one search, 0 for no limit.
-        ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as failed
-            and ``_return(A,timeout,C)`` is fed, 0 for no limit.
+        ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
+            failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
-        but a
-            subscriber that comes while actions are under way is sent those.
+            but a subscriber that comes while actions are under way is sent those.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer.
         ~updates (std_msgs/String): every stream update, as text.
     Actions:

@@ -50,7 +50,7 @@ class ScenarioPlayer:
         self.goals: List[SentGoal] = []
 
     def prepare(self, timeout: float) -> None:
-        """Wait for all servers, at most ``timeout`` seconds of wall time each, and put the packages; raises PlayError."""
+        """Wait for all servers, each at most ``timeout`` seconds of wall time, put the packages; raises PlayError."""
         self._until(lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing)))
         self._until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
         for client in self._clients.values():

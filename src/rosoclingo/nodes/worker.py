@@ -11,7 +11,9 @@ Job = Callable[[], None]
 
 
 class Worker:
-    """Runs jobs one after the other, and ``settle`` after those that waited, at least every ``period`` seconds (wall time).
+    """Runs jobs one after the other, and ``settle`` after those that waited.
+
+    Settling happens at least every ``period`` seconds of wall time.
 
     An exception that reaches the worker is a fault of the node:
     it is logged and the node shut down, as a node without its worker would only seem to live.
@@ -46,7 +48,7 @@ class Worker:
         try:
             while self._once():
                 pass
-        except Exception:  # the last resort: anything expected was caught where it belongs
+        except Exception:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
             rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
             rospy.signal_shutdown("the worker failed")
 

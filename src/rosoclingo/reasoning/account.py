@@ -37,7 +37,10 @@ class GoalAccount:
 
 @dataclass
 class Summary:
-    """What a run came to. ``packages`` maps each package to its label or "carried"; ``seconds`` are of the run's clock."""
+    """What a run came to.
+
+    ``packages`` maps each package to its label or "carried"; ``seconds`` are of the run's clock.
+    """
 
     goals: List[GoalAccount] = field(default_factory=list)
     actions: List[str] = field(default_factory=list)

@@ -23,8 +23,9 @@ def check_fact(atom: Symbol, program: ReactiveProgram) -> None:
 
 
 def take_return(atom: Symbol, dispatch: Optional[Dispatch]) -> bool:
-    """Count ``atom`` as the return of an action under way. False when it is no return at all; raises KeywordError when it is
-    a malformed one and ReturnError when no action waits for it.
+    """Count ``atom`` as the return of an action under way; False when it is no return at all.
+
+    Raises KeywordError when it is a malformed return, and ReturnError when no action waits for it.
     """
     if not is_keyword(atom, RETURN):
         return False

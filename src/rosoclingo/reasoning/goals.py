@@ -133,8 +133,10 @@ class Goal:
             self.apply(GoalEvent.ACCEPT)
 
     def end(self, outcome: Outcome, message: str) -> None:
-        """End the goal. Success and failure pass through acceptance, as actionlib wants it, and a goal once accepted is
-        aborted instead of rejected. Raises TransitionError when it has ended already.
+        """End the goal; raises TransitionError when it has ended already.
+
+        Success and failure pass through acceptance, as actionlib wants it, and a goal once accepted is aborted
+        instead of rejected.
         """
         if outcome is Outcome.REJECTED and self.live and self.state not in UNDECIDED:
             outcome = Outcome.ABORTED

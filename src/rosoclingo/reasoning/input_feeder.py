@@ -49,7 +49,7 @@ class InputFeeder:
         self._facts[atom] = None
 
     def next_update(self, step: int, executed: Iterable[Action]) -> Batch:
-        """The update that starts cycle ``step`` after ``executed`` in the one before; the feeder is empty afterwards."""
+        """The update that starts cycle ``step``, after ``executed`` in the one before; it empties the feeder."""
         goals = tuple(item for item in self._requests if isinstance(item, Goal))
         statements = [Statement(None, (Literal(action.atom, False),)) for action in executed]
         statements += [Statement(self._request(item, step)) for item in self._requests]

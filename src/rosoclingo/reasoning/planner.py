@@ -62,7 +62,7 @@ class Planner:
         self._solver.close_cycle(past.cycle, past.executed)
 
     def update(self, update: StreamUpdate) -> SolveResult:
-        """Feed an update, which names its step, and solve; raises SolverError with nothing changed when it is refused."""
+        """Feed an update, which names its step, and solve; raises SolverError, with nothing changed, when refused."""
         result = self._search(StreamUpdate(update.step, self._lookahead, self._backlog + update.items))
         self._backlog = ()
         self._history += (update,)
