@@ -44,7 +44,8 @@ class AggregateTranslator:
             for element in aggregate.elements:
                 self._set_element(element)
         else:
-            self._rewriting.replace((aggregate.start, first + 1), aggregate.function + " {")
+            apart = self._tokens[aggregate.start - 1].end < self._tokens[aggregate.start].start or not aggregate.start
+            self._rewriting.replace((aggregate.start, first + 1), ("" if apart else " ") + aggregate.function + " {")
             self._rewriting.replace((after - 1, after), "}")
             self._weighted_elements(aggregate, in_head)
         self._separators(aggregate)
@@ -59,10 +60,10 @@ class AggregateTranslator:
         first = aggregate.span[0] + aggregate.negated
         before = aggregate.assigned or aggregate.lower
         if before and self.special(first, aggregate.start):
-            equals = " = " if aggregate.assigned else " "
+            equals = " =" if aggregate.assigned else ""
             self._rewriting.replace((first, aggregate.start), show(before) + equals)
         if aggregate.upper and self.special(aggregate.inside[1], aggregate.span[1]):
-            self._rewriting.replace((aggregate.inside[1], aggregate.span[1]), " " + show(aggregate.upper))
+            self._rewriting.replace((aggregate.inside[1], aggregate.span[1]), show(aggregate.upper))
 
     def _check_bound(self, aggregate: Aggregate, bound: Optional[Term]) -> None:
         if bound and has_pool(bound):

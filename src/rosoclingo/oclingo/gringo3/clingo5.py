@@ -6,10 +6,16 @@ import clingo.ast
 
 
 def head_signatures(text: str) -> List[Tuple[str, int]]:
-    """The signatures of the atoms in the head of a statement, or declared external; none if clingo cannot read it."""
+    """The signatures of the atoms in the head of a statement, or declared external; none if clingo cannot read it.
+
+    Only ASCII goes to clingo: its Python module ends the process when a message cuts another character in two.
+    """
     found: List[Tuple[str, int]] = []
+    plain = text.encode("ascii", "replace").decode("ascii")
     try:
-        clingo.ast.parse_string(text, lambda node: found.extend(_of_statement(node)), logger=lambda code, message: None)
+        clingo.ast.parse_string(
+            plain, lambda node: found.extend(_of_statement(node)), logger=lambda code, message: None
+        )
     except RuntimeError:
         return []
     return list(dict.fromkeys(found))
@@ -36,6 +42,11 @@ class _Atoms(clingo.ast.Transformer):
         """Note an atom; ``-p`` is a unary operation on the term ``p``."""
         negative = node.symbol.ast_type is clingo.ast.ASTType.UnaryOperation
         self._note(node.symbol.argument if negative else node.symbol, "-" if negative else "")
+        return node
+
+    def visit_ConditionalLiteral(self, node: clingo.ast.AST) -> clingo.ast.AST:
+        """Look at the literal, not at its condition."""
+        self.visit(node.literal)
         return node
 
     def _note(self, term: clingo.ast.AST, sign: str) -> None:

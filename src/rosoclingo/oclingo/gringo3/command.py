@@ -14,8 +14,8 @@ def main(names: Sequence[str], folder: Optional[str]) -> int:
     """Translate the files of a program; ``-`` is standard input.
 
     What reads differently in both languages is taken for gringo 3's, since that is what the command is asked for. The
-    translations are printed one after the other, or written under the files' names into a folder; warnings and errors go
-    to standard error. Returns the exit code.
+    translations are printed one after the other, or written under the files' names into a folder; warnings and errors
+    go to standard error. Returns the exit code.
     """
     try:
         sources = [(name, _read(name)) for name in names]

@@ -7,7 +7,7 @@ Each statement is looked at by itself: it may hold *evidence* for one of the lan
 import enum
 import re
 from dataclasses import dataclass, field
-from typing import Iterable, List, Optional, Sequence
+from typing import Iterable, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.gringo3.evidence import Finding, Sign, findings
 from rosoclingo.oclingo.gringo3.lexer import Token, comments, statements
@@ -72,8 +72,8 @@ def inspect(text: str, tokens: Sequence[Token]) -> FileDialect:
     return found
 
 
-def decide(files: Sequence[FileDialect], undecided: Dialect) -> List[Dialect]:
-    """The language of each file of a program.
+def decide(files: Sequence[FileDialect], undecided: Dialect) -> List[Tuple[Dialect, bool]]:
+    """The language of each file of a program, and whether anything told it.
 
     A pragma ``% dialect: gringo 3`` decides; then evidence, if it is all for one language; then oClingo's directives
     against ``#program``. A file that reads differently in both languages and holds nothing of that follows the other
@@ -83,7 +83,7 @@ def decide(files: Sequence[FileDialect], undecided: Dialect) -> List[Dialect]:
     own = [found.decided for found in files]
     known = {dialect for dialect in own if dialect in (Dialect.GRINGO3, Dialect.CLINGO5)}
     common = known.pop() if len(known) == 1 else None
-    return [_decision(dialect, common, undecided) for dialect in own]
+    return [(_decision(dialect, common, undecided), bool(dialect or common)) for dialect in own]
 
 
 def _decision(own: Optional[Dialect], common: Optional[Dialect], undecided: Dialect) -> Dialect:

@@ -57,9 +57,15 @@ class DirectiveParser(StatementParser):
         self.dot()
         return TermDirective(name, term, span)
 
-    def nothing(self) -> None:
-        """Only the dot."""
+    def part(self) -> str:
+        """``name.`` or ``name(parameter).``, today's name of a part; its parameter, if it has one."""
+        self._identifier()
+        parameter = ""
+        if self.accept("(") is not None:
+            parameter = self._tokens[self._identifier()].text
+            self.expect(")")
         self.dot()
+        return parameter
 
     def include(self) -> None:
         """A file's name."""

@@ -63,7 +63,7 @@ class _Scanner:
         self._name = statement[0].text if statement[0].kind is Kind.DIRECTIVE else ""
         self._in_body = False
         self._conditional = False
-        self._interval: Optional[Token] = None
+        self._several: Optional[Token] = None
         self._groups = [_Group("", statement[0])]
 
     def words(self) -> Iterator[Finding]:
@@ -113,8 +113,8 @@ class _Scanner:
                 yield from self._close()
             else:
                 yield from self._mark(group, token)
-        if self._conditional and self._interval and not self._name:
-            yield Finding(Sign.CONFLICT, self._interval, "an interval under a condition or in a disjunction")
+        if self._conditional and self._several and not self._name:
+            yield Finding(Sign.CONFLICT, self._several, "an interval or a pool under a condition or in a disjunction")
 
     def _open(self, index: int, token: Token) -> Iterator[Finding]:
         self._groups[-1].first_in_segment = False
@@ -140,12 +140,11 @@ class _Scanner:
     def _mark(self, group: _Group, token: Token) -> Iterator[Finding]:
         if group.bracket in ("", "{"):
             yield from self._separator(group, token)
-        elif token.text == "..":
-            self._interval = token
         elif token.text == ",":
             group.commas += 1
-        elif token.text == ";":
-            group.semicolons += 1
+        elif token.text in ("..", ";"):
+            self._several = token
+            group.semicolons += token.text == ";"
 
     def _separator(self, group: _Group, token: Token) -> Iterator[Finding]:
         text = token.text

@@ -12,9 +12,13 @@ from rosoclingo.oclingo.gringo3.lexer import Kind, Token
 from rosoclingo.oclingo.gringo3.optimization import OptimizationTranslator, domain_atoms
 from rosoclingo.oclingo.gringo3.rewriting import Rewriting
 from rosoclingo.oclingo.gringo3.rules import RuleTranslator
+from rosoclingo.oclingo.gringo3.statement_parser import FUNCTIONS
 from rosoclingo.oclingo.gringo3.syntax import Aggregate, Disjunction, Element, Rule
 from rosoclingo.oclingo.gringo3.terms import show
 from rosoclingo.oclingo.gringo3.visibility import Statement, Visibility
+
+_AGGREGATES = (*FUNCTIONS, "#true", "#false", "#abs", "#mod", "#div", "#pow", "#infimum", "#supremum")
+_LPARSE_WORDS = ("minimize", "minimise", "maximize", "maximise", "compute", "const", "hide", "show", "domain")
 
 
 class Program:
@@ -68,14 +72,24 @@ class FileTranslator:
         if tokens[-1].text != ".":
             raise RefusalError(tokens[-1], "this statement has no dot at its end")
         parser = DirectiveParser(self._tokens, statement.first, statement.after)
-        if tokens[0].kind is Kind.DIRECTIVE and tokens[0].text in self._directives():
-            parser.step()
-            self._directives()[tokens[0].text](statement, parser)
-        else:
-            self._rule(statement, parser)
+        try:
+            self._parsed(statement, tokens[0], parser)
+        except RefusalError as refusal:
+            raise _with_mend(refusal, tokens[0]) from None
         if tokens[0].text != "#const":
             self._program.constants.note(self._name, tokens)
         self._program.seen_variables.update(token.text for token in tokens if token.kind is Kind.VARIABLE)
+
+    def _parsed(self, statement: StatementDialect, word: Token, parser: DirectiveParser) -> None:
+        if word.text in _LPARSE_WORDS and self._tokens[statement.first + 1].text in ("[", "{"):
+            raise RefusalError(word, f"'{word.text}' before an aggregate is no number")
+        if word.kind is not Kind.DIRECTIVE or word.text in _AGGREGATES:
+            self._rule(statement, parser)
+        elif word.text in self._directives():
+            parser.step()
+            self._directives()[word.text](statement, parser)
+        else:
+            raise RefusalError(word, f"'{word.text}' is no directive of gringo 3")
 
     def _leave(self, statement: StatementDialect, tokens: Sequence[Token]) -> None:
         """Leave a statement of clingo 5 as it is."""
@@ -90,6 +104,7 @@ class FileTranslator:
     def _directives(self) -> "Dict[str, Callable[[StatementDialect, DirectiveParser], None]]":
         return {
             "#base": self._part,
+            "#program": self._named_part,
             "#cumulative": self._part,
             "#volatile": self._part,
             "#forget": lambda s, p: self._terms(p.term_directive(True, ":")),
@@ -118,6 +133,9 @@ class FileTranslator:
         directive = parser.term_directive(True, ":")
         self._terms(directive)
         self._step = directive.identifier
+
+    def _named_part(self, statement: StatementDialect, parser: DirectiveParser) -> None:
+        self._step = parser.part()
 
     def _terms(self, directive: TermDirective) -> None:
         first, after = directive.span
@@ -175,6 +193,13 @@ class FileTranslator:
         parsed = parser.minimize()
         self._optimization.optimize(parsed, self._program.levels, self._step, self._program.domains)
         self._program.levels += 1
+
+
+def _with_mend(refusal: RefusalError, word: Token) -> RefusalError:
+    """Words that lparse knew are names in gringo 3, which a syntax error after them should tell."""
+    if refusal.mend or word.text not in _LPARSE_WORDS:
+        return refusal
+    return RefusalError(refusal.token, refusal.message, f"the directive is written '#{word.text}'")
 
 
 def _head_signatures(rule: Rule) -> List[Signature]:

@@ -27,7 +27,7 @@ class OptimizationTranslator:
     def optimize(self, parsed: Elements, level: int, step: str, domains: Domains) -> None:
         """Translate in place.
 
-        ``level`` is the number of optimization statements before this one, ``step`` the parameter of the program's part.
+        ``level`` is the number of optimization statements before this one, ``step`` the parameter of its part, if any.
         """
         first, after = parsed.inside
         self._rewriting.replace((first, first + 1), "{")

@@ -50,14 +50,18 @@ def translate_program(
     dialects = decide(inspected, undecided)
     naming = Naming(token.text for found in lexed for token in found if token.kind is Kind.VARIABLE)
     program, translators = Program(naming), []
-    for (name, text), found, told, dialect in zip(files, lexed, inspected, dialects):
+    for (name, text), found, told, (dialect, _) in zip(files, lexed, inspected, dialects):
         translators.append(FileTranslator(program, PurePath(name).name, text, found, told, dialect))
     faults = _run(files, program, translators)
     if faults:
         raise TranslationError(faults)
     return tuple(
-        TranslationResult(_marked(text, translator.text()), _warnings(name, told, dialect, translator), dialect)
-        for (name, text), told, dialect, translator in zip(files, inspected, dialects, translators)
+        TranslationResult(
+            _marked(text, translator.text()),
+            _warnings(name, translator) + (() if certain else _undecided(name, told, dialect)),
+            dialect,
+        )
+        for (name, text), told, (dialect, certain), translator in zip(files, inspected, dialects, translators)
     )
 
 
@@ -90,17 +94,14 @@ def _marked(old: str, new: str) -> str:
     return new + ("" if new.endswith("\n") else "\n") + MARK + "\n"
 
 
-def _warnings(name: str, told: FileDialect, dialect: Dialect, translator: FileTranslator) -> Tuple[str, ...]:
-    found = [f"{name}:{token.line}:{token.column}: {message}" for token, message in translator.warnings]
-    if told.decided is None:
-        found += _undecided(name, told, dialect)
-    return tuple(found)
+def _warnings(name: str, translator: FileTranslator) -> Tuple[str, ...]:
+    return tuple(f"{name}:{token.line}:{token.column}: {message}" for token, message in translator.warnings)
 
 
-def _undecided(name: str, told: FileDialect, dialect: Dialect) -> List[str]:
+def _undecided(name: str, told: FileDialect, dialect: Dialect) -> Tuple[str, ...]:
     conflicts = (f for statement in told.of(Dialect.CONFLICT) for f in statement.findings if f.sign is Sign.CONFLICT)
     text = "{}:{}:{}: {} means one thing in gringo 3 and another in clingo 5; read as {} (say so by '% dialect: {}')"
-    return [
+    return tuple(
         text.format(name, f.token.line, f.token.column, f.what, dialect.value, dialect.value)
         for f in list(conflicts)[:1]
-    ]
+    )

@@ -1,0 +1,209 @@
+"""Telling gringo 3's language from clingo 5's."""
+
+import pytest
+
+from rosoclingo.oclingo.gringo3 import Dialect, included_files, translate, translate_program
+from rosoclingo.oclingo.gringo3.dialect import inspect
+from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+
+
+def kind_of(text):
+    (statement,) = inspect(text, tokens(text)).statements
+    return statement.dialect
+
+
+GRINGO3 = [
+    "{ a, b }.",
+    "{ a : b : c }.",
+    ":- a : b, c : d.",
+    "1 [ a=1 ] 2.",
+    ":- 2 #sum [ a=1 ].",
+    "p(X) :- X := 1.",
+    "p(a,1;;b,2).",
+    "#hide.",
+    "#hide p/1.",
+    "#domain p(X).",
+    "#compute { a }.",
+    "p(X #mod 2) :- q(X).",
+    ":- #even { a }.",
+    ":- X = #count { not a }.",
+    "#external p(X) : q(X) : r(X).",
+    "#minimize { a : b : c }.",
+    "#minimize { not a }.",
+    "#begin_lua x #end_lua.",
+]
+CLINGO5 = [
+    ":- a; b.",
+    "a ; b.",
+    "{ a ; b }.",
+    ":- a : b, c; d.",
+    "{ a } = 1.",
+    ":- 1 = { a }.",
+    ":- 1 < #count { a : b }.",
+    ":- X == #sum { 1 : a }.",
+    ":- #count { X : p(X) } > 1.",
+    ":- X = #sum { Y : p(Y) }.",
+    ":~ a. [1@2]",
+    "#external p(X) : q(X), r(X).",
+    "#external p. [true]",
+    "#show X : p(X).",
+    "#show (X,Y) : p(X,Y).",
+    "#show p(X) : q(X), r.",
+    "#minimize { 1,X : p(X) }.",
+    "#minimize { X@2 : p(X) }.",
+    ":- not not a.",
+    ":- 1 < X < 3, p(X).",
+    "p(0x1F).",
+    "#defined p/1.",
+    "#script (python) x = 1. #end.",
+    "#theory t { x { - : 1, unary }; &a/0 : x, head }.",
+]
+EITHER = [
+    "p(1..3).",
+    "p(a;b).",
+    "1 { p(X) : q(X) } 1 :- r.",
+    "a :- b, not c, X < 3, X = Y + 1.",
+    ":- p(X) : q(X).",
+    "a :- c, p(X) : q(X).",
+    "a | b.",
+    "a : b | c : d.",
+    "#const n = 3.",
+    "#base.",
+    "#cumulative t.",
+    "#volatile t : 3.",
+    "#forget t : t - 3.",
+    "#program step(t).",
+    "#external p/1.",
+    "#external p(X;Y) : q(X).",
+    "#external p(1..2).",
+    'p("a : b : c").',
+    "q(#inf).".replace("#inf", "#infimum"),
+    "p(X) :- X = #count { p(Y) : q(Y) }.".replace("#count ", ""),
+]
+CONFLICT = [
+    ":- a : b, c.",
+    "{ a : b, c }.",
+    ":- p(X;Y), q(X), r(Y).",
+    "p(a,1;2).",
+    "a(1..2) | b.",
+    "a(1;2) | b.",
+    "a(1..2) : b.",
+    ":- a(1..2) : b.",
+    "#show p/1.",
+    "#show.",
+    "#show p(X) : q(X).",
+    "#minimize { a : b }.",
+    ":- X = #count { p(Y) : q(Y) }.",
+    "#external p(left;right, t).",
+    "{ p(1;2) : q(X;Y) }.",
+]
+
+
+@pytest.mark.parametrize("text", GRINGO3)
+def test_only_gringo_3(text):
+    assert kind_of(text) is Dialect.GRINGO3
+
+
+@pytest.mark.parametrize("text", CLINGO5)
+def test_only_clingo_5(text):
+    assert kind_of(text) is Dialect.CLINGO5
+
+
+@pytest.mark.parametrize("text", EITHER)
+def test_same_in_both(text):
+    assert kind_of(text) is Dialect.EITHER
+    assert translate(text, "x.lp", Dialect.GRINGO3).text == text
+
+
+@pytest.mark.parametrize("text", EITHER)
+def test_what_is_the_same_in_both_stays_in_a_gringo_3_program(text):
+    result = translate(text + " #hide.", "x.lp")
+    assert result.dialect is Dialect.GRINGO3
+    assert result.text.startswith(text)
+
+
+@pytest.mark.parametrize("text", CONFLICT)
+def test_different_in_both(text):
+    assert kind_of(text) is Dialect.CONFLICT
+    assert translate(text, "x.lp").text == text
+    assert translate(text, "x.lp", Dialect.GRINGO3).text != text
+
+
+CONFLICTING = ":- a : b, c.\n"
+AS_GRINGO3 = ":- a : b; c.\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "gringo3"),
+    [
+        ("#cumulative t.\n", True),
+        ("#base.\n", True),
+        ("#iinit 0.\n", True),
+        ("#program base.\n", False),
+        ("#program base.\n#hide.\n", True),
+        ("#cumulative t.\nx :- y; z.\n", False),
+        ("#hide.\nx :- y; z.\n#cumulative t.\n", True),
+        ("#hide.\nx :- y; z.\n#program base.\n", False),
+        ("% dialect: gringo 3\nx :- y; z.\n", True),
+        ("% dialect: clingo 5\n#cumulative t.\n", False),
+        ("% dialect: clingo 3\n", False),
+        ("x.\n", False),
+    ],
+)
+def test_the_rest_of_a_file_decides_a_conflict(more, gringo3):
+    result = translate(more + CONFLICTING, "x.lp")
+    assert (AS_GRINGO3 if gringo3 else CONFLICTING) in result.text
+
+
+def test_statements_of_both_languages_keep_their_own_meaning_in_one_file():
+    text = "{ a : b : c }.\nx :- a : b, c; d.\n{ e, f }.\n:- a : b, c.\n#cumulative t.\n"
+    assert translate(text, "x.lp").text.splitlines()[:4] == [
+        "{ a : b, c }.",
+        "x :- a : b, c; d.",
+        "{ e; f }.",
+        ":- a : b; c.",
+    ]
+
+
+def test_a_conflict_alone_is_read_as_clingo_5_with_a_warning():
+    result = translate("x.\n" + CONFLICTING, "x.lp")
+    assert result.text == "x.\n" + CONFLICTING
+    (warning,) = result.warnings
+    assert warning.startswith("x.lp:2:9: ',' after a condition means one thing in gringo 3 and another in clingo 5")
+
+
+@pytest.mark.parametrize("text", ["p(1). #show p/1.", "p(1).", "a :- b; c."])
+def test_no_warning_without_cause(text):
+    assert translate(text, "x.lp").warnings == ()
+
+
+def test_undecided_files_follow_the_others():
+    results = translate_program([("a.lp", CONFLICTING), ("b.lp", "#hide.")])
+    assert results[0].text.startswith(AS_GRINGO3)
+    results = translate_program([("a.lp", CONFLICTING), ("b.lp", ":- x; y.")], Dialect.GRINGO3)
+    assert results[0].text == CONFLICTING
+
+
+def test_a_translation_that_could_be_mistaken_is_marked():
+    once = translate("#cumulative t.\n{ a : b : c }.", "x.lp").text
+    assert once == "#cumulative t.\n{ a : b, c }.\n% dialect: clingo 5\n"
+    assert translate(once, "x.lp", Dialect.GRINGO3).text == once
+
+
+def test_tokens_know_their_places():
+    found = tokens('p("a\\"%") :- % c\n %* x %* y *% % *%\n z *% X\'_1, _.\n')
+    assert [(t.text, t.line, t.column) for t in found[:3]] == [("p", 1, 1), ("(", 1, 2), ('"a\\"%"', 1, 3)]
+    assert [(t.text, t.line) for t in found[5:]] == [("X'_1", 3), (",", 3), ("_", 3), (".", 3), ("", 4)]
+    assert found[-1].kind is Kind.END
+
+
+@pytest.mark.parametrize("text", ["%* open", 'p("open', "`", "p §."])
+def test_what_is_no_token_is_unknown(text):
+    assert Kind.UNKNOWN in {token.kind for token in tokens(text)}
+
+
+def test_included_files():
+    assert included_files('% #include "no".\n#include "a.lp". p("b").\n#include"c/d.lp".') == [
+        ("a.lp", 2),
+        ("c/d.lp", 3),
+    ]

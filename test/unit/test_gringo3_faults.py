@@ -1,0 +1,118 @@
+"""What cannot be translated is refused with file, line and reason."""
+
+import pytest
+
+from rosoclingo.oclingo.errors import ProgramError
+from rosoclingo.oclingo.gringo3 import Dialect, TranslationError, translate, translate_program
+
+
+def faults(text):
+    with pytest.raises(TranslationError) as caught:
+        translate(text, "old.lp", Dialect.GRINGO3)
+    return caught.value.faults
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "words"),
+    [
+        ("#begin_lua f = 1 #end_lua.", 1, "scripts cannot be translated"),
+        ("#hide. p(@f(1)).", 10, "calls of script functions"),
+        ("#hide. p :- q", 13, "no dot at its end"),
+        ("#hide. p :- q, .", 16, "'.' is not expected here, but a term"),
+        ("#hide. p :- 1.", 14, "but a comparison, since the term before is no atom"),
+        ("#hide. p(.", 10, "'.' is not expected here"),
+        ("#hide. p :- not X < 3.", 19, "a comparison cannot be negated"),
+        ("#hide. p :- q = 3.", 15, "only a variable can stand before '='"),
+        ("#hide. p :- X = #avg [ a ].", 17, "the value of #avg cannot be assigned"),
+        ("#hide. p :- 1 #even { a }.", 15, "#even takes no bounds"),
+        ("#hide. p :- not 1 #avg [ a=2 ] 2.", 13, "'not' before an average with two bounds"),
+        ("#hide. p :- { X < 3 : q(X) } 2.", 15, "a comparison as element of a set"),
+        ("#hide. 1 [ X < 3 : q(X) ].", 12, "a comparison in a head"),
+        ("#hide. p :- 1;2 { a, b }.", 17, "a pool as bound"),
+        ("#hide. p :- 1 [ a=1;2 ].", 17, "a pool as weight"),
+        ("#hide. #minimize [ a=1@1;2 ].", 20, "a pool as priority"),
+        ("#hide. p :- 1 [ a=1..2 ].", 17, "an interval as weight or priority"),
+        ("#minimize [ X < 2 ].", 13, "a comparison is not expected here"),
+        ("#compute { a. ", 13, "',' or '}'"),
+        ("#compute [ a ].", 10, "'{'"),
+        ("#hide. #minimize a.", 18, "'{' or '['"),
+        ("#hide. #foo bar.", 8, "'#foo' is no directive of gringo 3"),
+        ("#hide. #const n.", 8, "#const needs a value"),
+        ("#hide. #include x.", 17, "a file name in quotes"),
+        ("#hide p/X.", 9, "the number of arguments"),
+        ("#hide. #cumulative 1.", 20, "a name"),
+        ("#hide. #external not p.", 18, "'not' is not expected here"),
+        ("#domain p(X,1).", 9, "#domain takes an atom whose arguments are variables"),
+        ("#domain p(_).", 9, "#domain takes an atom whose arguments are variables"),
+        ("#domain f(X). p :- q(X); r.", 15, "a variable that #domain declares"),
+        ("p(n). #const n = 1. #hide.", 7, "gringo 3 does not replace 'n' in the statements before"),
+        ("#hide. p(#abs(1,2)).", 18, "this function takes 1 argument(s)"),
+        ("#hide. p(#mod(1)).", 16, "this function takes 2 argument(s)"),
+        ("#hide. #show p(X) : q(X). #cumulative t. p(t).", 8, "cannot be shown from the base part"),
+        ("#hide p(1). #cumulative t. p(t).", 1, "single atoms cannot be hidden in a program with steps"),
+        ("#hide. #show p/1. #hide p(1).", 19, "or in one that hides all"),
+        ("#hide. minimize [ a ].", 8, "'minimize' before an aggregate is no number"),
+        ("#hide. const n = 1.", 14, "is not expected here"),
+        ("#hide. p(`).", 10, "'`' is not expected here"),
+        ("#hide. p :- q. %* open", 16, "no dot at its end"),
+    ],
+)  # fmt: skip
+def test_refused(text, column, words):
+    (fault,) = faults(text)
+    assert (fault.file, fault.line, fault.column) == ("old.lp", 1, column)
+    assert words in fault.message
+
+
+def test_the_mend_is_named():
+    assert faults("#hide. minimize [ a ].")[0].mend == "the directive is written '#minimize'"
+    assert faults("p(n).\n#const n = 1. #hide.")[0].mend == "put the #const before its use in old.lp:1"
+
+
+def test_names_in_arithmetic_may_get_their_value_later():
+    text = "p(1..n-1) :- q(X), X < n+1. #const n = 3. #hide."
+    assert "#const n = 3." in translate(text, "x.lp").text
+
+
+@pytest.mark.parametrize("name", ["p(n,1) :- n.", "n :- not n, -n, { n } 1."])
+def test_atoms_named_like_a_constant_are_no_uses_of_it(name):
+    text = name.replace("p(n,1)", "p(1)") + " #const n = 3. #hide."
+    assert translate(text, "x.lp").text.startswith(name.replace("p(n,1)", "p(1)")[:4])
+
+
+@pytest.mark.parametrize("text", ["p({}).".format("f(" * 200 + "1" + ")" * 200), "p({}1).".format("-" * 300)])
+def test_too_deep(text):
+    assert len(faults(text + " #hide.")) == 1
+
+
+def test_a_pool_may_not_explode():
+    pool = "1;2;3;4;5;6;7;8;9;10"
+    (fault,) = faults(":- p({}).".format(", ".join([pool] * 6)))
+    assert "more than 10000 literals" in fault.message
+
+
+def test_long_sums_and_pools_are_no_nesting():
+    text = "p({}) :- q({}).".format("+".join(["1"] * 2000), ";".join(map(str, range(2000))))
+    assert translate(text, "x.lp", Dialect.GRINGO3).text.count("q(") == 2000
+
+
+def test_all_faults_of_all_files_are_listed_at_once():
+    files = [("a.lp", "#hide.\np :- @f(1) == X.\n:- [ b=1;2 ] 3, q.\n"), ("b.lp", "{ a, b }.\n\n  #foo.\n")]
+    with pytest.raises(ProgramError) as caught:
+        translate_program(files)
+    assert [(fault.file, fault.line) for fault in caught.value.faults] == [("a.lp", 2), ("a.lp", 3), ("b.lp", 3)]
+    assert str(caught.value).splitlines()[2].startswith("b.lp:3:3: '#foo' is no directive")
+
+
+def test_faults_of_shown_atoms_name_their_file():
+    files = [("a.lp", "#hide."), ("b.lp", "#show p(X) : q(X).\n#cumulative t.\np(t).")]
+    with pytest.raises(TranslationError) as caught:
+        translate_program(files)
+    assert [(fault.file, fault.line) for fault in caught.value.faults] == [("b.lp", 1)]
+
+
+def test_warnings():
+    result = translate('p(F) :- q(F).\n#domain f(F).\n#include "x.lp".', "x.lp")
+    assert result.warnings == (
+        "x.lp:2:1: #domain does not reach the statements above it that use F",
+        "x.lp:3:1: the included file is not translated with this one",
+    )

@@ -1,0 +1,140 @@
+"""Answers of translated gringo 3 programs; the expected ones follow from gringo 3's manual and grammar."""
+
+import pytest
+from gringo3_answers import answers, optima, solve, translated
+
+from rosoclingo.oclingo.gringo3 import Dialect, translate_program
+
+
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        # separators
+        ("1 { a, b, c } 1.", ["a", "b", "c"]),
+        ("{ a, b }. ok :- 1 #count { a, b } 1. #hide. #show ok/0.", ["", "", "ok", "ok"]),
+        ("d(1..2). e(2..3). { p(X) : d(X) : e(X), q(X) : e(X) : not d(X) }. #hide. #show p/1. #show q/1.",
+         ["", "p(2)", "p(2) q(3)", "q(3)"]),
+        # a condition in a body ends at the comma
+        ("d(1..2). { p(1), p(2), s }. ok :- p(X) : d(X), s. #hide. #show ok/0.", ["", "", "", "", "", "", "", "ok"]),
+        ("d(1..2). { p(1), p(2) }. ok :- not p(X) : d(X) : X != 2. #hide. #show ok/0.", ["", "", "ok", "ok"]),
+        # weights: every instance counts
+        ("{ a, b }. ok :- 2 [ a=1, b=2 ] 2. #hide. #show ok/0. #show b/0.", ["", "", "b", "b ok"]),
+        ("{ a }. ok :- 2 [ a, a ] 2. #hide. #show ok/0.", ["", "ok"]),
+        ("{ a }. ok :- 2 { a, a } 2. #hide. #show ok/0.", ["", ""]),
+        ("{ a }. c(1..2,x). ok :- 2 [ a : c(_,x) ] 2. #hide. #show ok/0.", ["", "ok"]),
+        ("{ a }. c(1..2,x). ok :- 2 { a : c(_,x) } 2. #hide. #show ok/0.", ["", ""]),
+        ("{ p(1), p(2) }. ok :- 4 [ p(1..2)=2 ]. #hide. #show ok/0.", ["", "", "", "ok"]),
+        ("{ p(1), p(2) }. ok :- 3 [ p(1;2), p(1) ]. #hide. #show ok/0.", ["", "", "", "ok"]),
+        ("d(1..3). 2 [ p(X) : d(X) = X ] 3. #hide d/1.", ["p(1) p(2)", "p(2)", "p(3)"]),
+        ("{ a, b }. ok :- not 1 #sum [ a=1, not b=1 ] 1. #hide. #show ok/0.", ["", "", "ok", "ok"]),
+        ("d(1..4). s(N) :- N = #sum [ d(X) : X != 2 = X ]. #hide d/1.", ["s(8)"]),
+        ("d(1..4). s(N) :- N := { d(X) : X > 1 }. #hide d/1.", ["s(3)"]),
+        ("d(2..4). s(A,B) :- A = #min [ d(X)=X ], B = #max [ d(X) : X < 4 = X ]. #hide d/1.", ["s(2,3)"]),
+        ("2 #max [ a=2, b=3 ] 2.", ["a"]),
+        # averages and parities
+        ("{ a, b }. ok :- 2 #avg [ a=1, b=3 ] 2. #hide. #show ok/0. #show a/0. #show b/0.", ["a", "a b ok", "b", "ok"]),
+        ("2 #avg [ a=1, b=3 ] 2.", ["", "a b"]),
+        ("{ a, b }. ok :- not 2 #avg [ a=1, b=3 ]. #hide. #show ok/0. #show a/0. #show b/0.", ["", "a b", "a ok", "b"]),
+        ("{ a, b }. e :- #even { a, b }. o :- #odd { a, b }.", ["a b e", "a o", "b o", "e"]),
+        ("{ a, b }. e :- #even [ a=2, b=3 ]. n :- not #odd [ a=2, b=3 ].", ["a b", "a e n", "b", "e n"]),
+        ("x. #odd { a, b } :- x.", ["a x", "b x"]),
+        # pools: all options hold in a body, each gives a rule in a head
+        ("b(1). b(2). ok :- b(1;2). no :- b(1;3).", ["b(1) b(2) ok"]),
+        ("p(a,1;2). q(1;2,x;y). r(1,2;;3,4).", ["p(a,1) p(a,2) q(1,x) q(1,y) q(2,x) q(2,y) r(1,2) r(3,4)"]),
+        ("p(1,2). p(2,3). t(X,Z) :- p(X,Y;;Y,Z). #hide p/2.", ["t(1,3)"]),
+        ("a(1;2) | b.", ["a(1)", "a(2)", "b"]),
+        ("d(1). d(2). { p(X;Y) : d(X) : d(Y) : X < Y }. #hide d/1.", ["", "p(1)", "p(1) p(2)", "p(2)"]),
+        ("{ p(1), p(2), q }. ok :- p(1;2) : not r, q. #hide. #show ok/0.", [*[""] * 7, "ok"]),
+        ("d(1;2). e(2). ok(X) :- e(X), d(X) : e(X;X).", ["d(1) d(2) e(2) ok(2)"]),
+        # intervals: one rule for each value, but local under conditions and in disjunctions
+        ("p(1). ok :- p(1..3). no :- not p(1..3).", ["no ok p(1)"]),
+        ("{ p(1) }. p(2). ok :- p(1..2) : p(2). #hide. #show ok/0.", ["", "ok"]),
+        ("a(1..2) | b.", ["a(1)", "a(2)", "b"]),
+        ("c. a(1..2) : c.", ["a(1) c", "a(2) c"]),
+        ("p(X) :- X := 1..2. q(X) :- X = 2..3. r :- 1..3 == 2.", ["p(1) p(2) q(2) q(3) r"]),
+        # assignments and arithmetic
+        ("q(X,Y) :- f(X,Y) := f(1,g).", ["q(1,g)"]),
+        ("q(X) :- X = #abs(0-3) + 7 #mod 4 + 2 #pow 3.", ["q(14)"]),
+        ("q(X) :- X = #mod(7,2+2) * #div(9,2) + |1-3|.", ["q(14)"]),
+        ("q(6 & 3, 6 ? 3, 6 ^ 3, ~6, -7 / 2, -7 #mod 2, 2 ** 3 ** 2).", ["q(2,7,5,-7,-3,-1,512)"]),
+        ("#const n = 2 #mod 5. p(n).", ["p(2)"]),
+        # domains
+        ("f(1..2). #domain f(X). p(X). q :- not r(X).", ["f(1) f(2) p(1) p(2) q"]),
+        ("p(1,1). p(1,2). #domain p(X,Y). #domain p(Y,Z). q(Z,X) :- not p(Z,X). #hide p/2.", ["q(2,1)"]),
+        ("f(1..2). #domain f(X). { p(X) }. :- p(X), p(Y) : f(Y). #hide f/1.", ["", "p(1)", "p(2)"]),
+        ("f(1). #domain f(X). p(X) :- . #hide f/1.", ["p(1)"]),
+        # classical negation, disjunction, constraints from #compute
+        ("-p | q. :- -p, not r. #hide. #show -p/0. #show q/0.", ["q"]),
+        ("{ a, b, c }. #compute 3 { a, not b }.", ["a", "a c"]),
+        ("d(1..2). { p(1), p(2) }. #compute { p(X) : d(X) }. #hide d/1.", ["p(1) p(2)"]),
+    ],
+)  # fmt: skip
+def test_answers(program, expected):
+    assert answers(program) == sorted(expected)
+
+
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        ("1 { a, b } 1. #minimize [ a=2, b=1 ].", ["b"]),
+        ("1 { a, b } 1. #maximise [ a=2, b=1 ].", ["a"]),
+        # equal literals count twice in brackets and once in braces
+        ("1 { a, b } 1. #minimize [ a, a, b=1, b=2 ].", ["a"]),
+        ("1 { a, b } 1. #minimize { a, a, b }.", ["a", "b"]),
+        ("1 { a, b } 1. d(1..2). #minimize [ a : d(X), b=3 ]. #hide d/1.", ["a"]),
+        ("1 { a, b } 1. d(1..2). #minimize [ a : d(_), b=2 ]. #hide d/1.", ["a", "b"]),
+        ("1 { p(1..3) } 1. #maximize { p(1..2) }.", ["p(1)", "p(2)"]),
+        # later statements weigh more, and statements of one priority add up
+        ("1 { a, b } 1. #minimize { a }. #minimize { b }.", ["a"]),
+        ("1 { a, b } 1. #minimize [ a=1@2, b=2@1 ].", ["b"]),
+        ("1 { a, b } 1. #minimize [ a@1 ]. #minimize [ a@1, b=1@1 ].", ["b"]),
+        ("1 { a, b } 1. #minimize { not a @ 3, not b @ 4 }.", ["b"]),
+    ],
+)
+def test_optima(program, expected):
+    assert optima(translated(program)) == sorted(expected)
+
+
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        ("p(1). q(1). #hide p/1.", "q(1)"),
+        ("p(1). q(1). #hide. #show p/1.", "p(1)"),
+        ("p(1). q(1). #show p/1.", "p(1) q(1)"),
+        ("p(1). q(1). #hide. #show.", "p(1) q(1)"),
+        ("p(1). q(1). #hide.", ""),
+        ("p(1). -q(1). r. #hide p/1. #hide r/0.", "-q(1)"),
+        ("p(1). -q(1). r. #hide p/1, r/0.", "-q(1)"),
+        ("p(1). -q(1). #hide. #show -q/1.", "-q(1)"),
+        ("p(1,2). q(1). #hide p(X,Y).", "q(1)"),
+        ("p(1..3). q(2). #hide. #show p(X) : q(X).", "p(2)"),
+        ("p(1..3). q(2). #hide p(X) : q(X).", "p(1) p(3) q(2)"),
+        ("p(1..3). q(2). #hide p/1. #show p(X) : q(X).", "p(2) q(2)"),
+        ("p(1..3,7). q(2). #hide. #show p(2;3,_).", "p(2,7) p(3,7)"),
+        ("p(1..3). #hide p(1;2).", "p(3)"),
+        ("p(1). q(1). #show p/1. #show p(X) : q(X).", "p(1) q(1)"),
+        ("p(1;;2,3). q. #hide p/1.", "p(2,3) q"),
+    ],
+)
+def test_shown_atoms(program, expected):
+    assert answers(program) == [expected]
+
+
+def test_what_one_file_hides_leaves_other_files_visible():
+    files = [
+        ("one.lp", "#hide p/1. p(1). r(1;2) :- p(1), p(1;1)."),
+        ("two.lp", "q(1). s :- q(X), X = 1; X < 2."),
+        ("three.lp", "t."),
+    ]
+    results = translate_program(files)
+    assert [result.dialect for result in results] == [Dialect.GRINGO3, Dialect.CLINGO5, Dialect.EITHER]
+    assert solve("\n".join(result.text for result in results)) == ["q(1) r(1) r(2) s t"]
+
+
+def test_domains_constants_and_levels_reach_from_file_to_file():
+    files = [
+        ("one.lp", "#const n = 2. f(1..n). #domain f(X). #minimize { p(1) }."),
+        ("two.lp", "1 { p(Y) : f(Y) } 1. q(X). #maximize { p(1) }. #hide f/1."),
+    ]
+    text = "\n".join(result.text for result in translate_program(files))
+    assert optima(text) == ["p(1) q(1) q(2)"]

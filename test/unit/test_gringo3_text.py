@@ -1,0 +1,161 @@
+"""The text of translations: what stays as it was, and where the lines are."""
+
+import pytest
+from gringo3_answers import translated
+
+from rosoclingo.oclingo.gringo3 import Dialect, translate, translate_program
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        # conditions and separators, with their layout
+        ("1 { m(B,L,t) : b(B) : l(L) : B!=L } 1 :- not g(t).", "1 { m(B,L,t) : b(B), l(L), B!=L } 1 :- not g(t)."),
+        ("on(B) :- not m(B,L) : l(L) : L > 1 , b(B) , c.", "on(B) :- not m(B,L) : l(L), L > 1; b(B) , c."),
+        ("{ a, b : c, }.", "{ a; b : c }."),
+        ("a : b : c | d : e : f :- g.", "a : b, c | d : e, f :- g."),
+        # pools
+        (":- on(B), b(B;C), not c(B;C,X).", ":- on(B), b(B), b(C), not c(B,X), not c(C,X)."),
+        ("p(a;b). p(1;2,x;y) :- q.", "p(a;b). p((1;2),(x;y)) :- q."),
+        ("p(1,2;;3,4). p(1;2;;3).", "p(1,2;3,4). p((1;2);3)."),
+        ("p(f(1,2;3)) :- q(f(1,2;3)), r(;;).".replace(", r(;;)", ""), "p(f(1,(2;3))) :- q(f(1,2)), q(f(1,3))."),
+        # arithmetic
+        ("n(T,(T+1) #mod m) :- T := 0..m-1.", "n(T,(T+1)\\m) :- T = 0..m-1."),
+        ("m(X,Y) :- s(X;Y), #abs(X) != #abs(Y).", "m(X,Y) :- s(X), s(Y), |X| != |Y|."),
+        ("p(#pow(X+1,2), #div(X,2), X #pow 2 #div 3) :- q(X).", "p(((X+1)**2),(X/2),X**2/3) :- q(X)."),
+        # aggregates
+        ("X #sum [ a = 1, b : c = 2, d = 3 : e ] X+1 :- f(X).",
+         "X #sum { 1,0 : a; 2,1 : b : c; 3,2 : d : e } X+1 :- f(X)."),
+        (":- 1 [ a, not b = 2 : c ].", ":- 1 #sum { 1,0 : a; 2,1 : not b, c }."),
+        ("s(N) :- N = #count { p(X) : q(X) : r }.", "s(N) :- N = { p(X) : q(X), r }."),
+        ("s(N,M) :- N := #min [ p(X;Y) : q(X,Y) = X ], M = #max [ a = b ].",
+         "s(N,M) :- N = #min { X,0,X,Y : p(X), q(X,Y); X,1,Y,X : p(Y), q(X,Y) }, M = #max { b,0 : a }."),
+        (":- X := 1, not #abs(X) { a, b } #abs(X).", ":- X = 1, not |X| { a; b } |X|."),
+        (":- #sum+ [ a, b ] 1.", ":- #sum+ { 1,0 : a; 1,1 : b } 1."),
+        (":- 1 [ p(_,V1) : q(_) ].", ":- 1 #sum { 1,0,V2,V1,V3 : p(V2,V1), q(V3) }."),
+        # optimization
+        ("#minimize [ a=1@2, b : c(X) = X@3, e@1 : d ].",
+         '#minimize { 1@2,"test.lp:1",0 : a; X@3,"test.lp:1",1,X : b, c(X); 1@1,"test.lp:1",2 : e, d }.'),
+        ("#maximise{ a, -p(X) : q(X), }.",
+         '#maximise{ 1@0,"test.lp:1",(0,a) : a; 1@0,"test.lp:1",(0,-p(X)) : -p(X), q(X) }.'),
+        ("#minimize { not a : b : c }. #minimize [ a ].",
+         '#minimize { 1@0,"test.lp:1",(1,a) : not a, b, c }. #minimize { 1@1,"test.lp:2",0 : a }.'),
+        ("#compute 0 { a, not p(X) : q(X;Y) : r }.", ":- not a. :- p(X), q(X), q(Y), r."),
+        # directives
+        ("#external p(X,t) : d(X) : 0 < t+1 : e(X;X).", "#external p(X,t) : d(X), 0 < t+1, e(X), e(X)."),
+        ("#external p(l;r,t). #external -q/2. #hide.", "#external p((l;r),t). #external -q/2. #show."),
+        ("#domain f(X). #external p(X). #hide.", " #external p(X) : f(X). #show."),
+        ("#volatile t : 2 #mod 3. #iinit 1-2 #mod 3. #forget t : t #mod 2.",
+         "#volatile t : 2\\3. #iinit 1-2\\3. #forget t : t\\2."),
+        # domains
+        ("#domain f(X). p(X). q(X) :- r. s :- t(X) : u.", " p(X) :- f(X). q(X) :- r, f(X). s :- t(X) : u; f(X)."),
+        ("#domain f(X,Y). #domain g(Y). #minimize { p(X) }.",
+         '  #minimize { 1@0,"test.lp:1",(0,p(X)) : p(X), f(X,Y) }.'),
+        ("#domain f(X). #compute { p(X), q }.", " :- not p(X), f(X). :- not q."),
+        ("#domain f(X). #hide. #show p(X).", " #show. #show p/1."),
+        ("#domain f(X). #hide. #show p(X,1).", " #show. #show p(X,1) : p(X,1), f(X)."),
+        # averages and parities
+        ("x :- 1 #avg [ a=2, p(X) : q(X) = X ] 3, y.",
+         "x :- #sum { (2)-(1),0 : a; (X)-(1),1,X : p(X), q(X) } >= 0, #sum { (2)-(3),0 : a; (X)-(3),1,X : "
+         "p(X), q(X) } <= 0, y."),
+        ("x :- #avg [ a ]. :- not #avg [ a ].", "x :- #true. :- #false."),
+        ("#avg [ a ] :- x. #avg [ b ] 3.", "{ a } :- x. #sum { (1)-(3),0 : b } <= 0."),
+        (":- not #odd { a, b : c }.", ":- V1 = { a; b : c }, V1 \\ 2 = 0."),
+        ("#even [ a=1, b=2 : c ] :- x : y, z.",
+         "{ a; b : c } :- x : y ; z. :- x : y ; z; V1 = #sum { 1,0 : a; 2,1 : b, c }, V1 \\ 2 != 0."),
+    ],
+)  # fmt: skip
+def test_text(old, new):
+    assert translated(old + "\n").replace("\n% dialect: clingo 5", "") == new + "\n"
+
+
+PROGRAM = """\
+%* A program
+   of several lines *%   #base.
+#domain floor(F).  % floors
+up(t) :-
+\tfloor(F;G),   % both
+\tF<f-1,\t% not over the roof
+\tnot down(t) : x : y,  % last
+\tz.
+1 { a,   % one
+    b : c
+      : d,
+    e } 1.
+1 [ a,
+    b = 2,  % two
+    c ].
+#even { a,
+  b } :- z.
+#hide.
+end.
+"""
+
+
+def test_lines_and_comments_stay():
+    lines = translated(PROGRAM).splitlines()
+    assert len(lines) == len(PROGRAM.splitlines())
+    assert lines[0] == "%* A program"
+    assert lines[2] == "  % floors"
+    assert lines[4:8] == [
+        "\tfloor(F), floor(G),   % both",
+        "\tF<f-1,\t% not over the roof",
+        "\tnot down(t) : x, y;  % last",
+        "\tz, floor(F).",
+    ]
+    assert lines[8:12] == ["1 { a;   % one", "    b : c", "      , d;", "    e } 1."]
+    assert lines[12:15] == ["1 #sum { 1,0 : a;", "    2,1 : b;  % two", "    1,2 : c }."]
+    assert lines[-2:] == ["#show.", "end."]
+
+
+CLINGO5 = """\
+#program base.
+{ p(X) : q(X), r(X) } = 1 :- s(X;Y); t.
+#show p/1. #show X : p(X), q(X).
+:~ p(X). [X@2, X]
+#script (python)
+#end.
+&diff { a - b } <= 3 :- c.
+"""
+
+
+def test_clingo_5_stays_as_it_is():
+    assert translate(CLINGO5, "new.lp").text == CLINGO5
+    result = translate(CLINGO5, "new.lp", Dialect.GRINGO3)
+    assert (result.text, result.dialect) == (CLINGO5, Dialect.CLINGO5)
+
+
+@pytest.mark.parametrize("text", ["", "\n", "% only a comment", "p", "p.%", "\r\np.\r\n"])
+def test_small_texts_stay(text):
+    assert translate(text, "x.lp").text == text
+
+
+def test_carriage_returns_stay():
+    assert translated("{ a, b }.\r\np :- q(1;2),\r\n r.\r\n") == "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r\n"
+
+
+def test_minimize_in_a_step_counts_each_step():
+    result = translate("#cumulative k. #minimize [ a(k) : b ].", "dir/x.lp", Dialect.GRINGO3)
+    assert '#minimize { 1@0,"x.lp:1",k,0 : a(k), b }.' in result.text
+    result = translate("#program step(k).\n#minimize [ a(k) : b ].", "x.lp", Dialect.GRINGO3)
+    assert '#minimize { 1@0,"x.lp:1",k,0 : a(k), b }.' in result.text
+
+
+def test_shown_signatures_stand_where_something_was_hidden_first():
+    files = [
+        ("a.lp", "p. q(1).\n#hide p/0.\n#hide r/1."),
+        ("b.lp", "r(1). #external e/2. s :- t. { u : v } . #hide x/0."),
+    ]
+    first, second = translate_program(files)
+    assert first.text == "p. q(1).\n#show. #show q/1. #show e/2. #show s/0. #show u/0.\n% dialect: clingo 5\n"
+    assert second.text == "r(1). #external e/2. s :- t. { u : v } . "
+
+
+def test_clingo_5_statements_count_among_the_visible_ones():
+    files = [
+        ("a.lp", "#hide p/0."),
+        ("b.lp", "q(X;1) :- r(X); s. -t. { u; v : w }. #external x(1). y : z ; w. :- a; b. f(1..2,2;3)  :- b; c."),
+    ]
+    first, _ = translate_program(files)
+    shown = "#show. #show q/1. #show -t/0. #show u/0. #show v/0. #show x/1. #show y/0. #show w/0. #show f/2. #show f/1."
+    assert first.text.splitlines()[0] == shown
