@@ -23,9 +23,9 @@ from rosoclingo.msg import (
 )
 from rosoclingo.srv import PutPackage
 
-from rosoclingo.navigation.labels import LabelError
 from rosoclingo.nodes.office import OfficeNode
 from rosoclingo.nodes.parameters import ParameterError
+from rosoclingo.reasoning.labels import LabelError
 from rosoclingo.simulation.packages import PackageError
 
 

@@ -13,7 +13,7 @@ from std_msgs.msg import String as StringMessage
 from rosoclingo.interfaces.messages import FieldError, check_fields, fill
 from rosoclingo.interfaces.templates import Now
 from rosoclingo.interfaces.terms import read_term
-from rosoclingo.navigation.labels import Label
+from rosoclingo.reasoning.labels import Label
 
 NOW = genpy.Time(12, 34)
 BEDROOM = Label("bedroom", 10.5, 11.2, 3.141592653589793, "map")

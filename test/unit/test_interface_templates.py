@@ -17,7 +17,7 @@ from rosoclingo.interfaces.templates import (
     evaluate,
 )
 from rosoclingo.interfaces.terms import read_term
-from rosoclingo.navigation.labels import LabelTable, UnknownLabelError
+from rosoclingo.reasoning.labels import LabelTable, UnknownLabelError
 
 LABELS = LabelTable.from_mapping({"office2": {"x": 3, "y": 4, "yaw": 1}})
 RESULT = SimpleNamespace(outcome=3, location="office4", text="Some Words", poses=[SimpleNamespace(x=7)])

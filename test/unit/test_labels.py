@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.navigation.labels import Label, LabelError, LabelTable, UnknownLabelError
+from rosoclingo.reasoning.labels import Label, LabelError, LabelTable, UnknownLabelError
 
 TABLE = LabelTable.from_mapping({"office1": {"x": 1, "y": 2.5, "yaw": 0.5}, "bedroom": [10.5, 11.2], 7: [0, 0, 1]})
 

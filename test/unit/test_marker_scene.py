@@ -2,7 +2,6 @@
 
 import math
 
-from rosoclingo.navigation.labels import LabelTable
 from rosoclingo.nodes.marker_scene import (
     LATER,
     NEXT,
@@ -15,6 +14,7 @@ from rosoclingo.nodes.marker_scene import (
 )
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.labels import LabelTable
 
 LABELS = LabelTable.from_mapping({"office1": [0, 0], "office2": [4, 0, math.pi / 2], "office3": [8, 0]})
 PLAN = [

@@ -7,7 +7,7 @@ from clingo import Function, Symbol
 
 from rosoclingo.interfaces.templates import Ended, FillError, Scope, evaluate
 from rosoclingo.interfaces.terms import TermError, as_term, as_text, read_atom
-from rosoclingo.navigation.labels import UnknownLabelError
+from rosoclingo.reasoning.labels import UnknownLabelError
 
 SUCCEEDED = "succeeded"
 

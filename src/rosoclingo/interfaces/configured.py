@@ -11,7 +11,7 @@ from rosoclingo.interfaces.config import ConfigError, InterfaceSpec
 from rosoclingo.interfaces.messages import FieldError, check_fields, field_types, fill
 from rosoclingo.interfaces.templates import Ended, FillError, Scope, evaluate, references
 from rosoclingo.interfaces.worker import Worker
-from rosoclingo.navigation.labels import LabelTable, UnknownLabelError
+from rosoclingo.reasoning.labels import LabelTable, UnknownLabelError
 from rosoclingo.reasoning.keywords import Action
 
 

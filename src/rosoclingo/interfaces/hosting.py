@@ -10,7 +10,7 @@ import yaml
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, read_specs
 from rosoclingo.interfaces.configured import ConfiguredInterface
 from rosoclingo.interfaces.worker import Worker
-from rosoclingo.navigation.labels import DEFAULT_FRAME, LabelError, LabelTable
+from rosoclingo.reasoning.labels import DEFAULT_FRAME, LabelError, LabelTable
 
 _OVERRIDES = ("timeout", "server_timeout", "retries")
 

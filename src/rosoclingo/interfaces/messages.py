@@ -11,7 +11,7 @@ from clingo import Symbol, SymbolType
 
 from rosoclingo.interfaces.templates import Now
 from rosoclingo.interfaces.terms import TermError, as_boolean, as_integer, as_real, as_text
-from rosoclingo.navigation.labels import Label
+from rosoclingo.reasoning.labels import Label
 
 _INTEGERS: Dict[str, Tuple[int, int]] = {"byte": (-128, 127), "char": (0, 255)}
 for _bits in (8, 16, 32, 64):

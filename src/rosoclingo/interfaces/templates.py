@@ -17,7 +17,7 @@ from typing import Any, Callable, Dict, List, Mapping, Match, NamedTuple, Option
 from clingo import Symbol, SymbolType
 
 from rosoclingo.interfaces.terms import TermError, as_text
-from rosoclingo.navigation.labels import Label, LabelTable
+from rosoclingo.reasoning.labels import Label, LabelTable
 
 LABEL_FIELDS = ("pose", "x", "y", "yaw", "frame")
 GOAL_NAMES = ("parameter", "cycle", "now")

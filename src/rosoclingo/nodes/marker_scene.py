@@ -6,8 +6,8 @@ Lengths in metres; positions in the shape's frame; colours are red, green, blue,
 import math
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from rosoclingo.navigation.labels import Label, LabelTable
 from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.labels import Label, LabelTable
 
 Point = Tuple[float, float, float]
 Colour = Tuple[float, float, float, float]

@@ -9,7 +9,6 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rosoclingo.msg import PackageStates, TaskPlan
-from rosoclingo.navigation.labels import DEFAULT_FRAME, LabelTable
 from rosoclingo.nodes.marker_scene import (
     PlanStep,
     Shape,
@@ -24,6 +23,7 @@ from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.nodes.worker import Worker
 from rosoclingo.oclingo import ProgressionError, parse_atom
 from rosoclingo.reasoning.keywords import Action, KeywordError, action_of
+from rosoclingo.reasoning.labels import DEFAULT_FRAME, LabelTable
 
 _KINDS = {"cylinder": Marker.CYLINDER, "cube": Marker.CUBE, "arrow": Marker.ARROW, "text": Marker.TEXT_VIEW_FACING}
 

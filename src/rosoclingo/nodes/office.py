@@ -19,10 +19,10 @@ from rosoclingo.msg import (
     PickupFeedback,
     PickupResult,
 )
-from rosoclingo.navigation.labels import LabelTable
 from rosoclingo.nodes.parameters import not_negative, parameter
 from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.nodes.worker import Worker
+from rosoclingo.reasoning.labels import LabelTable
 from rosoclingo.simulation.packages import DEFAULT_CAPACITY, PREEMPTED, HandlingResult, PackageError, PackageOffice
 from rosoclingo.srv import PutPackage, PutPackageResponse
 

@@ -5,8 +5,8 @@ from typing import Optional, Tuple
 import rospy
 import tf2_ros
 
-from rosoclingo.navigation.labels import DEFAULT_FRAME
 from rosoclingo.nodes.parameters import not_negative, parameter
+from rosoclingo.reasoning.labels import DEFAULT_FRAME
 
 
 class RobotPose:
