@@ -22,6 +22,7 @@ LATER: Colour = (0.13, 0.55, 0.33, 0.8)
 
 PACKAGE_SIZE = 0.24
 TEXT_SIZE = 0.32
+LANE = 0.12
 
 
 class Shape(NamedTuple):
@@ -107,8 +108,7 @@ def plan_shapes(
             continue
         if here is not None and math.hypot(place.x - here[0], place.y - here[1]) > 0.1:
             colour = NEXT if step.action.cycle == cycle else LATER
-            lift = 0.1 + 0.02 * (step.action.cycle - cycle)
-            points = ((here[0], here[1], lift), (place.x, place.y, lift))
+            points = _lane(here, (place.x, place.y))
             shapes.append(Shape("plan", "arrow", place.frame, colour, scale=(0.07, 0.2, 0.25), points=points))
         here = (place.x, place.y)
     return shapes
@@ -126,6 +126,14 @@ def plan_text(steps: Sequence[PlanStep], cycle: int) -> str:
 def text_shape(group: str, frame: str, text: str, position: Point, colour: Colour, size: float = TEXT_SIZE) -> Shape:
     """A text that faces the viewer; `size` is the height of a capital letter."""
     return Shape(group, "text", frame, colour, position, (size, size, size), text)
+
+
+def _lane(start: Tuple[float, float], end: Tuple[float, float]) -> Tuple[Point, Point]:
+    """Both ends a little to the right of the way, so that there and back can be told apart."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.hypot(dx, dy)
+    right, down = LANE * dy / length, -LANE * dx / length
+    return ((start[0] + right, start[1] + down, 0.1), (end[0] + right, end[1] + down, 0.1))
 
 
 def _beside(label: Label, number: int) -> Point:
