@@ -2,7 +2,8 @@
 
 A commitment keeps an executed action in every later plan; nothing in a stream keeps actions out of a cycle that has passed
 without them. The rules here do: once ``__oclingo_closed(C)`` holds, an ``_action_lib(A,P,C)`` that is not
-``__oclingo_kept(A,P,C)`` is impossible, whenever it comes to be grounded.
+``__oclingo_kept(A,P,C)`` is impossible, whenever it comes to be grounded. An action beyond the horizon is impossible as well where
+the solver looks for shortest plans.
 """
 
 from typing import Iterable, List, Sequence, Set, Tuple
@@ -10,6 +11,7 @@ from typing import Iterable, List, Sequence, Set, Tuple
 import clingo
 from clingo.ast import ASTType
 
+from rosoclingo.oclingo.horizon import BEYOND
 from rosoclingo.oclingo.progression import Statement, fact
 from rosoclingo.oclingo.rewriting import Part
 from rosoclingo.oclingo.signatures import Signature, occurrences
@@ -21,8 +23,10 @@ CLOSED, KEPT = "__oclingo_closed", "__oclingo_kept"
 _RULES = """
 #program {header}.
 #external {closed}({cycle}){domain}.
+#external {beyond}({cycle}){domain}.
 #external {kept}(A__,P__,{cycle}) : _action_lib(A__,P__,{cycle}).
 :- _action_lib(A__,P__,{cycle}), {closed}({cycle}), not {kept}(A__,P__,{cycle}).
+:- _action_lib(A__,P__,{cycle}), {beyond}({cycle}).
 """
 
 
@@ -55,7 +59,7 @@ def _has_variable(term: "clingo.ast.AST") -> bool:
 def _rules(name: str, parameter: str, cycle: str) -> str:
     header = "{}({})".format(name, parameter) if parameter else name
     domain = " : _action_lib(_,_,C__)" if cycle == "C__" else ""
-    return _RULES.format(header=header, cycle=cycle, domain=domain, closed=CLOSED, kept=KEPT)
+    return _RULES.format(header=header, cycle=cycle, domain=domain, closed=CLOSED, kept=KEPT, beyond=BEYOND)
 
 
 def closing_facts(cycle: int, executed: Iterable[clingo.Symbol]) -> List[Statement]:

@@ -9,6 +9,7 @@ from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Option
 import clingo
 from clingo.backend import Backend, Observer
 
+from rosoclingo.oclingo.horizon import HorizonLiterals
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import Literal, Statement
@@ -20,10 +21,11 @@ POLL = 0.02
 
 
 class Search(NamedTuple):
-    """Result of one search: satisfiable, or not, or None where it was stopped; and the answers."""
+    """Result of one search: satisfiable, or not, or None where it was stopped; the answers, and the horizon of the last."""
 
     satisfiable: Optional[bool]
-    answers: Tuple[FrozenSet[clingo.Symbol], ...]
+    answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
+    horizon: int = 0
 
 
 class _Externals(Observer):
@@ -44,12 +46,21 @@ class Engine:
         messages: what clingo said since they were last cleared.
     """
 
-    def __init__(self, program: ReactiveProgram, open_atoms: Iterable[clingo.Symbol], facts: Iterable[clingo.Symbol]) -> None:
+    def __init__(
+        self,
+        program: ReactiveProgram,
+        open_atoms: Iterable[clingo.Symbol],
+        facts: Iterable[clingo.Symbol],
+        shortest: bool = False,
+    ) -> None:
         """Load ``program`` and ground its base with ``open_atoms`` as externals, or as facts where they are in ``facts``.
+
+        With ``shortest`` no answer holds an action of a cycle beyond its horizon.
 
         Raises RuntimeError as clingo does.
         """
         self.program = program
+        self._shortest = shortest
         self.messages = Messages()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._externals = _Externals()
@@ -62,6 +73,7 @@ class Engine:
         self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
         self._hidden: Set[clingo.Symbol] = set()
         self.horizon = program.first_step - 1
+        self._ends = HorizonLiterals(self._control, self.horizon)
         self.declare(open_atoms, set(facts))
         self._control.ground([("base", [])])
         self._note_externals(1)
@@ -76,27 +88,22 @@ class Engine:
                     self._closed.add(atom)
                 else:
                     backend.add_external(literal, _FALSE)
+                    self._cells[atom] = literal
 
     def ground_step(self) -> None:
-        """Ground the next step and move the windows of volatile parts on; raises RuntimeError as clingo does."""
+        """Ground the next step; raises RuntimeError as clingo does."""
         self.horizon += 1
         step = self.horizon
         self._control.ground([("cumulative", [clingo.Number(step)]), ("volatile", [clingo.Number(step)])])
         self._note_externals(step)
         for window in self.program.windows:
-            self._set_guard(guard_atom(window, step), window > 0)
-            if window > 0:
-                self._set_guard(guard_atom(window, step - window), False)
+            guard = self._control.symbolic_atoms[guard_atom(window, step)]
+            if guard is not None and window > 0:
+                self._ends.define_window(guard.literal, step, window)
+                self._hidden.add(guard.symbol)
+        if self._shortest:
+            self._ends.forbid_beyond(step)
         self._resolve_absent()
-
-    def _set_guard(self, guard: clingo.Symbol, holds: bool) -> None:
-        if guard in self._control.symbolic_atoms:
-            if holds:
-                self._control.assign_external(guard, True)
-                self._hidden.add(guard)
-            else:
-                self._control.release_external(guard)
-                self._hidden.discard(guard)
 
     def _note_externals(self, step: int) -> None:
         for literal in self._externals.fresh:
@@ -211,16 +218,25 @@ class Engine:
         elif self.knows(atom):
             self._control.release_external(atom)
 
+    def settle(self, step: int) -> None:
+        """Say that no search will ask for a horizon before ``step`` any more."""
+        self._ends.settle(step)
+
     @property
     def conflicting(self) -> bool:
         """Whether what has been added can never be satisfied, whatever externals and further steps bring."""
         return self._control.is_conflicting
 
-    def search(self, models: int, stopped: Callable[[], bool]) -> Search:
-        """Search for up to ``models`` answers (0: all), until ``stopped`` says so."""
+    def search(self, models: int, stopped: Callable[[], bool], first: int, last: int) -> Search:
+        """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
+
+        Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the answers'
+        horizons are free within the range.
+        """
         self._closing.clear()
-        found: List[FrozenSet[clingo.Symbol]] = []
-        hidden = self._hidden
+        assumptions = self._ends.range(first, last)
+        answers: List[FrozenSet[clingo.Symbol]] = []
+        horizons = [last]
         best = self.program.optimizes
         self._control.configuration.solve.models = str(models)
         if best:
@@ -228,13 +244,14 @@ class Engine:
 
         def keep(model: clingo.Model) -> None:
             if not best or model.optimality_proven:
-                found.append(frozenset(model.symbols(shown=True)) - hidden)
+                answers.append(frozenset(model.symbols(shown=True)) - self._hidden)
+                horizons.append(self._ends.horizon_of(model, first, last))
 
-        with self._control.solve(on_model=keep, async_=True) as handle:
+        with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
                 if stopped():
                     handle.cancel()
             result = handle.get()
         if result.interrupted:
-            return Search(None, ())
-        return Search(bool(result.satisfiable), tuple(found))
+            return Search(None)
+        return Search(bool(result.satisfiable), tuple(answers), horizons[-1])

@@ -12,10 +12,11 @@ from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Tuple
 import clingo
 
 from rosoclingo.oclingo.closing import closing_facts
-from rosoclingo.oclingo.engine import Engine
+from rosoclingo.oclingo.engine import Engine, Search
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import Statement, StreamUpdate
+from rosoclingo.oclingo.query import Query
 from rosoclingo.oclingo.state import StreamState
 from rosoclingo.oclingo.transaction import Setting, Transaction
 
@@ -60,11 +61,24 @@ class ReactiveSolver:
     second of wall time while clingo searches, and before each step is grounded.
     """
 
-    def __init__(self, program: ReactiveProgram, models: int = 1, horizon_limit: Optional[int] = None) -> None:
-        """Make a solver that computes ``models`` answers an update (0: all) and grounds no step beyond ``horizon_limit``."""
+    def __init__(
+        self, program: ReactiveProgram, models: int = 1, horizon_limit: Optional[int] = None, shortest: bool = False
+    ) -> None:
+        """Make a solver.
+
+        Args:
+            program: the reactive logic program.
+            models: how many answers to compute for an update, 0 for all.
+            horizon_limit: no step beyond it is grounded.
+            shortest: search each update's answers from horizon k on, though more steps may be grounded, so that plans are
+                shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo searched at the
+                last grounded step only.
+        """
         self.program = program
         self.models = models
-        self._setting = Setting(program, horizon_limit, program.dependencies.copy())
+        self.shortest = shortest
+        self._hint = 0
+        self._setting = Setting(program, horizon_limit, program.dependencies.copy(), shortest)
         self._state = StreamState(step=1, horizon=1, forgets_done=program.first_step - 1)
         self._engine: Optional[Engine] = None
         self._stop = False
@@ -140,25 +154,15 @@ class ReactiveSolver:
 
     def _search(self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> SolveResult:
         start = time.perf_counter()
-        satisfiable: Optional[bool] = None
-        solving = 0.0
-        answers: Tuple[Answer, ...] = ()
-        permanent = False
+        query = Query(self.models, self.shortest, self._hint, halt)
+        search = Search(None)
         if transaction.begin(update, halt):
-            while not halt():
-                engine = transaction.ready()
-                before = time.perf_counter()
-                satisfiable, answers = engine.search(self.models, halt)
-                solving += time.perf_counter() - before
-                permanent = satisfiable is False and engine.conflicting
-                if satisfiable is not False or permanent or not transaction.may_grow():
-                    break
-                satisfiable = None
-                transaction.grow()
+            search = query.run(transaction)
+        if search.satisfiable:
+            self._hint = search.horizon
         outcome = SolveOutcome.INTERRUPTED
-        if satisfiable is not None:
-            outcome = SolveOutcome.SATISFIABLE if satisfiable else SolveOutcome.UNSATISFIABLE
-        spent = {"solve": solving, "ground": time.perf_counter() - start - solving}
-        state = transaction.state
-        warnings = tuple(transaction.warnings)
-        return SolveResult(outcome, answers, state.horizon, state.step, warnings, permanent, spent)
+        if search.satisfiable is not None:
+            outcome = SolveOutcome.SATISFIABLE if search.satisfiable else SolveOutcome.UNSATISFIABLE
+        spent = {"solve": query.seconds, "ground": time.perf_counter() - start - query.seconds}
+        state, warnings = transaction.state, tuple(transaction.warnings)
+        return SolveResult(outcome, search.answers, state.horizon, state.step, warnings, query.permanent, spent)

@@ -27,11 +27,13 @@ class Setting:
         program: the reactive logic program.
         horizon_limit: the last step that may be grounded, None for no limit.
         dependencies: who depends on whom, updates included.
+        shortest: whether answers are searched from step k on (see :class:`~rosoclingo.oclingo.solver.ReactiveSolver`).
     """
 
     program: ReactiveProgram
     horizon_limit: Optional[int]
     dependencies: Dependencies
+    shortest: bool
 
 
 class Transaction:
@@ -50,6 +52,7 @@ class Transaction:
         self.touched = False
         self._limit = setting.horizon_limit
         self._dependencies = setting.dependencies
+        self._shortest = setting.shortest
         self._guards: Dict[Lifetime, int] = {}
 
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
@@ -84,6 +87,7 @@ class Transaction:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
         if self.engine is None or self.state.cyclic:
             self.engine = self._build()
+        self.engine.settle(min(self.state.step, self.state.horizon) if self._shortest else self.state.horizon)
         return self.engine
 
     def may_grow(self) -> bool:
@@ -93,8 +97,7 @@ class Transaction:
 
     def grow(self) -> None:
         """Ground one more step."""
-        self._step_on(self.ready())
-        self.state.horizon = self.ready().horizon if not self.state.cyclic else self.state.horizon
+        self._step_on(self._standing())
 
     def explain(self, error: RuntimeError) -> str:
         """Return what clingo's ``error`` means for this update."""
@@ -127,7 +130,7 @@ class Transaction:
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
-        engine = self.ready() if not self.state.cyclic or self.engine is None else self.engine
+        engine = self._standing()
         while self.state.horizon < horizon:
             if halt():
                 return False
@@ -247,7 +250,7 @@ class Transaction:
         state = self.state
         facts = {one.head for one in state.permanent if one.head is not None and not one.body}
         self._guards = {}
-        engine = Engine(self.program, state.open_atoms, facts)
+        engine = Engine(self.program, state.open_atoms, facts, self._shortest)
         while engine.horizon < state.horizon:
             engine.ground_step()
         for atom in state.forgotten:

@@ -7,6 +7,7 @@ from rosoclingo.oclingo.gringo3.faults import RefusalError
 from rosoclingo.oclingo.gringo3.lexer import Kind
 from rosoclingo.oclingo.gringo3.statement_parser import StatementParser
 from rosoclingo.oclingo.gringo3.syntax import Element, Function, Literal, Signed, Span, Symbol, Term, Variable
+from rosoclingo.oclingo.gringo3.terms import show
 
 Signature = Tuple[str, int]
 """A predicate's name, with ``-`` in front if it is negated classically, and the number of its arguments."""
@@ -77,13 +78,13 @@ class DirectiveParser(StatementParser):
     def domain(self) -> Tuple[str, List[str]]:
         """The atom that ``#domain`` declares, as text, and its variables."""
         literal = self.literal(assignments=False)
-        terms = literal.left.lists[0] if isinstance(literal.left, Function) else ()
+        atom = literal.left.term if isinstance(literal.left, Signed) else literal.left
+        terms = atom.lists[0] if isinstance(atom, Function) and not literal.negated else ()
         if not terms or not all(isinstance(term, Variable) and term.name != "_" for term in terms):
             raise RefusalError(self._tokens[literal.span[0]], "#domain takes an atom whose arguments are variables")
         self.dot()
         names = [term.name for term in terms if isinstance(term, Variable)]
-        assert isinstance(literal.left, Function)
-        return "{}({})".format(literal.left.name, ",".join(names)), names
+        return show(literal.left), names
 
     def display(self, shows: bool) -> Display:
         """What follows ``#show`` or ``#hide``."""

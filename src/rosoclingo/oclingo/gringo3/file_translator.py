@@ -64,7 +64,7 @@ class FileTranslator:
 
     def _statement(self, statement: StatementDialect) -> None:
         tokens = self._tokens[statement.first : statement.after]
-        if self._dialect is not Dialect.GRINGO3 or statement.dialect is Dialect.CLINGO5:
+        if not self._is_gringo3(statement.dialect):
             self._leave(statement, tokens)
             return
         if tokens[0].kind is Kind.SCRIPT:
@@ -79,6 +79,13 @@ class FileTranslator:
         if tokens[0].text != "#const":
             self._program.constants.note(self._name, tokens)
         self._program.seen_variables.update(token.text for token in tokens if token.kind is Kind.VARIABLE)
+
+    def _is_gringo3(self, statement: Dialect) -> bool:
+        """Whether a statement counts as gringo 3's; its own evidence weighs more than the file's language."""
+        if self._told.pragma is Dialect.CLINGO5 or statement is Dialect.CLINGO5:
+            return False
+        mixed = statement is Dialect.EITHER and bool(self._told.of(Dialect.GRINGO3))
+        return self._dialect is Dialect.GRINGO3 or statement is Dialect.GRINGO3 or mixed
 
     def _parsed(self, statement: StatementDialect, word: Token, parser: DirectiveParser) -> None:
         if word.text in _LPARSE_WORDS and self._tokens[statement.first + 1].text in ("[", "{"):

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Times the reactive solver on the mailbot program: offices in a row, requests between random ones, 60 cycles each.
+
+Prints for each number of offices and requests the seconds of the first plan and, in milliseconds, the median and the worst
+update, and the median of the first and the last ten cycles. Every cycle commits the action of the cycle before and returns it;
+new requests come when the ones before are done.
+"""
+
+import argparse
+import random
+import statistics
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "src"))
+
+from rosoclingo.oclingo import (  # noqa: E402
+    ReactiveProgram,
+    ReactiveSolver,
+    SolveOutcome,
+    Statement,
+    StreamUpdate,
+    commitment,
+    fact,
+    parse_term,
+)
+
+
+def floor(offices: int) -> str:
+    """Return an instance of ``offices`` in a row."""
+    rows = ["office(office{}).".format(i) for i in range(1, offices + 1)]
+    rows += ["corridor(office{},office{}).".format(i, i + 1) for i in range(1, offices)]
+    return "#program base.\nstart(office1).\n" + "\n".join(rows) + "\n"
+
+
+def atom(text: str, *values: object) -> "Statement":
+    return fact(parse_term(text.format(*values)))
+
+
+class Robot:
+    """Plays the core and a robot that never fails: one update a cycle."""
+
+    def __init__(self, offices: int, requests: int, seed: int) -> None:
+        text = floor(offices) + (ROOT / "encodings" / "mailbot.lp").read_text(encoding="utf-8")
+        program = ReactiveProgram.from_text(text, "mailbot")
+        self.solver = ReactiveSolver(program, shortest=True, horizon_limit=1000)
+        self.random = random.Random(seed)
+        self.offices, self.requests, self.ids = offices, requests, 0
+        self.cycle = 0
+        self.plan = {}
+        self.solver.solve()
+
+    def new_requests(self) -> list:
+        items = []
+        for _ in range(self.requests):
+            self.ids += 1
+            start, end = self.random.sample(range(1, self.offices + 1), 2)
+            items.append(atom("_request(goal(office{},office{},{}),{})", start, end, self.ids, self.cycle + 1))
+        return items
+
+    def step(self) -> float:
+        """Do one cycle; return the seconds that its update took, ground and solved."""
+        before = self.plan.get(self.cycle)
+        self.cycle += 1
+        items = []
+        if before is not None:
+            items.append(commitment(before))
+        if not any(cycle >= self.cycle for cycle in self.plan):
+            items += self.new_requests()
+        if before is not None:
+            name, what, cycle = before.arguments
+            items.append(atom("_return({},{},{})", name, what, cycle))
+        if self.cycle > 1:
+            self.solver.close_cycle(self.cycle - 1, [] if before is None else [before])
+        start = time.perf_counter()
+        result = self.solver.update(StreamUpdate(self.cycle, None, tuple(items)))
+        seconds = time.perf_counter() - start
+        assert result.outcome is SolveOutcome.SATISFIABLE, result
+        actions = [one for one in result.answers[0] if one.name == "_action_lib"]
+        self.plan = {one.arguments[2].number: one for one in actions}
+        return seconds
+
+
+def run(offices: int, requests: int, cycles: int, seed: int) -> str:
+    robot = Robot(offices, requests, seed)
+    times = [robot.step() for _ in range(cycles)]
+    later = [1000 * one for one in times[1:]]
+    figures = (
+        times[0],
+        statistics.median(later),
+        max(later),
+        statistics.median(later[:10]),
+        statistics.median(later[-10:]),
+    )
+    return "{:8d} {:9d} {:11.3f} {:11.2f} {:10.2f} {:12.2f} {:11.2f}".format(offices, requests, *figures)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--offices", type=int, nargs="+", default=[4, 10, 20])
+    parser.add_argument("--requests", type=int, nargs="+", default=[1, 3, 5])
+    parser.add_argument("--cycles", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    print("offices  requests  first [s]  median [ms]  worst [ms]  first ten  last ten [ms]")
+    for offices in options.offices:
+        for requests in options.requests:
+            print(run(offices, requests, options.cycles, options.seed), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""The horizon of an answer as literals, so that one grounding can be asked for any horizon, or for the least of a range.
+
+``beyond(T)`` says that step T lies beyond the horizon. It is free, but once true it stays true for all later steps; so the
+horizon H is where ``not beyond(H), beyond(H+1)``, and an instance of ``#volatile t : w.`` of step S, which holds while
+S <= H <= S+w-1, holds where ``not beyond(S), beyond(S+w)``.
+"""
+
+from typing import Dict, List
+
+import clingo
+from clingo.backend import Backend
+
+BEYOND = "__oclingo_beyond"
+"""``__oclingo_beyond(T)``: the program's name for ``beyond(T)``, where it asks for it (see :mod:`~rosoclingo.oclingo.closing`)."""
+
+
+class HorizonLiterals:
+    """The literals ``beyond(T)`` of one control, made as they are needed."""
+
+    def __init__(self, control: clingo.Control, before: int) -> None:
+        """Start with step ``before``, which never lies beyond."""
+        self._control = control
+        self._last = before
+        self._settled = before
+        self._beyond: Dict[int, int] = {}
+        self._linked = before
+
+    def _literal(self, backend: Backend, step: int) -> int:
+        """Return the literal ``beyond(step)``, making it and those before it."""
+        while self._last < step:
+            self._last += 1
+            literal = self._beyond[self._last] = backend.add_atom()
+            backend.add_rule([literal], choice=True)
+            if self._last - 1 in self._beyond:
+                backend.add_rule([], [self._beyond[self._last - 1], -literal])
+        return self._beyond[step]
+
+    def define_window(self, guard: int, step: int, window: int) -> None:
+        """Define ``guard``: true where the horizon lies in step..step+window-1."""
+        with self._control.backend() as backend:
+            end = self._literal(backend, step + window)
+            backend.add_rule([guard], [end, -self._literal(backend, step)])
+
+    def forbid_beyond(self, step: int) -> None:
+        """Tie the program's ``__oclingo_beyond(T)`` for T around ``step`` to the literals."""
+        while self._linked < step + 1:
+            name = clingo.Function(BEYOND, [clingo.Number(self._linked + 1)])
+            atom = self._control.symbolic_atoms[name]
+            if atom is None and self._linked + 1 > step - 1:
+                return  # an action of that cycle may still come with a later step
+            self._linked += 1
+            if atom is not None:
+                with self._control.backend() as backend:
+                    backend.add_rule([atom.literal], [self._literal(backend, self._linked)])
+
+    def settle(self, step: int) -> None:
+        """Say for good that no horizon lies before ``step``, which lets clingo simplify."""
+        if step > self._settled:
+            with self._control.backend() as backend:
+                for settled in range(self._settled + 1, step + 1):
+                    backend.add_rule([], [self._literal(backend, settled)])
+            self._settled = step
+
+    def range(self, first: int, last: int) -> List[int]:
+        """Return the assumptions by which the horizon lies in first..last."""
+        with self._control.backend() as backend:
+            end = self._literal(backend, last + 1)
+            return [end] if first <= self._settled else [-self._literal(backend, first), end]
+
+    def horizon_of(self, model: clingo.Model, first: int, last: int) -> int:
+        """Return the horizon, known to lie in first..last, of ``model``."""
+        return next((step for step in range(first, last) if model.is_true(self._beyond[step + 1])), last)

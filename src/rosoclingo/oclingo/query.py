@@ -1,0 +1,78 @@
+"""The search for answers of one update: at which horizons to ask, and when to grow."""
+
+import time
+from typing import Callable
+
+from rosoclingo.oclingo.engine import Search
+from rosoclingo.oclingo.transaction import Transaction
+
+
+class Query:
+    """One update's search.
+
+    Attributes:
+        seconds: wall time spent in clingo's search so far.
+        permanent: True once nothing can make the program satisfiable again.
+    """
+
+    def __init__(self, models: int, shortest: bool, hint: int, halt: Callable[[], bool]) -> None:
+        """Prepare to search for ``models`` answers; ``hint`` is the horizon of the last answer, where a new one is likely."""
+        self._models, self._shortest, self._hint, self._halt = models, shortest, hint, halt
+        self.seconds = 0.0
+        self.permanent = False
+
+    def run(self, transaction: Transaction) -> Search:
+        """Search at the horizons that are grounded, then grow one by one until there is an answer or no more may be grounded."""
+        found = self._search_grounded(transaction)
+        while found.satisfiable is False and not self.permanent and transaction.may_grow():
+            if self._halt():
+                return Search(None)
+            transaction.grow()
+            horizon = transaction.state.horizon
+            found = self._ask(transaction, horizon, horizon)
+        return found
+
+    def _search_grounded(self, transaction: Transaction) -> Search:
+        horizon = transaction.state.horizon
+        first = min(max(transaction.state.step, transaction.program.first_step), horizon)
+        if not self._shortest or first == horizon:
+            return self._ask(transaction, horizon, horizon)
+        found = self._search_range(transaction, first, horizon)
+        if found.satisfiable and (self._models != 1 or transaction.program.optimizes):
+            found = self._ask(transaction, found.horizon, found.horizon)
+        return found
+
+    def _search_range(self, transaction: Transaction, first: int, last: int) -> Search:
+        """Find an answer of the least horizon in first..last; the hint and below are asked first."""
+        middle = min(max(self._hint, first), last)
+        for low, high in ((first, middle - 1), (middle, middle), (middle + 1, last)):
+            if low > high:
+                continue
+            found = self._ask(transaction, low, high)
+            if found.satisfiable:
+                return self._improve(transaction, low, found)
+            if found.satisfiable is None or self.permanent:
+                return found
+        return found
+
+    def _improve(self, transaction: Transaction, first: int, best: Search) -> Search:
+        """Return an answer of the least horizon, ``best`` where there is none before it."""
+        while first < best.horizon:
+            found = self._ask(transaction, first, best.horizon - 1)
+            if found.satisfiable is None:
+                return found
+            if not found.satisfiable:
+                break
+            best = found
+        return best
+
+    def _ask(self, transaction: Transaction, first: int, last: int) -> Search:
+        if self._halt():
+            return Search(None)
+        engine = transaction.ready()
+        models = self._models if first == last else 1
+        start = time.perf_counter()
+        found = engine.search(models, self._halt, first, last)
+        self.seconds += time.perf_counter() - start
+        self.permanent = found.satisfiable is False and engine.conflicting
+        return found
