@@ -165,6 +165,20 @@ def test_statements_of_both_languages_keep_their_own_meaning_in_one_file():
     ]
 
 
+def test_statements_of_gringo_3_are_translated_in_a_file_of_clingo_5_too():
+    text = "#program base.\nx :- a; b.\nf(1). #domain f(X).\nq(X).\n#hide x/0.\n:- a : b, c.\n"
+    lines = translate(text, "x.lp").text.splitlines()
+    assert lines == [
+        "#program base.",
+        "x :- a; b.",
+        "f(1). ",
+        "q(X) :- f(X).",
+        "#show. #show f/1. #show q/1.",
+        ":- a : b, c.",
+    ]
+    assert translate(text + "% dialect: clingo 5", "x.lp").text == text + "% dialect: clingo 5"
+
+
 def test_a_conflict_alone_is_read_as_clingo_5_with_a_warning():
     result = translate("x.\n" + CONFLICTING, "x.lp")
     assert result.text == "x.\n" + CONFLICTING

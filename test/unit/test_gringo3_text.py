@@ -52,6 +52,7 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate, translate_program
         ("#domain f(X,Y). #domain g(Y). #minimize { p(X) }.",
          '  #minimize { 1@0,"test.lp:1",(0,p(X)) : p(X), f(X,Y) }.'),
         ("#domain f(X). #compute { p(X), q }.", " :- not p(X), f(X). :- not q."),
+        ("#domain -f(X). p(X).", " p(X) :- -f(X)."),
         ("#domain f(X). #hide. #show p(X).", " #show. #show p/1."),
         ("#domain f(X). #hide. #show p(X,1).", " #show. #show p(X,1) : p(X,1), f(X)."),
         # averages and parities
