@@ -1,7 +1,14 @@
 """Occupancy grids, costmaps, path planning, path following and recovery (pure)."""
 
 from rosoclingo.navigation.costmap import Costmap, CostmapLimits
-from rosoclingo.navigation.follower import Command, FollowerLimits, FollowOutcome, LocalPlanner, RolloutFollower, Velocity
+from rosoclingo.navigation.follower import (
+    Command,
+    FollowerLimits,
+    FollowOutcome,
+    LocalPlanner,
+    RolloutFollower,
+    Velocity,
+)
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle, quaternion_to_yaw, yaw_to_quaternion
 from rosoclingo.navigation.grid import MapError, OccupancyGrid, load_map
 from rosoclingo.navigation.navigator import NavigationError, Navigator, NavigatorLimits, Outcome, Result, State, Tick

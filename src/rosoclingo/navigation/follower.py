@@ -10,7 +10,16 @@ from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.rollout import best_command, body_clearance, least_along, spare_after
 
-__all__ = ["Command", "FollowOutcome", "FollowerLimits", "LocalPlanner", "RolloutFollower", "Velocity", "body_discs", "inscribed_radius"]
+__all__ = [
+    "Command",
+    "FollowOutcome",
+    "FollowerLimits",
+    "LocalPlanner",
+    "RolloutFollower",
+    "Velocity",
+    "body_discs",
+    "inscribed_radius",
+]
 
 
 class Velocity(NamedTuple):

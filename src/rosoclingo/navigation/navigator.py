@@ -157,11 +157,23 @@ class Navigator:
         if now < self._now:
             self.on_log("Time went back by {:.1f} s: patience starts anew".format(self._now - now))
             self._start(now)
-        self._now = now
+        self._now, self._blind_since = now, None
         tick = self._handlers[self.state](now, pose, velocity, period)
         if tick.result is not None:
             self._go(State.IDLE)
         return tick
+
+    def blind(self, now: float, outcome: Outcome, reason: str) -> Tick:
+        """Stand still for a control period in which pose or obstacles are not known; give up after some patience."""
+        if now < self._now:
+            self._start(now)
+        if self._blind_since is None or now < self._blind_since:
+            self._blind_since = now
+        self._now = now
+        if now - self._blind_since <= self.limits.controller_patience:
+            return Tick()
+        self._go(State.IDLE)
+        return Tick(result=Result(outcome, reason))
 
     def _start(self, now: float) -> None:
         """Set the clocks and counts of a fresh goal."""
@@ -174,6 +186,7 @@ class Navigator:
         self._reason = ""
         self._best = math.inf
         self._detours = 0
+        self._blind_since: Optional[float] = None
 
     def _go(self, state: State) -> None:
         if state not in TRANSITIONS[self.state]:

@@ -147,9 +147,7 @@ def _segment_price(clearance, x0, y0, x1, y1, comfort, weight):
     total = 0.0
     for i in range(count):
         part = (i + 0.5) / count
-        total += _price(
-            clearance[int(y0 + (y1 - y0) * part), int(x0 + (x1 - x0) * part)], comfort, weight
-        )
+        total += _price(clearance[int(y0 + (y1 - y0) * part), int(x0 + (x1 - x0) * part)], comfort, weight)
     return total * length / count
 
 

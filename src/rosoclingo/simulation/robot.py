@@ -87,7 +87,9 @@ class Robot:
         self.v += _within(v - self.v, spec.acceleration * dt)
         self.w += _within(w - self.w, spec.turn_acceleration * dt)
 
-    def move(self, dt: float, around: Surroundings, outline: np.ndarray, origin: Tuple[float, float], scale: float) -> int:
+    def move(
+        self, dt: float, around: Surroundings, outline: np.ndarray, origin: Tuple[float, float], scale: float
+    ) -> int:
         """Drive for ``dt`` s along the exact arc of the present velocity; return what was hit (CLEAR: nothing).
 
         ``outline`` is the footprint in cells, ``origin`` the grid's origin (m) and ``scale`` its resolution. Whoever

@@ -9,7 +9,17 @@ import yaml
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import MapError, OccupancyGrid, load_map
 
-__all__ = ["Box", "DoorSpec", "LaserSpec", "ObstacleSpec", "PackageSpec", "RobotSpec", "WorldError", "WorldSpec", "load_world"]
+__all__ = [
+    "Box",
+    "DoorSpec",
+    "LaserSpec",
+    "ObstacleSpec",
+    "PackageSpec",
+    "RobotSpec",
+    "WorldError",
+    "WorldSpec",
+    "load_world",
+]
 
 Point = Tuple[float, float]
 MISSING = object()

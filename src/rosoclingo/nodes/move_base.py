@@ -1,0 +1,297 @@
+"""Navigation as a ROS node, with move_base's action, topics, services and parameters."""
+
+import queue
+from typing import Any, Optional
+
+import numpy as np
+import rospy
+from actionlib import SimpleActionServer
+from geometry_msgs.msg import PoseStamped, Twist
+from move_base_msgs.msg import (
+    MoveBaseAction,
+    MoveBaseActionGoal,
+    MoveBaseFeedback,
+    MoveBaseResult,
+    RecoveryStatus,
+)
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
+from nav_msgs.srv import GetPlan, GetPlanResponse
+from std_srvs.srv import Empty, EmptyResponse
+
+from rosoclingo.navigation import Costmap, Navigator, OccupancyGrid, Outcome, PlanOutcome, Pose2D, Result, Velocity
+from rosoclingo.nodes.localization import fill_pose, to_pose2d
+from rosoclingo.nodes.move_base_display import Display, path_message
+from rosoclingo.nodes.move_base_parameters import (
+    make_global_planner,
+    make_local_planner,
+    make_recoveries,
+    read_settings,
+)
+from rosoclingo.nodes.move_base_sensing import Located, Sensing
+from rosoclingo.nodes.worker import Worker
+
+INVALID_QUATERNION = "Aborting on goal because it was sent with an invalid quaternion"
+
+
+class MoveBaseNode:
+    """Drives the robot to poses: a stand-in for the package move_base.
+
+    The action server appears when there are a map and the robot's pose.
+
+    Parameters
+    ----------
+        As move_base and costmap_2d name them; the page doc/simulator_and_navigation.md lists each with its default.
+    Subscribes:
+        map (nav_msgs/OccupancyGrid), base_scan (sensor_msgs/LaserScan), odom (nav_msgs/Odometry), /tf, /tf_static
+        move_base_simple/goal (geometry_msgs/PoseStamped): a goal without an action client.
+    Publishes:
+        cmd_vel (geometry_msgs/Twist)
+        ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
+        ~GridPlanner/plan, ~RolloutFollower/global_plan, ~RolloutFollower/local_plan (nav_msgs/Path)
+        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid, latched) and their footprint
+    Services:
+        ~make_plan (nav_msgs/GetPlan), ~clear_costmaps (std_srvs/Empty)
+    Actions served:
+        move_base (move_base_msgs/MoveBaseAction)
+
+    """
+
+    def __init__(self) -> None:
+        self._settings = read_settings()
+        self._planner = make_global_planner()
+        self._follower = make_local_planner(self._settings)
+        self._recoveries = make_recoveries()
+        self._navigator: Optional[Navigator] = None
+        self._ready = False
+        self._last_tick = -float("inf")
+        self._pose: Optional[Pose2D] = None
+        self._commanded = Velocity()
+        self._worker = Worker(settle=self._settle, period=0.02)
+        self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
+        self._display = Display(self._settings)
+        self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+        self._current_goal = rospy.Publisher("~current_goal", PoseStamped, queue_size=1)
+        self._recovery = rospy.Publisher("~recovery_status", RecoveryStatus, queue_size=5)
+        self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
+        self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
+        self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
+        self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
+        self._subscribers = (
+            rospy.Subscriber(self._settings.map_topic, OccupancyGridMessage, self._on_map, queue_size=1),
+            rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1),
+        )
+        self._services = (
+            rospy.Service("~make_plan", GetPlan, self._on_make_plan),
+            rospy.Service("~clear_costmaps", Empty, self._on_clear),
+        )
+        self._worker.start()
+        rospy.on_shutdown(self._stop)
+
+    # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
+
+    def _on_map(self, message: OccupancyGridMessage) -> None:
+        self._worker.put(lambda: self._take_map(message))
+
+    def _on_simple_goal(self, message: PoseStamped) -> None:
+        goal = MoveBaseActionGoal()
+        goal.header.stamp = rospy.Time.now()
+        goal.goal.target_pose = message
+        self._goals.publish(goal)
+
+    def _on_make_plan(self, request: Any) -> GetPlanResponse:
+        answer: "queue.Queue[GetPlanResponse]" = queue.Queue(1)
+        self._worker.put(lambda: answer.put(self._make_plan(request)))
+        try:
+            return answer.get(timeout=30.0)
+        except queue.Empty as error:
+            raise rospy.ServiceException("move_base does not answer") from error
+
+    def _on_clear(self, _: Any) -> EmptyResponse:
+        done: "queue.Queue[None]" = queue.Queue(1)
+        self._worker.put(lambda: done.put(self._clear()))
+        done.get(timeout=30.0)
+        return EmptyResponse()
+
+    def _stop(self) -> None:
+        self._worker.stop(2.0)
+        self._cmd_vel.publish(Twist())
+
+    # ---- the worker -----------------------------------------------------------------------------------------------
+
+    def _take_map(self, message: OccupancyGridMessage) -> None:
+        info, rotation = message.info, message.info.origin.orientation
+        if abs(rotation.z) > 1e-6:
+            rospy.logerr("the map is turned against its frame; such maps are not supported")
+            return
+        cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
+        grid = OccupancyGrid(cells, info.resolution, info.origin.position.x, info.origin.position.y)
+        costmap = Costmap(grid, self._settings.costmap)
+        if self._navigator is None:
+            limits = self._settings.navigator
+            self._navigator = Navigator(costmap, self._planner, self._follower, self._recoveries, limits)
+            self._navigator.on_plan = lambda points: self._display.plan(points, self._goal_yaw())
+            self._navigator.on_recovery = self._tell_recovery
+            self._navigator.on_log = rospy.logwarn
+            self._warm_up(costmap)
+        else:
+            self._navigator.costmap = costmap
+            self._navigator.obstacles_changed()
+        self._display.costmaps(costmap, self._pose or Pose2D(0.0, 0.0), rospy.get_time(), fresh=True)
+
+    def _warm_up(self, costmap: Costmap) -> None:
+        """Have what numba compiles compiled before the first goal."""
+        row, column = np.unravel_index(int(costmap.clearance.argmax()), costmap.clearance.shape)
+        pose = Pose2D(*costmap.grid.centre(int(row), int(column)))
+        plan = self._planner.plan(costmap, pose, pose)
+        self._follower.set_plan(plan.points + [[0.0, 0.0], [0.5, 0.0]][: len(plan.points)], pose)
+        self._follower.compute(costmap, pose, Velocity(), 0.1)
+        costmap.observe(pose, np.zeros(1), np.ones(1), 2.0)
+        costmap.observe(pose, np.zeros(1), np.full(1, 2.0), 2.0)
+        costmap.forget(pose.x, pose.y)
+
+    def _goal_yaw(self) -> float:
+        return self._navigator.goal.yaw if self._navigator else 0.0
+
+    def _settle(self) -> None:
+        """Tick when a control period has passed."""
+        now = rospy.get_time()
+        if self._navigator is None or now <= 0.0:
+            return
+        if now < self._last_tick:
+            self._sensing.time_went_back(now)
+        elif now - self._last_tick < self._settings.controller_period - 1e-6:
+            return
+        self._last_tick = now
+        located = self._sensing.locate(now)
+        if located.pose is not None:
+            self._pose = located.pose
+            if not self._ready:
+                self._ready = True
+                self._server.start()
+            if self._sensing.observe(self._navigator.costmap):
+                self._navigator.obstacles_changed()
+            self._display.costmaps(self._navigator.costmap, located.pose, now)
+        if self._navigator.active:
+            self._control(now, located)
+
+    def _control(self, now: float, located: Located) -> None:
+        """Give the command of this control period, and the goal's end when it has come."""
+        navigator = self._navigator
+        assert navigator is not None
+        period = self._settings.controller_period
+        laser_age = self._sensing.laser_age(now)
+        if located.pose is None:
+            tick = navigator.blind(now, Outcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault)
+        elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
+            text = "The laser is lost: no scan on {} for {:.1f} s".format(self._settings.frames.scan_topic, laser_age)
+            tick = navigator.blind(now, Outcome.LASER_LOST, text)
+        else:
+            tick = navigator.tick(now, located.pose, self._sensing.velocity, max(period, 0.05))
+        self._drive(tick.velocity)
+        if located.pose is not None:
+            self._feed_back(located.pose, tick.velocity)
+        if tick.result is not None:
+            self._end(tick.result)
+
+    def _drive(self, velocity: Velocity) -> None:
+        message = Twist()
+        message.linear.x, message.angular.z = velocity
+        self._cmd_vel.publish(message)
+
+    def _feed_back(self, pose: Pose2D, velocity: Velocity) -> None:
+        feedback = MoveBaseFeedback()
+        feedback.base_position.header.frame_id = self._settings.frames.map
+        feedback.base_position.header.stamp = rospy.Time.now()
+        fill_pose(feedback.base_position.pose, pose)
+        self._server.publish_feedback(feedback)
+        self._display.trajectory(self._follower.trajectory(pose, velocity))
+
+    def _end(self, result: Result) -> None:
+        if result.outcome is Outcome.REACHED:
+            self._server.set_succeeded(MoveBaseResult(), result.message)
+        else:
+            rospy.logerr("%s", result.message)
+            self._server.set_aborted(MoveBaseResult(), result.message)
+
+    def _take_goal(self) -> None:
+        """Accept the newest goal, which ends the one before."""
+        if not self._server.is_new_goal_available() or self._navigator is None:
+            return
+        target = self._server.accept_new_goal().target_pose
+        if self._server.is_preempt_requested():
+            self._take_preempt()
+            return
+        fault = self._drive_to(target)
+        if fault:
+            self._navigator.cancel()
+            self._drive(Velocity())
+            rospy.logerr("%s", fault)
+            self._server.set_aborted(MoveBaseResult(), fault)
+
+    def _drive_to(self, target: PoseStamped) -> str:
+        """Start to drive to a pose in any frame; return why that is impossible, empty if it is not."""
+        assert self._navigator is not None
+        pose = to_pose2d(target.pose)
+        if pose is None:
+            return INVALID_QUATERNION
+        if not all(np.isfinite(pose)):
+            return "Aborting on goal because its position is not finite"
+        frame = self._sensing.to_map(target.header.frame_id, target.header.stamp)
+        if frame is None:
+            name, known = target.header.frame_id, self._settings.frames.map
+            return "Aborting on goal because its frame {!r} is unknown to tf, or not connected to {}".format(
+                name, known
+            )
+        goal = frame.compose(pose)
+        self._navigator.set_goal(rospy.get_time(), goal)
+        shown = PoseStamped()
+        shown.header.frame_id, shown.header.stamp = self._settings.frames.map, rospy.Time.now()
+        fill_pose(shown.pose, goal)
+        self._current_goal.publish(shown)
+        return ""
+
+    def _take_preempt(self) -> None:
+        """End the goal that its client has cancelled; a newer goal ends it by itself."""
+        if self._server.is_new_goal_available() or not self._server.is_preempt_requested():
+            return
+        if self._server.is_active() and self._navigator is not None:
+            self._navigator.cancel()
+            self._drive(Velocity())
+            self._server.set_preempted(MoveBaseResult(), "The goal was cancelled.")
+
+    def _tell_recovery(self, behavior: Any, number: int, total: int, pose: Pose2D) -> None:
+        message = RecoveryStatus()
+        message.pose_stamped.header.frame_id = self._settings.frames.map
+        message.pose_stamped.header.stamp = rospy.Time.now()
+        fill_pose(message.pose_stamped.pose, pose)
+        message.current_recovery_number, message.total_number_of_recoveries = number, total
+        message.recovery_behavior_name = behavior.name
+        self._recovery.publish(message)
+
+    def _make_plan(self, request: Any) -> GetPlanResponse:
+        """Plan for a service client; an empty path where there is none."""
+        response = GetPlanResponse()
+        response.plan.header.frame_id = self._settings.frames.map
+        goal = self._in_map(request.goal)
+        start = self._in_map(request.start) if request.start.header.frame_id else self._pose
+        if self._navigator is None or goal is None or start is None:
+            rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
+            return response
+        plan = self._planner.plan(self._navigator.costmap, start, goal, request.tolerance)
+        if plan.outcome is PlanOutcome.FOUND:
+            response.plan = path_message(plan.points, self._settings.frames.map, rospy.Time.now(), goal.yaw)
+        else:
+            rospy.logwarn("make_plan: %s", plan.outcome.value)
+        return response
+
+    def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
+        """Return a pose in the map; a missing orientation is fine, only a position is asked for."""
+        position = message.pose.position
+        pose = to_pose2d(message.pose) or Pose2D(position.x, position.y, 0.0)
+        frame = self._sensing.to_map(message.header.frame_id, message.header.stamp)
+        return frame.compose(pose) if frame else None
+
+    def _clear(self) -> None:
+        if self._navigator is not None and self._pose is not None:
+            self._navigator.costmap.forget(self._pose.x, self._pose.y)
+            self._navigator.obstacles_changed()

@@ -1,0 +1,131 @@
+"""What the move_base node learns from tf, laser and odometry."""
+
+import math
+from typing import Any, NamedTuple, Optional, Tuple
+
+import numpy as np
+import rospy
+import tf2_ros
+from rospy.numpy_msg import numpy_msg
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+
+from rosoclingo.navigation import Costmap, Pose2D, Velocity
+from rosoclingo.nodes.localization import from_transform
+from rosoclingo.nodes.move_base_parameters import Frames
+from rosoclingo.nodes.worker import Worker
+
+
+class Located(NamedTuple):
+    """Where the robot is, or (``pose`` None) why that is not known."""
+
+    pose: Optional[Pose2D]
+    fault: str = ""
+
+
+class Sensing:
+    """Keeps the newest scan and odometry, and looks poses up.
+
+    The way map -> base is looked up in two parts, map -> odom (which changes slowly) at its newest and odom -> base at
+    the time that matters, so that a localisation that lags a little does no harm.
+    """
+
+    def __init__(self, frames: Frames, worker: Worker, obstacles: bool) -> None:
+        self._frames = frames
+        self._worker = worker
+        self._buffer = tf2_ros.Buffer()
+        self._listener = tf2_ros.TransformListener(self._buffer)
+        self._odom_frame = "odom"
+        self._scan: Optional[Any] = None
+        self._angles: Tuple[Tuple[float, float, int], np.ndarray] = ((0.0, 0.0, 0), np.empty(0))
+        self.velocity = Velocity()
+        self.scanned_at = -math.inf
+        self._since = rospy.get_time()
+        self._subscribers = [
+            rospy.Subscriber("odom", Odometry, self._on_odom, queue_size=1, tcp_nodelay=True, buff_size=1 << 20)
+        ]
+        if obstacles:
+            self._subscribers.append(
+                rospy.Subscriber(
+                    frames.scan_topic, numpy_msg(LaserScan), self._on_scan, queue_size=1, tcp_nodelay=True,
+                    buff_size=1 << 20,
+                )
+            )  # fmt: skip
+
+    def _on_odom(self, message: Odometry) -> None:
+        self._worker.put(lambda: self._take_odom(message))
+
+    def _on_scan(self, message: LaserScan) -> None:
+        self._worker.put(lambda: self._take_scan(message))
+
+    def _take_odom(self, message: Odometry) -> None:
+        self._odom_frame = message.header.frame_id.lstrip("/") or self._odom_frame
+        self.velocity = Velocity(message.twist.twist.linear.x, message.twist.twist.angular.z)
+
+    def _take_scan(self, message: LaserScan) -> None:
+        self._scan = message
+        self.scanned_at = message.header.stamp.to_sec()
+
+    def locate(self, now: float) -> Located:
+        """Return where the robot is in the map, now (s)."""
+        for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
+            stamp = self._newest(parent, child)
+            if stamp is None:
+                return Located(None, "there is no transform from {} to {}".format(parent, child))
+            if stamp > 0.0 and now - stamp > self._frames.tolerance:
+                age = now - stamp
+                return Located(None, "the transform from {} to {} is {:.1f} s old".format(parent, child, age))
+        pose = self._pose_in_map(self._frames.base, rospy.Time(0))
+        return Located(pose, "" if pose else "there is no transform from {} to the robot".format(self._frames.map))
+
+    def laser_age(self, now: float) -> float:
+        """Return the age (s) of the newest scan."""
+        return now - max(self.scanned_at, self._since)
+
+    def time_went_back(self, now: float) -> None:
+        """Forget what is dated in a future that has not come yet."""
+        self._buffer.clear()
+        self._scan, self.scanned_at, self._since = None, -math.inf, now
+
+    def observe(self, costmap: Costmap) -> bool:
+        """Enter a new scan into the costmap; tell whether that changed it."""
+        scan = self._scan
+        if scan is None:
+            return False
+        pose = self._pose_in_map(scan.header.frame_id.lstrip("/"), scan.header.stamp)
+        if pose is None:  # odometry of that time may still come
+            return False
+        self._scan = None
+        ranges = np.asarray(scan.ranges, dtype=np.float64)
+        ranges = np.where(ranges < scan.range_min, np.nan, ranges)
+        return costmap.observe(pose, self._beam_angles(scan), ranges, scan.range_max)
+
+    def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
+        """Return the pose of a frame in the map, None where tf does not know it; an empty name is the map itself."""
+        frame = frame.lstrip("/")
+        if frame in ("", self._frames.map):
+            return Pose2D(0.0, 0.0, 0.0)
+        return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, rospy.Time(0))
+
+    def _beam_angles(self, scan: LaserScan) -> np.ndarray:
+        key = (scan.angle_min, scan.angle_increment, len(scan.ranges))
+        if self._angles[0] != key:
+            self._angles = (key, scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges)))
+        return self._angles[1]
+
+    def _pose_in_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
+        map_to_odom = self._lookup(self._frames.map, self._odom_frame, rospy.Time(0))
+        odom_to_frame = self._lookup(self._odom_frame, frame, stamp)
+        return map_to_odom.compose(odom_to_frame) if map_to_odom and odom_to_frame else None
+
+    def _lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Pose2D]:
+        try:
+            return from_transform(self._buffer.lookup_transform_core(parent, child, stamp).transform)
+        except tf2_ros.TransformException:
+            return None
+
+    def _newest(self, parent: str, child: str) -> Optional[float]:
+        try:
+            return float(self._buffer.get_latest_common_time(parent, child).to_sec())
+        except tf2_ros.TransformException:
+            return None

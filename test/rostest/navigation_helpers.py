@@ -1,0 +1,70 @@
+"""What the tests of simulator and navigation share."""
+
+import math
+import threading
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from nav_msgs.msg import Odometry
+from std_msgs.msg import String
+
+SUCCEEDED, ABORTED, PREEMPTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.PREEMPTED
+
+
+def pose_goal(x, y, yaw=0.0, frame="map"):
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = frame
+    goal.target_pose.pose.position.x, goal.target_pose.pose.position.y = x, y
+    goal.target_pose.pose.orientation.z, goal.target_pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return goal
+
+
+class Driver:
+    """A move_base client that knows where the robot truly is and what it ran into."""
+
+    def __init__(self, prefix=""):
+        self._changed = threading.Condition()
+        self.pose = self.speed = None
+        self.collisions = []
+        self.feedback = 0
+        rospy.Subscriber(prefix + "base_pose_ground_truth", Odometry, self._on_truth)
+        rospy.Subscriber("/simulator/collisions", String, lambda message: self.collisions.append(message.data))
+        self.client = actionlib.SimpleActionClient(prefix + "move_base", MoveBaseAction)
+        while not self.client.wait_for_server(rospy.Duration(5.0)):
+            if rospy.is_shutdown():
+                raise RuntimeError("the test was ended before move_base was there")
+        self.wait(lambda: self.pose is not None)
+
+    def _on_truth(self, message):
+        position, rotation = message.pose.pose.position, message.pose.pose.orientation
+        with self._changed:
+            self.pose = (position.x, position.y, 2.0 * math.atan2(rotation.z, rotation.w))
+            self.speed = (message.twist.twist.linear.x, message.twist.twist.angular.z)
+            self._changed.notify_all()
+
+    def wait(self, condition, limit=120.0):
+        """Wait until something holds, which is looked at with each pose; give up after ``limit`` s of wall time."""
+        with self._changed:
+            if not self._changed.wait_for(condition, timeout=limit):
+                raise AssertionError("waited {} s in vain".format(limit))
+
+    def send(self, goal):
+        self.client.send_goal(goal, feedback_cb=self._on_feedback)
+
+    def _on_feedback(self, _):
+        self.feedback += 1
+
+    def end(self, limit=600.0):
+        """Return (status, text) of the goal's end; the limit is simulated time."""
+        if not self.client.wait_for_result(rospy.Duration(limit)):
+            raise AssertionError("the goal did not end within {} simulated s".format(limit))
+        return self.client.get_state(), self.client.get_goal_status_text()
+
+    def drive(self, *args, **kwargs):
+        self.send(pose_goal(*args, **kwargs))
+        return self.end()
+
+    def distance(self, x, y):
+        return math.hypot(self.pose[0] - x, self.pose[1] - y)
