@@ -1,5 +1,6 @@
 """Drives the pure core in tests: small programs, a journal, and returns on demand."""
 
+from pathlib import Path
 from typing import List, Optional
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
@@ -28,15 +29,21 @@ done(I,t) :- _request(cancel(I),t).
 class Driver:
     """A core with a journal; ``run`` lets it go as far as it goes by itself."""
 
-    def __init__(self, text: str = ERRANDS, settings: Optional[CoreSettings] = None, start: bool = True) -> None:
-        self.program = ReactiveProgram.from_text(text)
+    def __init__(
+        self, text: str = ERRANDS, settings: Optional[CoreSettings] = None, program: Optional[ReactiveProgram] = None
+    ) -> None:
+        self.program = program or ReactiveProgram.from_text(text)
         self.journal = Journal()
         settings = settings or CoreSettings(horizon_limit=8)
         self.core = Core(self.program, lambda: ReactiveSolver(self.program, shortest=True), self.journal, settings)
         self.now = 1.0
-        if start:
-            self.core.start()
-            self.run()
+        self.core.start()
+        self.run()
+
+    @classmethod
+    def from_files(cls, *files: Path) -> "Driver":
+        """A driver of a program in files, with the core's own settings."""
+        return cls(settings=CoreSettings(), program=ReactiveProgram.from_files(files))
 
     def run(self) -> "Driver":
         """Advance until the core waits."""
@@ -64,9 +71,7 @@ class Driver:
     def succeed(self) -> "Driver":
         """Everything under way returns its parameter, and the core goes on."""
         for action in self.core.awaited:
-            self.core.receive(
-                "interface", [f"_return({action.interface},{action.parameter},{action.cycle})"]
-            )
+            self.core.receive("interface", [f"_return({action.interface},{action.parameter},{action.cycle})"])
         return self.run()
 
     def finish(self) -> "Driver":

@@ -105,7 +105,10 @@ class Core:
     def poll(self, now: float) -> None:
         """Time passes: actions that have not returned in time count as failed."""
         limit = self._settings.action_timeout
-        if self._dispatch is None or limit <= 0 or now - self._dispatch.started < limit:
+        if self._dispatch is None or limit <= 0:
+            return
+        self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
+        if now - self._dispatch.started < limit:
             return
         for action in self._dispatch.missing:
             self._problem(f"{action.atom} has not returned within {limit:g} s: it counts as failed")

@@ -138,7 +138,9 @@ class Goal:
         Success and failure pass through acceptance, as actionlib wants it, and a goal once accepted is aborted
         instead of rejected.
         """
-        if outcome is Outcome.REJECTED and self.live and self.state not in UNDECIDED:
+        if not self.live:
+            raise TransitionError(f"goal {self.term} has ended: it is {self.state.value}")
+        if outcome is Outcome.REJECTED and self.state not in UNDECIDED:
             outcome = Outcome.ABORTED
         if outcome in (Outcome.SUCCEEDED, Outcome.ABORTED):
             self.accept()

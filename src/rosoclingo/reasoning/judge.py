@@ -18,15 +18,15 @@ def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: i
     """Bring a fed, live goal to the state that the answer of ``cycle`` gives it.
 
     The program's ``_status`` of the cycle decides. Where it says nothing of a goal, the goal is accepted, and met (or
-    its cancellation done) as soon as no action is left in the plan. Before the request's own cycle only acceptance
-    and rejection are read, at that cycle, as all else would be a prediction.
+    its cancellation done) as soon as no action is left in the plan. Before the request's own cycle a program may say
+    nothing yet: then acceptance and rejection are read at that cycle, as all else would be a prediction.
     """
     first = goal.request_cycle or cycle
-    status = statuses.read(goal.identifier, max(cycle, first))
-    if first > cycle:
-        _judge_early(goal, status, horizon >= first)
-    elif status is not None:
+    status = statuses.read(goal.identifier, cycle)
+    if status is not None:
         _obey(goal, status)
+    elif first > cycle:
+        _judge_early(goal, statuses.read(goal.identifier, first), horizon >= first)
     else:
         goal.accept()
         if not plan.remaining(cycle):

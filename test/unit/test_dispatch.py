@@ -1,0 +1,65 @@
+import pytest
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.reasoning.dispatch import Dispatch, ReturnError
+from rosoclingo.reasoning.keywords import action_of, return_of
+
+
+def dispatch(*actions):
+    return Dispatch(1, tuple(action_of(parse_atom(text)) for text in actions), 0.0)
+
+
+def take(under_way, text):
+    under_way.take(return_of(parse_atom(text)))
+
+
+def missing(under_way):
+    return [str(action.atom) for action in under_way.missing]
+
+
+def test_cycle_ends_when_each_action_has_returned():
+    under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(arm,b,1)")
+    take(under_way, "_return(arm,b,1)")
+    assert missing(under_way) == ["_action_lib(drive,a,1)"]
+    assert not under_way.complete
+    take(under_way, "_return(drive,failed,1)")
+    assert under_way.complete
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("_return(drive,a,2)", "cycle 1 now"),
+        ("_return(drive,a,7)", "cycle 1 now"),
+        ("_return(arm,a,1)", "no action of 'arm'"),
+    ],
+)
+def test_stray_returns(text, reason):
+    under_way = dispatch("_action_lib(drive,a,1)")
+    with pytest.raises(ReturnError, match=reason):
+        take(under_way, text)
+    assert not under_way.complete
+
+
+def test_duplicate_return_does_not_count_for_another_action():
+    under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)")
+    take(under_way, "_return(drive,a,1)")
+    with pytest.raises(ReturnError, match="returned already"):
+        take(under_way, "_return(drive,a,1)")
+    assert missing(under_way) == ["_action_lib(drive,b,1)"]
+
+
+def test_second_answer_of_a_single_action_is_stray():
+    under_way = dispatch("_action_lib(drive,a,1)")
+    take(under_way, "_return(drive,failed,1)")
+    with pytest.raises(ReturnError, match="returned already"):
+        take(under_way, "_return(drive,a,1)")
+
+
+@pytest.mark.parametrize("order", [("failed", "a"), ("a", "failed"), ("failed", "b"), ("failed", "failed"), ("b", "a")])
+def test_two_actions_of_one_interface(order):
+    under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)")
+    for value in order:
+        assert not under_way.complete
+        take(under_way, f"_return(drive,{value},1)")
+    assert under_way.complete

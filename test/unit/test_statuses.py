@@ -1,0 +1,101 @@
+import pytest
+
+from rosoclingo.oclingo import parse_atom, parse_term
+from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
+from rosoclingo.reasoning.judge import judge
+from rosoclingo.reasoning.statuses import Status, Statuses
+
+
+def answer(*atoms):
+    return frozenset(parse_atom(atom) for atom in atoms)
+
+
+def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False):
+    goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
+    goal.request_cycle = request_cycle
+    if cancelling:
+        goal.apply(GoalEvent.CANCEL_REQUEST)
+    shown = answer(*atoms)
+    judge(goal, Statuses(shown), extract_plan(shown), cycle, horizon)
+    return goal
+
+
+def test_plan_is_ordered_and_split_by_cycle():
+    plan = extract_plan(answer("_action_lib(b,x,2)", "_action_lib(a,x,10)", "_action_lib(a,x,2)", "_other(1)"))
+    texts = [str(action.atom) for action in plan.actions]
+    assert texts == ["_action_lib(a,x,2)", "_action_lib(b,x,2)", "_action_lib(a,x,10)"]
+    assert len(plan.at(2)) == 2
+    assert len(plan.after(2)) == 1
+    assert len(plan.remaining(2)) == 3
+
+
+def test_malformed_actions_are_faults():
+    plan = extract_plan(answer("_action_lib(a,x)", "_action_lib(a,x,soon)", "_action_lib(a,x,1)"))
+    assert len(plan.actions) == 1
+    assert len(plan.faults) == 2
+    assert "_action_lib(A,P,C)" in plan.faults[0] + plan.faults[1]
+
+
+def test_malformed_statuses_are_faults():
+    statuses = Statuses(answer("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)"))
+    assert len(statuses.faults) == 4
+    assert all("write _status(Id,S,C)" in fault for fault in statuses.faults)
+
+
+def test_worst_status_counts():
+    statuses = Statuses(answer("_status(1,succeeded,2)", "_status(1,aborted(blocked,x),2)", "_status(1,accepted,2)"))
+    assert statuses.read(parse_term("1"), 2) == Status("aborted", "blocked, x")
+    assert statuses.read(parse_term("1"), 3) is None
+    assert statuses.read(parse_term("2"), 2) is None
+
+
+@pytest.mark.parametrize(
+    ("word", "state"),
+    [
+        ("accepted", "active"),
+        ("rejected", "rejected"),
+        ("succeeded", "succeeded"),
+        ("canceled", "recalled"),
+        ("aborted", "aborted"),
+    ],
+)
+def test_program_decides(word, state):
+    assert judged(f"_status(1,{word},5)", "_action_lib(a,x,6)").state.value == state
+
+
+def test_programs_reason_is_told():
+    assert judged("_status(1,rejected(unknown_office(office9)),5)").message.endswith("go(1): unknown_office(office9)")
+
+
+def test_accepted_goal_lives_without_a_plan():
+    assert judged("_status(1,accepted,5)").live
+
+
+def test_without_statuses_a_goal_is_met_when_nothing_is_left():
+    assert judged("_action_lib(a,x,5)").state.value == "active"
+    assert judged("_action_lib(a,x,4)").state.value == "succeeded"
+
+
+def test_without_statuses_a_cancelled_goal_ends_when_nothing_is_left():
+    assert judged("_action_lib(a,x,5)", cancelling=True).state.value == "preempting"
+    assert judged(cancelling=True).state.value == "preempted"
+
+
+@pytest.mark.parametrize(
+    ("atoms", "horizon", "state"),
+    [
+        ([], 5, "pending"),
+        ([], 6, "active"),
+        (["_status(1,accepted,6)"], 6, "active"),
+        (["_status(1,succeeded,6)"], 6, "active"),
+        (["_status(1,rejected,6)"], 6, "rejected"),
+        (["_status(1,aborted,6)"], 6, "pending"),
+        (["_status(1,rejected,5)"], 6, "rejected"),
+    ],
+)
+def test_before_the_requests_own_cycle(atoms, horizon, state):
+    assert judged(*atoms, cycle=5, request_cycle=6, horizon=horizon).state.value == state
+
+
+def test_empty_plan():
+    assert TaskPlan().remaining(1) == ()
