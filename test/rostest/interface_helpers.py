@@ -29,10 +29,14 @@ class CoreSide:
         self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, queue_size=100)
         self._subscriber = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._messages.put)
 
-    def wait_for(self, count=1):
-        """Wait until so many interfaces listen and are heard."""
-        wait_until(lambda: self._publisher.get_num_connections() >= count, "interfaces that listen")
-        wait_until(lambda: self._subscriber.get_num_connections() >= count, "interfaces that are heard")
+    def wait_for(self, *nodes):
+        """Wait until these nodes listen and are heard."""
+        for node in map(rospy.resolve_name, nodes):
+            wait_until(lambda name=node: self._publisher.impl.has_connection(name), f"{node} to listen")
+            wait_until(lambda name=node: self._hears(name), f"{node} to be heard")
+
+    def _hears(self, node):
+        return any(connection.callerid_pub == node for connection in self._subscriber.impl.connections)
 
     def send(self, interface, *facts):
         self._publisher.publish(InterfaceIO(interface=interface, facts=list(facts)))

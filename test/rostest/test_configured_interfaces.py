@@ -8,12 +8,26 @@ from pathlib import Path
 
 import rospy
 import rostest
-from actionlib.msg import TestAction, TestActionGoal, TestActionResult, TestRequestAction, TestRequestResult
+from actionlib.msg import (
+    TestAction,
+    TestActionGoal,
+    TestActionResult,
+    TestRequestAction,
+    TestRequestResult,
+    TwoIntsAction,
+    TwoIntsGoal,
+    TwoIntsResult,
+)
 from actionlib_msgs.msg import GoalID, GoalStatusArray
+from clingo import Function, Number
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from interface_helpers import CoreSide, Process, Server, wait_until
 
+from rosoclingo.interfaces.answers import Answer
+from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError
 from rosoclingo.interfaces.hosting import InterfacesNode
+from rosoclingo.interfaces.worker import Worker
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -30,7 +44,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         cls.oracle = Server("oracle", TestRequestAction)
         cls.count = Server("count", TestAction)
         cls.hasty = Server("hasty", TestAction)
-        cls.core.wait_for()
+        cls.core.wait_for("interface")
 
     def tearDown(self):
         self.assertTrue(self.core.silent(), "exactly one message answers an action")
@@ -125,6 +139,63 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.statuses.extend(status.status for status in message.status_list)
 
 
+class SumInterface(Interface):
+    """What a user writes who needs code: two numbers in a term, their sum in the return."""
+
+    def make_goal(self, action):
+        if not action.parameter.arguments:
+            raise RefusalError("no_numbers", "add what?")
+        first, second = (argument.number for argument in action.parameter.arguments)
+        return TwoIntsGoal(first, second)
+
+    def make_answer(self, action, ended):
+        if ended.status == "succeeded":
+            return Answer(Number(ended.result.sum), ("calculated",))
+        return Answer(Function("no_sum")) if ended.status == "aborted" else super().make_answer(action, ended)
+
+
+class SubclassedInterface(unittest.TestCase):
+    def test_code_where_configuration_does_not_do(self):
+        core, server, worker = CoreSide(), Server("adder", TwoIntsAction), Worker()
+        SumInterface("sum", TwoIntsAction, "adder", worker=worker)
+        worker.start()
+        core.wait_for(rospy.get_name())
+        core.send("sum", "_action_lib(sum,two(3,4),1)")
+        goal = server.accept()
+        goal.set_succeeded(TwoIntsResult(goal.get_goal().a + goal.get_goal().b))
+        self.assertEqual(core.receive(), ["calculated", "_return(sum,7,1)"])
+        core.send("sum", "_action_lib(sum,two(3,4),2)")
+        server.accept().set_aborted()
+        self.assertEqual(core.receive(), ["_return(sum,no_sum,2)"])
+        core.send("sum", "_action_lib(sum,two(3,4),3)")
+        server.take().set_rejected()
+        self.assertEqual(core.receive(), ["_return(sum,rejected,3)"])
+        # refused, and faults of the subclass itself
+        self.assertEqual(core.run("sum", "_action_lib(sum,nothing,4)"), ["_return(sum,no_numbers,4)"])
+        self.assertEqual(core.run("sum", "_action_lib(sum,two(a,b),5)"), ["_return(sum,bad_parameter,5)"])
+        core.send("sum", "_action_lib(sum,two(3,4),6)")
+        server.accept().set_succeeded(TwoIntsResult(2**40))
+        self.assertEqual(core.receive(), ["_return(sum,failed,6)"])
+        self.check_health()
+        worker.stop()
+
+    def check_health(self):
+        found = {}
+
+        def note(message):
+            found.update({status.name: status for status in message.status})
+
+        rospy.Subscriber("/diagnostics", DiagnosticArray, note)
+        wait_until(lambda: "rosoclingo: interface sum" in found, "a report")
+        status = found["rosoclingo: interface sum"]
+        values = {pair.key: pair.value for pair in status.values}
+        self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "idle"))
+        self.assertEqual((values["server"], values["succeeded"], values["failed"]), ("adder", "2", "4"))
+        wait_until(lambda: "rosoclingo: interface absent" in found, "a report of the interface without a server")
+        status = found["rosoclingo: interface absent"]
+        self.assertEqual((status.level, status.message), (DiagnosticStatus.WARN, "server absent is not connected"))
+
+
 class InterfaceNode(unittest.TestCase):
     """The node as a process: its parameters, and its end."""
 
@@ -165,7 +236,7 @@ class InterfaceNode(unittest.TestCase):
         with Process(
             "rosrun", "rosoclingo", "interface", "__name:=mortal_interface", entry, "_server:=elsewhere"
         ) as node:
-            core.wait_for(2)
+            core.wait_for("mortal_interface")
             core.send("arm", "_action_lib(arm,3,1)")
             server.accept()
             node.signal(signal.SIGINT)
@@ -177,7 +248,7 @@ class InterfaceNode(unittest.TestCase):
 class Suite(unittest.TestSuite):
     def __init__(self):
         super().__init__()
-        for case in (ConfiguredInterfaces, InterfaceNode):
+        for case in (ConfiguredInterfaces, SubclassedInterface, InterfaceNode):
             self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
 
 

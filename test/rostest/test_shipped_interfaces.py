@@ -19,7 +19,7 @@ class ShippedInterfaces(unittest.TestCase):
         cls.move_base = Server("move_base", MoveBaseAction)
         cls.pickup = Server("pickup", PickupAction)
         cls.deliver = Server("deliver", DeliverAction)
-        cls.core.wait_for(3)
+        cls.core.wait_for("move_base_interface", "pickup_interface", "deliver_interface")
 
     def tearDown(self):
         self.assertTrue(self.core.silent(), "exactly one message answers an action")

@@ -21,7 +21,7 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
         core = CoreSide()
         server = Server("slow", TestAction)
-        core.wait_for()
+        core.wait_for("interface")
 
         # before the first clock message
         core.send("slow", "_action_lib(slow,a,1)")

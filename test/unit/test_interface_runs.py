@@ -107,6 +107,12 @@ def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
     assert run.done
 
 
+def test_the_time_counts_from_sending_the_goal():
+    run = run_in(Phase.SENT)
+    run.handle(Event.ACKNOWLEDGED, later(9.0, 1.0))
+    assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
+
+
 def test_no_limit():
     assert run_in(Phase.RUNNING, LIMITS._replace(timeout=0.0)).tick(later(1e9, 1e9)) is Effect.NOTHING
 

@@ -65,10 +65,10 @@ def answer(rules: Tuple[Rule, ...], scope: Scope) -> Answer:
 
 
 def default_value(ended: Ended, scope: Scope) -> Symbol:
-    """The return term where no rule says otherwise: the parameter on success, else a reason."""
+    """The return term where no rule says otherwise: the parameter on success, else a reason named like the status."""
     if ended.status == SUCCEEDED:
         return scope.parameter
-    return Function(DEFAULT_RETURNS.get(ended.status, "failed"))
+    return Function(DEFAULT_RETURNS.get(ended.status, ended.status))
 
 
 def conclude(verdict: Optional[str], ended: Optional[Ended]) -> Ended:

@@ -8,9 +8,10 @@ from typing import Any, Dict, Optional, Tuple
 import rospy
 from clingo import Function
 
-from rosoclingo.interfaces.answers import Answer, answer, conclude
+from rosoclingo.interfaces.answers import SUCCEEDED, Answer, answer, conclude
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.health import Health
 from rosoclingo.interfaces.link import ServerLink
 from rosoclingo.interfaces.outbox import Outbox
 from rosoclingo.interfaces.runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
@@ -73,6 +74,7 @@ class Interface(abc.ABC):
             Messages with another interface's name are dropped unread.
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): server, actions under way, counts and the last failure, at 1 Hz.
     Actions called:
         the server that is given by name; it may come, go and come back.
 
@@ -95,9 +97,9 @@ class Interface(abc.ABC):
         self._retry_on = retry_on
         self._worker = worker
         self._attempts: Dict[Action, _Attempt] = {}
-        self._server = server
         self._link = ServerLink(server, action_type)
         self._outbox = Outbox(IN_TOPIC)
+        self._health = Health(name, server)
         worker.add_ticker(self._tick)
         rospy.on_shutdown(lambda: worker.post(self._shut_down))
         self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
@@ -143,11 +145,10 @@ class Interface(abc.ABC):
         try:
             goal = self.make_goal(action)
         except RefusalError as error:
-            rospy.logerr("%s: %s: %s", self.name, action.atom, error)
-            self._publish(action, self.make_answer(action, Ended(error.reason, str(error))), sender)
+            self._conclude(action, Ended(error.reason, str(error)), sender)
         except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer
-            rospy.logerr("%s: %s: %s: %s", self.name, action.atom, type(error).__name__, error, exc_info=True)
-            self._publish(action, Answer(Function("failed")), sender)
+            rospy.logerr("%s: %s", self.name, action.atom, exc_info=True)
+            self._conclude(action, Ended("bad_parameter", f"{type(error).__name__}: {error}"), sender)
         else:
             self._attempts[action] = _Attempt(action, goal, sender, self._limits, _now())
             self._tick()
@@ -170,21 +171,26 @@ class Interface(abc.ABC):
 
     def _finish(self, attempt: _Attempt) -> None:
         action, ended = attempt.action, conclude(attempt.run.verdict, attempt.ended)
-        try:
-            result = self.make_answer(action, ended)
-        except Exception as error:  # noqa: BLE001 as in _begin
-            rospy.logerr("%s: %s: %s: %s", self.name, action.atom, type(error).__name__, error, exc_info=True)
-            result = Answer(Function("failed"))
-        if ended.status != "succeeded":
-            rospy.logwarn("%s: %s: %s %s", self.name, action.atom, ended.status.replace("_", " "), ended.text)
+        result = self._answer(action, ended)
         if self._is_worth_another(attempt, ended, result):
+            rospy.logwarn("%s: %s: %s: %s; once more", self.name, action.atom, ended.status, ended.text)
             self._attempts[action] = attempt.again(_now())
             return
         del self._attempts[action]
-        self._publish(action, result, attempt.asked_by)
+        self._publish(action, ended, result, attempt.asked_by)
+
+    def _conclude(self, action: Action, ended: Ended, sender: str) -> None:
+        self._publish(action, ended, self._answer(action, ended), sender)
+
+    def _answer(self, action: Action, ended: Ended) -> Answer:
+        try:
+            return self.make_answer(action, ended)
+        except Exception as error:  # noqa: BLE001 as in _begin
+            rospy.logerr("%s: %s", self.name, action.atom, exc_info=True)
+            return Answer(Function("failed"), warnings=(f"{type(error).__name__}: {error}",))
 
     def _is_worth_another(self, attempt: _Attempt, ended: Ended, result: Answer) -> bool:
-        if ended.status == "succeeded" or attempt.run.verdict in _FINAL or attempt.limits.retries < 1:
+        if ended.status == SUCCEEDED or attempt.run.verdict in _FINAL or attempt.limits.retries < 1:
             return False
         return str(result.value).partition("(")[0] in self._retry_on
 
@@ -200,6 +206,7 @@ class Interface(abc.ABC):
                 self._handle(attempt, Event.SERVER_LOST)
             else:
                 self._do(attempt, attempt.run.tick(now))
+        self._health.report(now.wall, self._link.connected, [str(action.atom) for action in self._attempts])
         return self._outbox.flush(now.wall) or bool(self._attempts)
 
     def _shut_down(self) -> None:
@@ -208,9 +215,13 @@ class Interface(abc.ABC):
 
     # ---- out ------------------------------------------------------------------------------------------------------
 
-    def _publish(self, action: Action, result: Answer, reader: str) -> None:
+    def _publish(self, action: Action, ended: Ended, result: Answer, reader: str) -> None:
         for warning in result.warnings:
             rospy.logerr("%s: %s: %s", self.name, action.atom, warning)
+        succeeded = ended.status == SUCCEEDED
+        if not succeeded:
+            rospy.logwarn("%s: %s: %s: %s", self.name, action.atom, ended.status, ended.text)
+        self._health.note(succeeded, f"{action.atom}: {ended.status}: {ended.text}")
         facts = [*result.facts, return_text(action, result.value)]
         self._outbox.put(InterfaceIO(interface=self.name, facts=facts), reader, _now().wall)
 

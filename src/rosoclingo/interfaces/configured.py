@@ -11,8 +11,8 @@ from rosoclingo.interfaces.config import ConfigError, InterfaceSpec
 from rosoclingo.interfaces.messages import FieldError, check_fields, field_types, fill
 from rosoclingo.interfaces.templates import Ended, FillError, Scope, evaluate, references
 from rosoclingo.interfaces.worker import Worker
-from rosoclingo.reasoning.labels import LabelTable, UnknownLabelError
 from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.labels import LabelTable, UnknownLabelError
 
 
 class ConfiguredInterface(Interface):

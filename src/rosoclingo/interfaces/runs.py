@@ -15,10 +15,10 @@ class Instant(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """How long a run may take, in seconds; 0 means for ever."""
+    """How long a run may take, in seconds."""
 
-    timeout: float = 120.0  # from sending a goal to its end, in ROS time
-    server_timeout: float = 5.0  # for the server to appear, to acknowledge a goal, to end a cancelled one
+    timeout: float = 120.0  # from sending a goal to its end, in ROS time; 0 for no limit
+    server_timeout: float = 5.0  # for the server to appear, to acknowledge a goal, to end a cancelled one; > 0
     retries: int = 0  # how often a failed goal is sent again
 
 
@@ -108,12 +108,26 @@ class IllegalEventError(RuntimeError):
     """An event that cannot happen in this phase."""
 
 
+class _Stopwatch:
+    """Measures both times since its start."""
+
+    def __init__(self, now: Instant) -> None:
+        self._start = now
+
+    def elapsed(self, now: Instant) -> Instant:
+        """Seconds since the start; ROS time counts from the first /clock, and anew when simulated time was reset."""
+        if self._start.ros <= 0.0 or now.ros < self._start.ros:
+            self._start = Instant(now.ros, self._start.wall)
+        return Instant(now.ros - self._start.ros, now.wall - self._start.wall)
+
+
 class Run:
     """One attempt of one action: knows its phase, its deadline and, when it ended by itself, why."""
 
     def __init__(self, limits: Limits, now: Instant) -> None:
         self._limits = limits
-        self._since = now
+        self._in_phase = _Stopwatch(now)
+        self._since_sent = _Stopwatch(now)
         self._phase = Phase.WAITING
         self._verdict: Optional[str] = None
 
@@ -140,13 +154,13 @@ class Run:
         self._note_verdict(before, event)
         self._phase, effect = TRANSITIONS[before][event]
         if self._phase is not before:
-            self._since = now
+            self._in_phase = _Stopwatch(now)
+        if effect is Effect.SEND:
+            self._since_sent = _Stopwatch(now)
         return effect
 
     def tick(self, now: Instant) -> Effect:
         """Let time pass: as `handle` with EXPIRED if the deadline of this phase is over."""
-        if self._since.ros <= 0.0 or now.ros < self._since.ros:
-            self._since = Instant(now.ros, self._since.wall)  # the first /clock came, or simulated time was reset
         return self.handle(Event.EXPIRED, now) if self._expired(now) else Effect.NOTHING
 
     def _note_verdict(self, phase: Phase, event: Event) -> None:
@@ -158,11 +172,11 @@ class Run:
             self._verdict = _VERDICTS.get((phase, event), self._verdict)
 
     def _expired(self, now: Instant) -> bool:
-        ros, wall = now.ros - self._since.ros, now.wall - self._since.wall
+        elapsed, sent = self._in_phase.elapsed(now), self._since_sent.elapsed(now)
         limit = self._limits.server_timeout
         if self._phase is Phase.WAITING:
-            return 0.0 < limit <= wall
+            return elapsed.wall >= limit
         if self._phase is Phase.RUNNING:
-            return 0.0 < self._limits.timeout <= ros
+            return 0.0 < self._limits.timeout <= sent.ros
         # A server that answers by simulated time must not be called lost because simulated time stands still or flies.
-        return self._phase is not Phase.DONE and 0.0 < limit <= min(ros, wall)
+        return self._phase is not Phase.DONE and min(elapsed) >= limit

@@ -7,6 +7,7 @@ from typing import Any, Callable, List, Optional
 import rospy
 
 TICK = 0.02  # seconds of wall time between two looks at the clock while something is under way
+IDLE_TICK = 1.0  # the same while nothing is
 
 
 class Worker:
@@ -30,7 +31,7 @@ class Worker:
         self._jobs.put(job)
 
     def add_ticker(self, ticker: Callable[[], bool]) -> None:
-        """Have `ticker` called after each job, and every tick while one of the tickers returns True."""
+        """Have `ticker` called after each job and now and then; often while one of the tickers returns True."""
         self._tickers.append(ticker)
 
     def stop(self, patience: float = 2.0) -> None:
@@ -43,7 +44,7 @@ class Worker:
         busy = False
         while True:
             try:
-                job = self._jobs.get(timeout=self._tick if busy else None)
+                job = self._jobs.get(timeout=self._tick if busy else IDLE_TICK)
             except queue.Empty:
                 pass
             else:
