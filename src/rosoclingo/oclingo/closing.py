@@ -1,31 +1,25 @@
-"""Closing a cycle: the actions of a past cycle are fixed to those that were executed.
+"""Actions and cycles: which actions an answer of a given horizon, or of a cycle that has passed, may hold.
 
 A commitment keeps an executed action in every later plan; nothing in a stream keeps actions out of a cycle that has passed
-without them. The rules here do: once ``__oclingo_closed(C)`` holds, an ``_action_lib(A,P,C)`` that is not
-``__oclingo_kept(A,P,C)`` is impossible, whenever it comes to be grounded. An action beyond the horizon is impossible as well where
-the solver looks for shortest plans.
+without them, nor out of the steps beyond the horizon for which an answer was searched. The first is done by constraints on the
+atoms of the closed cycle, the second by the rules that are made here.
 """
 
-from typing import Iterable, List, Sequence, Set, Tuple
+from typing import List, Sequence, Set, Tuple
 
-import clingo
-from clingo.ast import ASTType
+from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.horizon import BEYOND
-from rosoclingo.oclingo.progression import Statement, fact
 from rosoclingo.oclingo.rewriting import Part
 from rosoclingo.oclingo.signatures import Signature, occurrences
 from rosoclingo.oclingo.sources import Source
 
 ACTION = Signature("_action_lib", 3)
-CLOSED, KEPT = "__oclingo_closed", "__oclingo_kept"
+RETURN = Signature("_return", 3)
 
 _RULES = """
 #program {header}.
-#external {closed}({cycle}){domain}.
 #external {beyond}({cycle}){domain}.
-#external {kept}(A__,P__,{cycle}) : _action_lib(A__,P__,{cycle}).
-:- _action_lib(A__,P__,{cycle}), {closed}({cycle}), not {kept}(A__,P__,{cycle}).
 :- _action_lib(A__,P__,{cycle}), {beyond}({cycle}).
 """
 
@@ -50,7 +44,7 @@ def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
     return sorted(found)
 
 
-def _has_variable(term: "clingo.ast.AST") -> bool:
+def _has_variable(term: AST) -> bool:
     if term.ast_type == ASTType.BinaryOperation:
         return _has_variable(term.left) or _has_variable(term.right)
     return term.ast_type == ASTType.Variable
@@ -59,10 +53,5 @@ def _has_variable(term: "clingo.ast.AST") -> bool:
 def _rules(name: str, parameter: str, cycle: str) -> str:
     header = "{}({})".format(name, parameter) if parameter else name
     domain = " : _action_lib(_,_,C__)" if cycle == "C__" else ""
-    return _RULES.format(header=header, cycle=cycle, domain=domain, closed=CLOSED, kept=KEPT, beyond=BEYOND)
+    return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND)
 
-
-def closing_facts(cycle: int, executed: Iterable[clingo.Symbol]) -> List[Statement]:
-    """Return the facts that close ``cycle`` on the ``executed`` actions."""
-    kept = [fact(clingo.Function(KEPT, action.arguments)) for action in executed]
-    return kept + [fact(clingo.Function(CLOSED, [clingo.Number(cycle)]))]

@@ -8,7 +8,8 @@ S <= H <= S+w-1, holds where ``not beyond(S), beyond(S+w)``.
 from typing import Dict, List
 
 import clingo
-from clingo.backend import Backend
+
+from rosoclingo.oclingo.editor import Editor
 
 BEYOND = "__oclingo_beyond"
 """``__oclingo_beyond(T)``: the program's name for ``beyond(T)``, where it asks for it (see :mod:`~rosoclingo.oclingo.closing`)."""
@@ -17,16 +18,17 @@ BEYOND = "__oclingo_beyond"
 class HorizonLiterals:
     """The literals ``beyond(T)`` of one control, made as they are needed."""
 
-    def __init__(self, control: clingo.Control, before: int) -> None:
+    def __init__(self, control: clingo.Control, editor: Editor, before: int) -> None:
         """Start with step ``before``, which never lies beyond."""
-        self._control = control
+        self._control, self._editor = control, editor
         self._last = before
         self._settled = before
         self._beyond: Dict[int, int] = {}
         self._linked = before
 
-    def _literal(self, backend: Backend, step: int) -> int:
+    def _literal(self, step: int) -> int:
         """Return the literal ``beyond(step)``, making it and those before it."""
+        backend = self._editor.backend
         while self._last < step:
             self._last += 1
             literal = self._beyond[self._last] = backend.add_atom()
@@ -37,9 +39,8 @@ class HorizonLiterals:
 
     def define_window(self, guard: int, step: int, window: int) -> None:
         """Define ``guard``: true where the horizon lies in step..step+window-1."""
-        with self._control.backend() as backend:
-            end = self._literal(backend, step + window)
-            backend.add_rule([guard], [end, -self._literal(backend, step)])
+        end = self._literal(step + window)
+        self._editor.backend.add_rule([guard], [end, -self._literal(step)])
 
     def forbid_beyond(self, step: int) -> None:
         """Tie the program's ``__oclingo_beyond(T)`` for T around ``step`` to the literals."""
@@ -50,22 +51,18 @@ class HorizonLiterals:
                 return  # an action of that cycle may still come with a later step
             self._linked += 1
             if atom is not None:
-                with self._control.backend() as backend:
-                    backend.add_rule([atom.literal], [self._literal(backend, self._linked)])
+                self._editor.backend.add_rule([atom.literal], [self._literal(self._linked)])
 
     def settle(self, step: int) -> None:
         """Say for good that no horizon lies before ``step``, which lets clingo simplify."""
-        if step > self._settled:
-            with self._control.backend() as backend:
-                for settled in range(self._settled + 1, step + 1):
-                    backend.add_rule([], [self._literal(backend, settled)])
-            self._settled = step
+        for settled in range(self._settled + 1, step + 1):
+            self._editor.backend.add_rule([], [self._literal(settled)])
+        self._settled = max(self._settled, step)
 
     def range(self, first: int, last: int) -> List[int]:
         """Return the assumptions by which the horizon lies in first..last."""
-        with self._control.backend() as backend:
-            end = self._literal(backend, last + 1)
-            return [end] if first <= self._settled else [-self._literal(backend, first), end]
+        end = self._literal(last + 1)
+        return [end] if first <= self._settled else [-self._literal(first), end]
 
     def horizon_of(self, model: clingo.Model, first: int, last: int) -> int:
         """Return the horizon, known to lie in first..last, of ``model``."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import List, Sequence
 
 import clingo
-from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, parse_string
+from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer, parse_string
 
 from rosoclingo.oclingo.directives import VOLATILE_PREFIX, Directives
 from rosoclingo.oclingo.errors import Fault, ProgramError
@@ -80,8 +80,31 @@ def _guard_declaration(part: Part, header: AST) -> List[AST]:
     return [statement for statement in found if statement.ast_type == ASTType.External]
 
 
+class _Namer(Transformer):
+    """Names the anonymous variables of positive literals.
+
+    The meaning is the same; but clingo projects a ``_`` by a rule of its own that it grounds for all steps anew at every step.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def visit_Literal(self, node: AST) -> AST:
+        """Go into positive literals alone: under ``not`` the projection is what is meant."""
+        return node if node.sign != Sign.NoSign else node.update(**self.visit_children(node))
+
+    def visit_Variable(self, node: AST) -> AST:
+        """Give ``_`` a name that is used nowhere else."""
+        if node.name != "_":
+            return node
+        self._count += 1
+        return node.update(name="Any__{}".format(self._count))
+
+
 def _add(part: Part, statement: AST) -> None:
     kind = statement.ast_type
+    if part.name != "base":
+        statement = _Namer().visit(statement)
     if part.window and kind in _GUARDED and not _says_nothing(statement):
         statement = statement.update(body=list(statement.body) + [_guard(part, statement)])
     part.statements.append(statement)

@@ -7,19 +7,19 @@ no text from outside can end it.
 import time
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, Optional, Tuple, TypeVar
 
 import clingo
 
-from rosoclingo.oclingo.closing import closing_facts
 from rosoclingo.oclingo.engine import Engine, Search
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program import ReactiveProgram
-from rosoclingo.oclingo.progression import Statement, StreamUpdate
+from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.query import Query
 from rosoclingo.oclingo.state import StreamState
 from rosoclingo.oclingo.transaction import Setting, Transaction
 
+T = TypeVar("T")
 Answer = FrozenSet[clingo.Symbol]
 
 
@@ -121,14 +121,10 @@ class ReactiveSolver:
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
 
-        Takes effect with the next search; raises SolverError where the state can't take it.
+        Its returns may still come with the next update; those of the cycle closed before it are closed.
         """
-        self._add_quietly(closing_facts(cycle, executed))
-
-    def _add_quietly(self, statements: List[Statement]) -> None:
-        state = self._state.copy()
-        transaction = Transaction(self._setting, state, self._engine)
-        self._guarded(transaction, lambda: transaction.add_permanent(statements))
+        transaction = Transaction(self._setting, self._state.copy(), self._engine)
+        self._guarded(transaction, lambda: transaction.close_cycle(cycle, frozenset(executed)))
 
     def _run(self, update: Optional[StreamUpdate], stopped: Optional[Callable[[], bool]]) -> SolveResult:
         self._stop = False
@@ -139,7 +135,7 @@ class ReactiveSolver:
 
         return self._guarded(transaction, lambda: self._search(transaction, update, halt))
 
-    def _guarded(self, transaction: Transaction, action: Callable[[], "SolveResult"]) -> "SolveResult":
+    def _guarded(self, transaction: Transaction, action: Callable[[], T]) -> T:
         """Do ``action``; keep the transaction's state, or on failure the old one with a fresh grounding."""
         engine, self._engine = self._engine, None
         try:

@@ -1,7 +1,7 @@
 """What the solver knows of its stream: enough to build the grounding anew at any time."""
 
 from dataclasses import dataclass, field, replace
-from typing import List, Optional, Set, Union
+from typing import Dict, FrozenSet, List, Optional, Set, Union
 
 import clingo
 
@@ -59,6 +59,7 @@ class StreamState:
         open_atoms: atoms of open signatures seen so far, in order.
         forgotten: externals closed by ``#forget``.
         forgets_done: last step at which the program's own ``#forget`` was carried out.
+        closed_cycles: the actions that were executed in each cycle that has been closed.
         cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for each
             search, since clingo looks for loops only among the rules that come between two searches.
     """
@@ -72,6 +73,7 @@ class StreamState:
     open_atoms: List[clingo.Symbol] = field(default_factory=list)
     forgotten: Set[clingo.Symbol] = field(default_factory=set)
     forgets_done: int = 0
+    closed_cycles: Dict[int, FrozenSet[clingo.Symbol]] = field(default_factory=dict)
     cyclic: bool = False
 
     def copy(self) -> "StreamState":
@@ -83,4 +85,5 @@ class StreamState:
             waiting=[replace(entry) for entry in self.waiting],
             open_atoms=list(self.open_atoms),
             forgotten=set(self.forgotten),
+            closed_cycles=dict(self.closed_cycles),
         )

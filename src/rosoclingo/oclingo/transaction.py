@@ -5,7 +5,7 @@ made in place (an open external that a grounded step could see, a loop over seve
 """
 
 from dataclasses import dataclass
-from typing import Callable, Dict, List, Optional, Set
+from typing import Callable, Dict, FrozenSet, List, Optional, Set
 
 import clingo
 
@@ -73,15 +73,15 @@ class Transaction:
             self._take_items(update)
         return complete
 
-    def add_permanent(self, statements: List[Statement]) -> None:
-        """Add statements that are no part of an update."""
+    def close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
+        """Fix the actions of ``cycle`` to ``executed``; the returns of the cycle closed before it are complete by now."""
         self.touched = True
-        engine = self.ready()
-        for statement in statements:
-            if engine.is_open(statement.head) if statement.head is not None else True:
-                self._put(statement, FOREVER)
-            elif not (statement.head is not None and engine.is_true(statement.head)):
-                self._wait(statement, FOREVER)
+        before = max(self.state.closed_cycles, default=None)
+        self.state.closed_cycles[cycle] = executed
+        if self.engine is not None:
+            self.engine.close_cycle(cycle, executed)
+            if before is not None:
+                self.engine.close_returns(before)
 
     def ready(self) -> Engine:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
@@ -122,11 +122,12 @@ class Transaction:
             return
         self.state.open_atoms.extend(fresh)
         if self.engine is not None:
-            new = [atom for atom in fresh if not self.engine.knows(atom)]
+            new = [atom for atom in fresh if not self.engine.atoms.knows(atom)]
             if any(self.program.may_see(atom, self.engine.horizon) for atom in new):
                 self.engine = None
             else:
-                self.engine.declare(new, set())
+                for atom in new:
+                    self.engine.atoms.declare(atom, False)
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
@@ -147,7 +148,7 @@ class Transaction:
         state = self.state
         horizon = state.horizon
         self._lapse([e for e in state.lapsing + state.waiting if isinstance(e.lifetime, int) and e.lifetime < horizon])
-        for entry in [one for one in state.waiting if one.statement.head is not None and engine.is_open(one.statement.head)]:
+        for entry in [one for one in state.waiting if one.statement.head is not None and engine.atoms.is_open(one.statement.head)]:
             state.waiting.remove(entry)
             self._put(entry.statement, entry.lifetime)
         while state.forgets_done < horizon:
@@ -183,11 +184,11 @@ class Transaction:
             return  # its window has passed
         engine = self._standing()
         head = statement.head
-        if head is None or engine.is_open(head) or self._is_new(head, engine):
+        if head is None or engine.atoms.is_open(head) or self._is_new(head, engine):
             self._put(statement, lifetime)
-        elif not statement.body and engine.is_true(head):
+        elif not statement.body and engine.atoms.is_true(head):
             return  # said before
-        elif head in self.state.forgotten or engine.knows(head) or not self._may_come(head):
+        elif head in self.state.forgotten or engine.atoms.knows(head) or not self._may_come(head):
             self.warnings.append(_NOT_EXTERNAL.format(head))
         else:
             self._wait(statement, lifetime)
@@ -201,7 +202,7 @@ class Transaction:
     def _is_new(self, atom: clingo.Symbol, engine: Engine) -> bool:
         """Whether the program has no word of ``atom``, so that an update may define it freely."""
         signature = signature_of(atom)
-        return signature not in self.program.signatures | self.program.open_signatures and not engine.knows(atom)
+        return signature not in self.program.signatures | self.program.open_signatures and not engine.atoms.knows(atom)
 
     def _may_come(self, atom: clingo.Symbol) -> bool:
         return self.program.may_declare(atom, self.state.horizon)
@@ -214,12 +215,12 @@ class Transaction:
         self._watch_loops(statement)
         engine = self._standing()
         if lifetime == FOREVER:
-            engine.add(statement, None)
+            engine.atoms.add(statement, None)
             self.state.permanent.append(statement)
             return
         if lifetime not in self._guards:
             self._guards[lifetime] = engine.new_guard()
-        engine.add(statement, self._guards[lifetime])
+        engine.atoms.add(statement, self._guards[lifetime])
         self.state.lapsing.append(Entry(statement, lifetime, self._guards[lifetime]))
 
     def _watch_loops(self, statement: Statement) -> None:
@@ -235,7 +236,7 @@ class Transaction:
         defined = {entry.statement.head for entry in self.state.lapsing}
         for atom in engine.declared_between(item.first, item.last):
             if atom not in defined:
-                engine.close(atom)
+                engine.atoms.close(atom)
                 self.state.forgotten.add(atom)
 
     def _retract(self, term: clingo.Symbol) -> None:
@@ -254,16 +255,20 @@ class Transaction:
         while engine.horizon < state.horizon:
             engine.ground_step()
         for atom in state.forgotten:
-            engine.close(atom)
+            engine.atoms.close(atom)
+        for cycle, executed in state.closed_cycles.items():
+            engine.close_cycle(cycle, executed)
         given = set(state.open_atoms) & facts
         for statement in state.permanent:
             if statement.body or statement.head not in given:
-                engine.add(statement, None)
+                engine.atoms.add(statement, None)
         for entry in state.lapsing:
             if entry.lifetime not in self._guards:
                 self._guards[entry.lifetime] = engine.new_guard()
             entry.guard = self._guards[entry.lifetime]
-            engine.add(entry.statement, entry.guard)
+            engine.atoms.add(entry.statement, entry.guard)
+        for cycle in sorted(state.closed_cycles)[:-1]:
+            engine.close_returns(cycle)
         self.engine = engine
         self._fall_due(engine)
         return engine
