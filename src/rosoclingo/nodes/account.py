@@ -10,8 +10,8 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 
 from rosoclingo.msg import InterfaceIO, PackageStates, ROSoClingoActionGoal, TaskPlan
-from rosoclingo.navigation.labels import LabelTable
 from rosoclingo.reasoning.account import Account, Summary
+from rosoclingo.reasoning.labels import LabelTable
 
 #: Topics of an account and their types, relative to the core's namespace.
 TOPICS = {
@@ -25,6 +25,9 @@ TOPICS = {
     "packages": PackageStates,
     "base_pose_ground_truth": Odometry,
 }
+
+#: Those of them that the core publishes.
+CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "rosoclingo/updates", "rosoclingo/task_plan")
 
 
 class TopicAccount:
@@ -88,6 +91,12 @@ class AccountNode(TopicAccount):
             rospy.Subscriber(topic, kind, self._on_message, callback_args=topic, queue_size=None)
             for topic, kind in TOPICS.items()
         ]
+
+    @property
+    def connected(self) -> bool:
+        """Whether every topic of the core has reached this node."""
+        core = [one for one in self._subscribers if one.name.endswith(CORE_TOPICS)]
+        return all(one.get_num_connections() > 0 for one in core)
 
     def _on_message(self, message: Any, topic: str) -> None:
         self.take(topic, message, rospy.get_time())

@@ -13,7 +13,8 @@ from rosoclingo.msg import InterfaceIO, ROSoClingoAction, TaskPlan
 from rosoclingo.nodes.core_parameters import CoreParameters, core_parameters
 from rosoclingo.nodes.goal_handles import GoalHandles
 from rosoclingo.nodes.worker import Worker
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, Source
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo.sources import Source
 from rosoclingo.reasoning import (
     Action,
     ActionsDispatched,

@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Tuple
 
+from rosoclingo.nodes.parameters import ParameterError
 from rosoclingo.oclingo import ProgressionError, parse_term
 from rosoclingo.reasoning import CoreSettings
-
-
-class ParameterError(ValueError):
-    """A parameter that the node cannot work with; the text names it, the fault and the mend."""
 
 
 @dataclass(frozen=True)

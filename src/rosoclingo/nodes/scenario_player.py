@@ -51,13 +51,17 @@ class ScenarioPlayer:
 
     def prepare(self, timeout: float) -> None:
         """Wait for all servers, each at most ``timeout`` seconds of wall time, put the packages; raises PlayError."""
-        self._until(lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing)))
-        self._until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
+        self.wait_until(
+            lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing))
+        )
+        self.wait_until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
         for client in self._clients.values():
             if not client.wait_for_server(timeout):
                 raise PlayError("no action server rosoclingo")
         if any(event.verb == "facts" for event in self._scenario.events):
-            self._until(lambda: self._facts.get_num_connections() > 0, timeout, lambda: "nobody reads in_rosoclingo")
+            self.wait_until(
+                lambda: self._facts.get_num_connections() > 0, timeout, lambda: "nobody reads in_rosoclingo"
+            )
         self._put_packages(timeout)
 
     def play(self) -> None:
@@ -114,7 +118,8 @@ class ScenarioPlayer:
         except (rospy.ROSException, rospy.ServiceException) as error:
             raise PlayError(f"office/put_package: {error}") from error
 
-    def _until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
+    def wait_until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
+        """Wait for a condition, at most ``timeout`` seconds of wall time; raises PlayError with what is ``missing``."""
         turns = int(timeout / _TURN)
         while not condition():
             turns -= 1

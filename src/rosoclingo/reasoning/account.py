@@ -62,10 +62,14 @@ class Summary:
 
     def lines(self) -> List[str]:
         """The summary as text."""
-        goals = [f"goal {one.text}: {one.status}{_because(one.status, one.message)}" for one in self.goals]
-        packages = [f"package {key}: {place}" for key, place in sorted(self.packages.items())]
+        goals = [f"goal {one.text}: {one.status}{_because(one)}" for one in self.goals]
+        places = sorted(set(self.packages.values()))
+        packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
         actions = ", ".join(_action(text) for text in self.actions) or "none"
         return [*goals, *packages, f"robot: {self.robot}", f"actions: {actions}"]
+
+    def _at(self, place: str) -> List[str]:
+        return sorted(key for key in self.packages if self.packages[key] == place)
 
 
 class _Line(NamedTuple):
@@ -84,6 +88,7 @@ class Account:
         self._goals: Dict[str, GoalAccount] = {}
         self._start: Optional[float] = None
         self._cycle = 0
+        self._now = 0.0
         self._held: List[_Line] = []
         self._said: Set[str] = set()
         self.summary = Summary()
@@ -177,8 +182,12 @@ class Account:
         self._say(f"{elapsed:7.1f} s  cycle {self._cycle:<3d} {line.kind:8s} {line.text}")
 
 
-def _because(word: str, message: str) -> str:
-    return f" ({message})" if message and word not in ("pending", "active", "canceling") else ""
+def _because(goal: GoalAccount) -> str:
+    """The reason of an end that went against the goal; success and cancellation speak for themselves."""
+    if goal.status not in ("aborted", "rejected", "lost"):
+        return ""
+    text = goal.message[len(goal.text) :] if goal.message.startswith(goal.text) else goal.message
+    return f" ({text.strip()})" if text else ""
 
 
 def _read_update(text: str) -> Tuple[int, Set[str]]:

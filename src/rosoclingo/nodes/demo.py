@@ -1,0 +1,141 @@
+"""The demonstration: a whole system under a master of its own, a scenario played in it, and everything ended again."""
+
+import os
+import signal
+import socket
+import subprocess
+import time
+from datetime import datetime
+from pathlib import Path
+from typing import Callable, Dict, List, Optional
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+
+from rosoclingo.nodes.scenario_run import ScenarioOutcome, run_scenario
+from rosoclingo.reasoning.scenario import Scenario
+
+#: Action servers of the case study, which have to be there before a scenario begins.
+SERVERS = ("move_base", "pickup", "deliver")
+
+#: Topics that the recorder has to be connected to before a scenario begins.
+RECORDED = ("/rosoclingo/updates", "/rosoclingo/task_plan", "/out_rosoclingo", "/in_rosoclingo", "/packages")
+
+#: Seconds of wall time for a start and for an end; roslaunch itself gives its nodes 15 s to end before it kills them.
+START_TIME = 60.0
+END_TIME = 25.0
+
+
+class DemoError(RuntimeError):
+    """The system could not be started; the text says why and where its log is."""
+
+
+class DemoSystem:
+    """``mailbot.launch`` as a process group of its own, with files in ``folder``; to be used in a with statement."""
+
+    def __init__(self, folder: Path, arguments: List[str]) -> None:
+        self.bag = folder / "run.bag"
+        self.log = folder / "roslaunch.log"
+        self._folder = folder
+        self._arguments = ["record:=true", f"bag:={self.bag}", *arguments]
+        self._process: Optional[subprocess.Popen[bytes]] = None
+
+    def __enter__(self) -> "DemoSystem":
+        self._folder.mkdir(parents=True)
+        port = _free_port()
+        os.environ.update(_environment(port, self._folder))
+        command = ["roslaunch", "-p", str(port), "rosoclingo", "mailbot.launch", *self._arguments]
+        with self.log.open("wb") as log:
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+            )
+        try:
+            self.wait_for(rosgraph.is_master_online, "roslaunch")
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self._process is None:
+            return
+        for number, patience in ((signal.SIGINT, END_TIME), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0)):
+            _signal_group(self._process.pid, number)
+            try:
+                self._process.wait(patience)
+                break
+            except subprocess.TimeoutExpired:
+                continue
+        _signal_group(self._process.pid, signal.SIGKILL)
+
+    def wait_for(self, condition: Callable[[], bool], what: str) -> None:
+        """Wait until ``condition`` holds; raises DemoError when the system ended or START_TIME passed."""
+        end = time.monotonic() + START_TIME
+        while not condition():
+            if self._process is not None and self._process.poll() is not None:
+                raise DemoError(f"the system ended before it was up; its log is {self.log}{self._tail()}")
+            if time.monotonic() > end:
+                raise DemoError(f"{what} is not up after {START_TIME:g} s; the log is {self.log}")
+            time.sleep(0.05)
+
+    def recording(self) -> bool:
+        """Whether the recorder is connected to what is to be recorded."""
+        try:
+            recorder = ServerProxy(rosgraph.Master("/demo").lookupNode("/record"))
+            connections = recorder.getBusInfo("/demo")[2]
+        except (rosgraph.MasterException, OSError):
+            return False
+        return set(RECORDED) <= {connection[4] for connection in connections}
+
+    def _tail(self) -> str:
+        lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+        return "".join("\n    " + line for line in lines[-15:])
+
+
+def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[str], None]) -> ScenarioOutcome:
+    """Play a scenario in a system of its own, tell the account, the summary and the bag's path; raises DemoError."""
+    began = time.monotonic()
+    say(f"{scenario.title}: starting roscore, simulation, navigation, interfaces and core ...")
+    with DemoSystem(folder, arguments) as system:
+        rospy.init_node("demo", disable_signals=True)
+        outcome = run_scenario(
+            scenario, list(SERVERS), say, START_TIME, lambda: system.wait_for(system.recording, "the recorder")
+        )
+        rospy.signal_shutdown("the scenario is over")
+    say("")
+    for line in outcome.summary.lines():
+        say(line)
+    for fault in outcome.faults:
+        say("NOT AS EXPECTED: " + fault)
+    say(f"time: {outcome.summary.seconds:.1f} s simulated, {time.monotonic() - began:.1f} s in all")
+    say(f"bag: {system.bag}")
+    return outcome
+
+
+def run_folder(name: str) -> Path:
+    """A new folder for the files of a run, in ROS's home."""
+    home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
+    stamp = datetime.now().strftime("%Y-%m-%d-%H-%M-%S")
+    return home / "rosoclingo" / f"{Path(name).stem}-{stamp}-{os.getpid()}"
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _environment(port: int, folder: Path) -> Dict[str, str]:
+    """ROS's variables for a system that lives on this machine only."""
+    os.environ.pop("ROS_HOSTNAME", None)
+    os.environ.pop("ROS_NAMESPACE", None)
+    uri = f"http://127.0.0.1:{port}"
+    return {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(folder / "log")}
+
+
+def _signal_group(leader: int, number: int) -> None:
+    try:
+        os.killpg(leader, number)
+    except ProcessLookupError:
+        pass

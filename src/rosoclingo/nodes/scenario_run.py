@@ -1,0 +1,54 @@
+"""A scenario from its file to the comparison with what it expects, with an account of it."""
+
+from pathlib import Path
+from typing import Callable, List, NamedTuple, Optional
+
+import rospkg
+import rospy
+
+from rosoclingo.nodes.account import AccountNode
+from rosoclingo.nodes.scenario_player import PlayError, ScenarioPlayer
+from rosoclingo.reasoning.account import Summary
+from rosoclingo.reasoning.labels import LabelTable
+from rosoclingo.reasoning.scenario import Scenario
+
+
+class ScenarioOutcome(NamedTuple):
+    """What a scenario came to: ``faults`` is empty when it was played to its end and ended as expected."""
+
+    summary: Summary
+    faults: List[str]
+
+
+def scenarios() -> Path:
+    """The folder of the scenarios that this package ships."""
+    return Path(rospkg.RosPack().get_path("rosoclingo")) / "config" / "scenarios"
+
+
+def find_scenario(name: str) -> Scenario:
+    """The scenario of a file, or the shipped one of that name; raises ScenarioError."""
+    shipped = scenarios() / (name + ".yaml")
+    return Scenario.from_file(shipped if shipped.is_file() else Path(name))
+
+
+def run_scenario(
+    scenario: Scenario, wait_for: List[str], say: Callable[[str], None], timeout: float, ready: Callable[[], None]
+) -> ScenarioOutcome:
+    """Play a scenario and tell the account line by line.
+
+    ``wait_for`` names the action servers that have to be there within ``timeout`` seconds of wall time. ``ready`` is
+    called before the first event. Labels are those of the office node.
+    """
+    player = ScenarioPlayer(scenario, wait_for, say)
+    faults: List[str] = []
+    account: Optional[AccountNode] = None
+    try:
+        player.prepare(timeout)
+        account = AccountNode(say, LabelTable.from_mapping(rospy.get_param("office/labels", {})))
+        player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
+        ready()
+        player.play()
+    except PlayError as error:
+        faults.append(str(error))
+    summary = account.finish() if account is not None else Summary()
+    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect))
