@@ -11,7 +11,7 @@ from clingo.backend import Observer
 
 from rosoclingo.oclingo.closing import ACTION, RETURN
 from rosoclingo.oclingo.editor import HOLDS, Editor
-from rosoclingo.oclingo.externals import ActionIndex, AtomIndex, AtomTable
+from rosoclingo.oclingo.externals import ActionIndex, AtomIndex, AtomTable, CycleIndex
 from rosoclingo.oclingo.horizon import HorizonLiterals
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.program import ReactiveProgram
@@ -67,6 +67,7 @@ class Engine:
         self._editor = Editor(self._control)
         self.atoms = AtomTable(self._control, self._editor)
         self._actions = ActionIndex(self._control, self._editor, ACTION)
+        self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures)
         self._observer = _Externals()
         self._control.register_observer(self._observer)
@@ -87,6 +88,7 @@ class Engine:
             self._declared.setdefault(literal, step)
         self._observer.fresh.clear()
         self._externals.expire()
+        self._returns.expire()
         self._actions.expire()
 
     def ground_step(self) -> None:
@@ -101,6 +103,7 @@ class Engine:
                 self._hidden.add(guard.symbol)
         if self._shortest:
             self._ends.forbid_beyond(step)
+        self._actions.forbid_late(step)
         self.atoms.resolve_absent()
 
     def new_guard(self) -> int:
@@ -126,12 +129,9 @@ class Engine:
 
     def close_returns(self, cycle: int) -> None:
         """Close the returns of ``cycle`` that never came: what can't come any more needs no thought."""
-        if not self.program.declares_external(*RETURN[:2]):
-            return
-        for step in (cycle - 1, cycle, cycle + 1):
-            for atom in self.declared_between(step, step):
-                if atom.name == RETURN.name and atom.arguments[-1] == clingo.Number(cycle) and len(atom.arguments) == 3:
-                    self.atoms.close(atom)
+        for atom, _ in self._returns.pop_cycle(cycle):
+            if self.atoms.is_open(atom):
+                self.atoms.close(atom)
 
     def settle(self, step: int) -> None:
         """Say that no search will ask for a horizon before ``step`` any more."""

@@ -140,39 +140,48 @@ class AtomIndex:
                     yield one.symbol, literal
 
 
+class CycleIndex:
+    """The atoms of a keyword like ``_return/3``, sorted by the cycle that is their last argument."""
+
+    def __init__(self, control: clingo.Control, signature: Signature) -> None:
+        self._index = AtomIndex(control, [signature])
+        self._cycles: Dict[clingo.Symbol, List[Tuple[clingo.Symbol, int]]] = {}
+
+    def expire(self) -> None:
+        """Note that there may be new atoms."""
+        self._index.expire()
+
+    def pop_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:
+        """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
+        for atom, literal in self._index.fresh():
+            self._cycles.setdefault(atom.arguments[-1], []).append((atom, literal))
+        return self._cycles.pop(clingo.Number(cycle), [])
+
+
 class ActionIndex:
     """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
 
     def __init__(self, control: clingo.Control, editor: Editor, signature: Signature) -> None:
         self._editor = editor
-        self._index = AtomIndex(control, [signature])
-        self._cycles: Dict[clingo.Symbol, List[Tuple[clingo.Symbol, int]]] = {}
-        self._closed: Dict[clingo.Symbol, Set[clingo.Symbol]] = {}
+        self._atoms = CycleIndex(control, signature)
+        self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
     def expire(self) -> None:
-        """Note that there may be new actions; those of closed cycles are forbidden at once."""
-        self._index.expire()
-        if self._closed:
-            self._refresh()
+        """Note that there may be new actions."""
+        self._atoms.expire()
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Forbid all actions of ``cycle`` but ``executed``, those that come later as well."""
-        self._refresh()
-        number = clingo.Number(cycle)
-        self._closed[number] = set(executed)
-        for atom, literal in self._cycles.pop(number, ()):
-            self._forbid(number, atom, literal)
+        self._closed[cycle] = set(executed)
+        self._forbid(cycle)
 
-    def _refresh(self) -> None:
-        for atom, literal in self._index.fresh():
-            cycle = atom.arguments[2]
+    def forbid_late(self, step: int) -> None:
+        """Forbid actions of closed cycles that came with the grounding of ``step``."""
+        for cycle in (step - 1, step, step + 1):
             if cycle in self._closed:
-                self._forbid(cycle, atom, literal)
-            else:
-                self._cycles.setdefault(cycle, []).append((atom, literal))
+                self._forbid(cycle)
 
-    def _forbid(self, cycle: clingo.Symbol, atom: clingo.Symbol, literal: int) -> None:
-        if atom not in self._closed[cycle]:
-            self._editor.backend.add_rule([], [literal])
-
-
+    def _forbid(self, cycle: int) -> None:
+        for atom, literal in self._atoms.pop_cycle(cycle):
+            if atom not in self._closed[cycle]:
+                self._editor.backend.add_rule([], [literal])
