@@ -166,7 +166,7 @@ def test_every_launch_argument_is_documented(path):
 def test_launch_files_refer_to_what_there_is(path):
     for element in ElementTree.parse(path).getroot().iter():
         for value in element.attrib.values():
-            for found in re.findall(r"\$\(find rosoclingo\)/([^$\s]+)", value):
+            for found in re.findall(r"\$\(find rosoclingo\)/([\w./-]+)", value):
                 assert (ROOT / found).exists(), found
         if element.tag == "node" and element.get("pkg") == "rosoclingo" and "$(" not in element.get("type"):
             folder = (
