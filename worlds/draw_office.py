@@ -2,6 +2,7 @@
 """Draws office.pgm: four offices in a row on one floor, the corridor, and the rooms across it."""
 
 from pathlib import Path
+from typing import Tuple
 
 import numpy as np
 from PIL import Image
@@ -44,12 +45,12 @@ FURNITURE = [
 
 def main() -> None:
     """Write office.pgm beside this script."""
-    cells = np.full((int(round(HEIGHT / RESOLUTION)), int(round(WIDTH / RESOLUTION))), GREY, dtype=np.uint8)
+    cells = np.full((round(HEIGHT / RESOLUTION), round(WIDTH / RESOLUTION)), GREY, dtype=np.uint8)
 
-    def fill(box, level, margin=0.0):  # type: ignore[no-untyped-def]
+    def fill(box: Tuple[float, float, float, float], level: int, margin: float = 0.0) -> None:
         x, y, width, depth = box
-        columns = [int(round((v - ORIGIN[0]) / RESOLUTION)) for v in (x - margin, x + width + margin)]
-        rows = [int(round((v - ORIGIN[1]) / RESOLUTION)) for v in (y - margin, y + depth + margin)]
+        columns = [round((v - ORIGIN[0]) / RESOLUTION) for v in (x - margin, x + width + margin)]
+        rows = [round((v - ORIGIN[1]) / RESOLUTION) for v in (y - margin, y + depth + margin)]
         cells[rows[0] : rows[1], columns[0] : columns[1]] = level
 
     for room in ROOMS:

@@ -48,7 +48,7 @@ class Driver:
         """Wait until something holds, which is looked at with each pose; give up after ``limit`` s of wall time."""
         with self._changed:
             if not self._changed.wait_for(condition, timeout=limit):
-                raise AssertionError("waited {} s in vain".format(limit))
+                raise AssertionError(f"waited {limit} s in vain")
 
     def send(self, goal):
         self.client.send_goal(goal, feedback_cb=self._on_feedback)
@@ -59,7 +59,7 @@ class Driver:
     def end(self, limit=600.0):
         """Return (status, text) of the goal's end; the limit is simulated time."""
         if not self.client.wait_for_result(rospy.Duration(limit)):
-            raise AssertionError("the goal did not end within {} simulated s".format(limit))
+            raise AssertionError(f"the goal did not end within {limit} simulated s")
         return self.client.get_state(), self.client.get_goal_status_text()
 
     def drive(self, *args, **kwargs):

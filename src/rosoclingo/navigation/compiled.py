@@ -5,6 +5,7 @@ All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (
 """
 
 import math
+from typing import Optional
 
 import numba
 import numpy as np
@@ -15,14 +16,14 @@ jit = numba.njit(cache=True, nogil=True)
 
 
 @jit
-def update_clearance(occupied, reach, row0, row1, column0, column1, out):
+def update_clearance(occupied, reach, row0, row1, column0, column1, out) -> None:
     """Write into ``out[row0:row1, column0:column1]`` each cell centre's distance to the nearest occupied square.
 
     ``occupied``: uint8 (H, W), non-zero is occupied; ``reach``: distances are cut off there; ``out``: float32
     (H, W). Exact up to ``reach``; an occupied cell has -0.5.
     """
-    height, width = occupied.shape
-    span = int(math.ceil(reach)) + 1
+    height, _width = occupied.shape
+    span = math.ceil(reach) + 1
     top = max(0, row0 - span)
     rows = min(height, row1 + span) - top
     columns = column1 - column0
@@ -47,7 +48,7 @@ def update_clearance(occupied, reach, row0, row1, column0, column1, out):
 
 
 @jit
-def _row_gaps(row, reach, span, column0, column1, out):
+def _row_gaps(row, reach, span, column0, column1, out) -> None:
     """Write the squared gaps, within one row, between cell centres and the nearest occupied cell's edge."""
     width = row.shape[0]
     limit = reach * reach
@@ -68,7 +69,7 @@ def _row_gaps(row, reach, span, column0, column1, out):
 
 
 @jit
-def cast_rays(occupied, x, y, angles, reach, out):
+def cast_rays(occupied, x, y, angles, reach, out) -> None:
     """Write into ``out`` (float64, n) how far each ray from (x, y) runs before it enters an occupied cell.
 
     ``angles`` in rad; a ray that meets nothing, or leaves the grid for good, has ``reach``; one that starts in an
@@ -77,7 +78,7 @@ def cast_rays(occupied, x, y, angles, reach, out):
     height, width = occupied.shape
     for i in range(angles.shape[0]):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        column, row = int(math.floor(x)), int(math.floor(y))
+        column, row = math.floor(x), math.floor(y)
         step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
         per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
         per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
@@ -115,8 +116,8 @@ def clear_along_rays(marks, x, y, angles, lengths):
     low_r, high_r, low_c, high_c = height, -1, width, -1
     for i in range(angles.shape[0]):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        column, row = int(math.floor(x)), int(math.floor(y))
-        last_c, last_r = int(math.floor(x + dx * lengths[i])), int(math.floor(y + dy * lengths[i]))
+        column, row = math.floor(x), math.floor(y)
+        last_c, last_r = math.floor(x + dx * lengths[i]), math.floor(y + dy * lengths[i])
         step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
         per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
         per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
@@ -137,7 +138,7 @@ def clear_along_rays(marks, x, y, angles, lengths):
 
 
 @jit
-def segment_is_clear(clearance, x0, y0, x1, y1, least):
+def segment_is_clear(clearance, x0, y0, x1, y1, least) -> Optional[bool]:
     """Tell whether each point of a segment (in cells) certainly is ``least`` or more away from what is occupied.
 
     ``clearance`` is a field as :func:`update_clearance` writes it. Distance changes by no more than one walks, so a
@@ -149,7 +150,7 @@ def segment_is_clear(clearance, x0, y0, x1, y1, least):
     while True:
         part = done / length if length > 0.0 else 0.0
         x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
-        column, row = int(math.floor(x)), int(math.floor(y))
+        column, row = math.floor(x), math.floor(y)
         if not (0 <= row < height and 0 <= column < width):
             return False
         spare = clearance[row, column] - math.hypot(x - column - 0.5, y - row - 0.5) - least

@@ -13,7 +13,7 @@ __all__ = ["Costmap", "CostmapLimits", "Window"]
 
 Window = Tuple[int, int, int, int]
 EMPTY: Window = (0, 0, 0, 0)
-STATIC, MARKED = 1, 2
+HELD = 1.0  # cells before a hit that are not cleared
 
 
 class CostmapLimits(NamedTuple):
@@ -93,7 +93,9 @@ class Costmap:
         x, y = self.to_cells(sensor.x, sensor.y)
         window = EMPTY
         if self._marked:
+            # A cell just before a hit keeps its mark: noise would set and clear it in turns, and the way with it.
             lengths = np.minimum(far, min(self.limits.raytrace_range, range_max)) / self.resolution
+            lengths = np.where(far < range_max - 1e-3, np.maximum(lengths - HELD, 0.0), lengths)
             window = clear_along_rays(self._marks, x, y, turned, lengths)
         hits = far < min(self.limits.obstacle_range, range_max - 1e-3)
         steps = far[hits] / self.resolution + 1e-3
@@ -105,7 +107,7 @@ class Costmap:
         if not self._marked:
             return False
         row, column = self.grid.cell(x, y)
-        span = int(round(beyond / self.resolution))
+        span = round(beyond / self.resolution)
         kept = np.zeros_like(self._marks)
         near = (slice(max(0, row - span), max(0, row + span)), slice(max(0, column - span), max(0, column + span)))
         if span > 0:
@@ -145,7 +147,7 @@ class Costmap:
         """Bring occupancy and clearance up to date after marks changed within a window."""
         if window == EMPTY:
             return False
-        self._refresh(window, margin=int(math.ceil(self.reach)) + 1)
+        self._refresh(window, margin=math.ceil(self.reach) + 1)
         self._marked = int(np.count_nonzero(self._marks))
         return True
 

@@ -1,59 +1,41 @@
-"""Local planners: from a path and what is near to the next velocity."""
+"""The local planner: from a path and what is near to the next velocity."""
 
-import enum
 import math
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
+from rosoclingo.navigation.compiled_rollout import best_command, body_clearance, least_along, spare_after
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
-from rosoclingo.navigation.rollout import best_command, body_clearance, least_along, spare_after
+from rosoclingo.navigation.local_planner import (
+    STOP,
+    Command,
+    FollowOutcome,
+    LocalPlanner,
+    Velocity,
+    body_discs,
+    inscribed_radius,
+)
 
-__all__ = [
-    "Command",
-    "FollowOutcome",
-    "FollowerLimits",
-    "LocalPlanner",
-    "RolloutFollower",
-    "Velocity",
-    "body_discs",
-    "inscribed_radius",
-]
+__all__ = ["FollowerLimits", "RolloutFollower"]
 
-
-class Velocity(NamedTuple):
-    """Speed forward (m/s) and turn (rad/s) of a differential drive."""
-
-    linear: float = 0.0
-    angular: float = 0.0
-
-
-STOP = Velocity()
-
-
-class FollowOutcome(enum.Enum):
-    """What a local planner has to say besides its command."""
-
-    DRIVING = "driving"
-    REACHED = "goal reached"
-    BLOCKED = "every movement towards the path would touch an obstacle"
-    OFF_PATH = "the robot cannot get back to its path in a straight line"
-
-
-class Command(NamedTuple):
-    """What a local planner answers."""
-
-    outcome: FollowOutcome
-    velocity: Velocity = STOP
+# A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
+NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
+STEPS = 12  # places looked at along a trial
+PATIENCE = 10.0  # s that a robot takes to get out of a tight place before it says so
 
 
 class FollowerLimits(NamedTuple):
-    """Settings of :class:`RolloutFollower`, named as move_base's local planners name theirs (m, rad, s)."""
+    """Settings of :class:`RolloutFollower`, named as move_base's local planners name theirs (m, rad, s).
+
+    Its own: ``lookahead``, how far ahead on the path it aims; ``margin``, what it keeps free beside the robot where
+    there is room, at ``creep_vel_x`` and slower where there is not; ``comfort``, up to where more room counts as
+    better; ``turn_gain`` (1/s), by which it turns slower towards the end of a turn.
+    """
 
     max_vel_x: float = 0.65
     max_vel_theta: float = 1.2
-    creep_vel_x: float = 0.15
     acc_lim_x: float = 1.0
     acc_lim_theta: float = 3.2
     xy_goal_tolerance: float = 0.1
@@ -63,59 +45,35 @@ class FollowerLimits(NamedTuple):
     vtheta_samples: int = 21
     lookahead: float = 0.7
     margin: float = 0.02
+    creep_vel_x: float = 0.15
     comfort: float = 0.15
     turn_gain: float = 1.8
 
 
-class LocalPlanner:
-    """What a local planner plugin does: subclasses are named by class path in ``base_local_planner``.
+class Situation(NamedTuple):
+    """What a command is found for: the map, the robot's pose and velocity, and for how long (s)."""
 
-    It is made with its parameters (the mapping under the last part of its class path) and the robot's footprint, a
-    sequence of (x, y) in m, or a radius in m.
-    """
+    costmap: Costmap
+    pose: Pose2D
+    velocity: Velocity
+    period: float
 
-    def __init__(self, parameters: Optional[dict] = None, radius: float = 0.18, footprint: Sequence = ()) -> None:
-        self.parameters = dict(parameters or {})
-        self.radius = radius
-        self.footprint = tuple(footprint)
+    def bearing(self, point: Sequence[float]) -> float:
+        """Return the angle (rad) by which the robot would have to turn to face a point."""
+        return normalize_angle(math.atan2(point[1] - self.pose.y, point[0] - self.pose.x) - self.pose.yaw)
 
-    def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
-        """Take a new path: points (n, 2) in m in the map's frame, and the pose to end in."""
-        raise NotImplementedError
-
-    def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Command:
-        """Return the command for the next ``period`` s."""
-        raise NotImplementedError
-
-    def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
-        """Return the points (n, 2; m) that a command leads through, for display."""
-        times = np.linspace(0.0, 1.0, 8)
-        return np.array([pose.moved(velocity.linear, velocity.angular, t)[:2] for t in times])
+    def distance(self, point: Sequence[float]) -> float:
+        """Return the distance (m) to a point."""
+        return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
 
 
-def body_discs(radius: float, footprint: Sequence, resolution: float) -> np.ndarray:
-    """Return the discs (float64 n, 3; cells) that stand for the robot: one, or many along the footprint's edge."""
-    if not len(footprint):
-        return np.array([[0.0, 0.0, radius]]) / resolution
-    corners = [np.array(corner, dtype=np.float64) for corner in footprint]
-    discs = []
-    for a, b in zip(corners, corners[1:] + corners[:1]):
-        count = max(1, int(math.ceil(math.hypot(*(b - a)) / resolution)))
-        for i in range(count):
-            discs.append((*(a + (b - a) * (i / count)), 0.25 * resolution))
-    return np.array(discs) / resolution
+class Trial(NamedTuple):
+    """Which commands to try: speeds (m/s), the room (m) to keep, and the weights of :func:`best_command`."""
 
-
-def inscribed_radius(radius: float, footprint: Sequence) -> float:
-    """Return the radius (m) of the largest disc around the robot's origin within its footprint; else ``radius``."""
-    if not len(footprint):
-        return radius
-    corners = [Pose2D(*corner) for corner in footprint]
-    least = math.inf
-    for a, b in zip(corners, corners[1:] + corners[:1]):
-        length = a.distance(b)
-        least = min(least, abs(a.x * b.y - a.y * b.x) / length if length > 0.0 else a.distance(Pose2D(0.0, 0.0)))
-    return least
+    speeds: np.ndarray
+    margin: float
+    comfort: float
+    weights: Tuple[float, float, float]
 
 
 class RolloutFollower(LocalPlanner):
@@ -128,74 +86,156 @@ class RolloutFollower(LocalPlanner):
         self._goal = Pose2D(0.0, 0.0)
         self._index = 0
         self._arrived = False
-        self._refuge: Optional[np.ndarray] = None
-        self._patience = 10.0
+        self._refuge: Optional[Tuple[float, float]] = None
+        self._patience = PATIENCE
         self._inner = inscribed_radius(radius, footprint)
         self._body: Tuple[float, np.ndarray] = (0.0, np.empty((0, 3)))
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
-            self._arrived, self._refuge, self._patience = False, None, 10.0
+            self._arrived, self._refuge, self._patience = False, None, PATIENCE
         self._points, self._goal, self._index = points, goal, 0
 
     def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Command:
         """Return the next command; see :class:`LocalPlanner`."""
         if not len(self._points):
             return Command(FollowOutcome.OFF_PATH)
-        end = self._points[-1]
-        distance = math.hypot(end[0] - pose.x, end[1] - pose.y)
+        now = Situation(costmap, pose, velocity, period)
         # Once there the robot only turns: what it drifts while turning must not send it off again (twice is leaving).
-        self._arrived = distance <= self.limits.xy_goal_tolerance * (2.0 if self._arrived else 1.0)
+        tolerance = self.limits.xy_goal_tolerance * (2.0 if self._arrived else 1.0)
+        self._arrived = now.distance(self._points[-1]) <= tolerance
         if self._arrived:
-            return self._turn(costmap, pose, velocity, normalize_angle(self._goal.yaw - pose.yaw), final=True)
-        carrots = self._carrots(costmap, pose)
+            return self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
+        carrots = self._carrots(now)
         if not len(carrots):
-            return Command(FollowOutcome.OFF_PATH)
+            return self._escape(now, self._points[self._index])
         if self._refuge is None:
-            command = self._towards(costmap, pose, velocity, carrots[0], distance, period)
+            command = self._towards(now, carrots[0])
             if command.outcome is not FollowOutcome.BLOCKED:
+                self._patience = PATIENCE
                 return command
             # Too tight for a straight try: first to the path itself, which is clear, then on along it.
-            self._refuge = carrots[-1]
-        return self._take_refuge(costmap, pose, velocity, period)
+            self._refuge = self._refuge_on_path(now)
+        return self._take_refuge(now, self._refuge)
 
-    def _take_refuge(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Command:
-        """Creep to the nearest point of the path."""
-        x, y = self._refuge
-        distance = math.hypot(x - pose.x, y - pose.y)
-        self._patience -= period
-        if distance < 0.25 * costmap.resolution or self._patience <= 0.0:
-            self._refuge, self._patience = None, 10.0
+    def length_left(self, pose: Pose2D) -> float:
+        """Return what is left of the path; see :class:`LocalPlanner`."""
+        if not len(self._points):
+            return math.inf
+        self._advance(pose)
+        rest = self._points[self._index :]
+        to_path = math.hypot(rest[0, 0] - pose.x, rest[0, 1] - pose.y)
+        return to_path + float(np.hypot(*np.diff(rest, axis=0).T).sum())
+
+    def _refuge_on_path(self, now: Situation) -> Tuple[float, float]:
+        """Return the path's point next to the robot or, where the robot is on it, the one a good cell ahead."""
+        points = self._along([0.0, 1.2 * now.costmap.resolution])
+        point = points[0] if now.distance(points[0]) > 0.3 * now.costmap.resolution else points[1]
+        return float(point[0]), float(point[1])
+
+    def _take_refuge(self, now: Situation, refuge: Tuple[float, float]) -> Command:
+        """Creep to the nearest point of the path; where that is impossible, to where there is more room."""
+        self._patience -= now.period
+        if now.distance(refuge) < 0.25 * now.costmap.resolution:
+            self._refuge = None
+        elif self._patience > 0.0:
+            command = self._towards(now, refuge)
+            if command.outcome is not FollowOutcome.BLOCKED:
+                return command
+            self._refuge = None
+        return self._escape(now, refuge)
+
+    def _escape(self, now: Situation, refuge: Sequence[float]) -> Command:
+        """Creep, backwards too, to where there is more room."""
+        slow = self.limits.creep_vel_x
+        speeds = np.array([slow, 0.5 * slow, -0.5 * slow, -slow])
+        found = self._best(now, refuge, Trial(speeds, 0.0, 2.0 * self.radius, (0.1, 0.0, 1.0)))
+        if found is None or self._patience <= 0.0:
+            self._refuge, self._patience = None, PATIENCE
             return Command(FollowOutcome.BLOCKED)
-        return self._towards(costmap, pose, velocity, self._refuge, distance, period)
+        self._patience -= now.period
+        return Command(FollowOutcome.DRIVING, found)
 
-    def _towards(self, costmap, pose, velocity, carrot, distance, period) -> Command:  # type: ignore[no-untyped-def]
+    def _towards(self, now: Situation, carrot: Sequence[float]) -> Command:
         """Drive to a point, turning to it first where it is not ahead."""
-        bearing = normalize_angle(math.atan2(carrot[1] - pose.y, carrot[0] - pose.x) - pose.yaw)
-        near = math.hypot(carrot[0] - pose.x, carrot[1] - pose.y) < 0.15
-        if abs(bearing) > (0.15 if near else 1.2) and velocity.linear < 0.1:
-            return self._turn(costmap, pose, velocity, bearing, final=False)
-        command = self._drive(costmap, pose, velocity, carrot, distance, period)
+        bearing = now.bearing(carrot)
+        aside = abs(bearing) > (ASIDE if now.distance(carrot) < NEAR else BEHIND)
+        if aside and now.velocity.linear < 0.1:
+            return self._turn(now, bearing)
+        command = self._drive(now, carrot)
         if command.outcome is FollowOutcome.BLOCKED and abs(bearing) > 0.1:
-            return self._turn(costmap, pose, velocity, bearing, final=False)
+            return self._turn(now, bearing)
         return command
+
+    def _drive(self, now: Situation, carrot: Sequence[float]) -> Command:
+        """Try commands that keep the margin; where there is none, slow ones that barely touch nothing."""
+        for margin, top in ((self.limits.margin, self.limits.max_vel_x), (0.0, self.limits.creep_vel_x)):
+            found = self._best(
+                now, carrot, Trial(self._speeds(now, top), margin, self.limits.comfort, (1.0, 0.25, 0.6))
+            )
+            # Who faces a point and can only turn is stuck.
+            if found is not None and (found.linear >= 0.02 or abs(now.bearing(carrot)) > FACING):
+                return Command(FollowOutcome.DRIVING, found)
+        return Command(FollowOutcome.BLOCKED)
+
+    def _speeds(self, now: Situation, top: float) -> np.ndarray:
+        """Return the speeds (m/s) within reach of the accelerations, and a stop to turn on the spot."""
+        acceleration = self.limits.acc_lim_x
+        top = min(top, math.sqrt(acceleration * max(now.distance(self._points[-1]), 0.01)))
+        high = min(top, max(0.0, now.velocity.linear) + acceleration * now.period)
+        low = max(0.0, min(high, now.velocity.linear - acceleration * now.period))
+        return np.concatenate((np.linspace(high, low, self.limits.vx_samples), [0.0]))
+
+    def _best(self, now: Situation, carrot: Sequence[float], trial: Trial) -> Optional[Velocity]:
+        """Return the best command that is safe and moves the robot, None where there is none."""
+        limits, scale = self.limits, 1.0 / now.costmap.resolution
+        reach = limits.acc_lim_theta * now.period
+        turns = np.linspace(
+            max(-limits.max_vel_theta, now.velocity.angular - reach),
+            min(limits.max_vel_theta, now.velocity.angular + reach),
+            limits.vtheta_samples,
+        )
+        to_carrot, to_angle, to_room = trial.weights
+        i, j, _ = best_command(
+            now.costmap.clearance,
+            now.costmap.occupied,
+            self._body_for(now.costmap.resolution),
+            np.array([*now.costmap.to_cells(now.pose.x, now.pose.y), now.pose.yaw]),
+            trial.speeds * scale,
+            np.concatenate((turns, [0.0])),
+            np.array(now.costmap.to_cells(*carrot)),
+            trial.margin * scale,
+            trial.comfort * scale,
+            self._horizon(now),
+            STEPS,
+            np.array([to_carrot / scale, to_angle, to_room / scale]),
+        )
+        if i < 0:
+            return None
+        velocity = Velocity(float(trial.speeds[i]), float(turns[j]) if j < len(turns) else 0.0)
+        return velocity if abs(velocity.linear) >= 0.01 or abs(velocity.angular) >= 0.05 else None
+
+    def _horizon(self, now: Situation) -> float:
+        """Return how far ahead (s) to look: less when the goal is near, so that the arc does not end beyond it."""
+        return max(0.6, min(self.limits.sim_time, 2.0 * now.distance(self._points[-1]) / self.limits.max_vel_x))
 
     def _body_for(self, resolution: float) -> np.ndarray:
         if self._body[0] != resolution:
             self._body = (resolution, body_discs(self.radius, self.footprint, resolution))
         return self._body[1]
 
-    def _carrots(self, costmap: Costmap, pose: Pose2D) -> np.ndarray:
+    def _carrots(self, now: Situation) -> np.ndarray:
         """Return points (n, 2) ahead on the path that a straight line leads to, the furthest first."""
-        self._advance(pose)
-        here = costmap.to_cells(pose.x, pose.y)
-        points = self._ahead(pose)[::-1]
+        self._advance(now.pose)
+        costmap, points = now.costmap, self._ahead()[::-1]
+        here = costmap.to_cells(now.pose.x, now.pose.y)
         spare = np.array([least_along(costmap.clearance, *here, *costmap.to_cells(*point)) for point in points])
-        # Only a direction: what is driven is tried for safety. Where the robot stands too close, anything free will do.
-        for least in (self._inner / costmap.resolution - 0.25, 0.0):
+        # Only a direction: what is driven is tried for safety. Standing too close, anything free will do.
+        inner = self._inner / costmap.resolution
+        for least in (inner, inner - 0.25, 0.0):
             if (spare >= least).any():
-                return points[spare >= least]
+                return np.asarray(points[spare >= least])
         return points[:0]
 
     def _advance(self, pose: Pose2D) -> None:
@@ -204,58 +244,26 @@ class RolloutFollower(LocalPlanner):
         away = np.hypot(window[:, 0] - pose.x, window[:, 1] - pose.y)
         self._index += int(away.argmin())
 
-    def _ahead(self, pose: Pose2D) -> np.ndarray:
+    def _ahead(self) -> np.ndarray:
         """Return points of the path from the robot on, up to the look-ahead."""
-        points = self._points[self._index : self._index + 2 + int(4 * self.limits.lookahead / 0.25)]
+        return self._along(np.linspace(0.0, self.limits.lookahead, 7))
+
+    def _along(self, lengths: Union[Sequence[float], np.ndarray]) -> np.ndarray:
+        """Return the points (n, 2) that lie these lengths (m) ahead on the path, the last one where it is too short."""
+        points = self._points[self._index : self._index + 2 + int(16 * self.limits.lookahead)]
         steps = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
         along = np.concatenate(([0.0], np.cumsum(steps)))
-        reach = np.linspace(0.0, min(self.limits.lookahead, along[-1]), 7)
-        return np.stack([np.interp(reach, along, points[:, axis]) for axis in (0, 1)], axis=1)
+        return np.stack([np.interp(lengths, along, points[:, axis]) for axis in (0, 1)], axis=1)
 
-    def _drive(self, costmap, pose, velocity, carrot, distance, period) -> Command:  # type: ignore[no-untyped-def]
-        """Try commands that keep the margin; where there is none, slow ones that barely touch nothing."""
-        for margin, top in ((self.limits.margin, self.limits.max_vel_x), (0.0, self.limits.creep_vel_x)):
-            found = self._best(costmap, pose, velocity, carrot, distance, period, margin, top)
-            if found.linear >= 0.01 or abs(found.angular) >= 0.05:
-                return Command(FollowOutcome.DRIVING, found)
-        return Command(FollowOutcome.BLOCKED)
-
-    def _best(self, costmap, pose, velocity, carrot, distance, period, margin, top) -> Velocity:  # type: ignore[no-untyped-def]
-        """Return the best of the speeds and turns within reach of the accelerations, a stop where none is safe."""
-        limits, scale = self.limits, 1.0 / costmap.resolution
-        top = min(top, math.sqrt(limits.acc_lim_x * max(distance, 0.01)))
-        high = min(top, velocity.linear + limits.acc_lim_x * period)
-        low = max(0.0, min(high, velocity.linear - limits.acc_lim_x * period))
-        speeds = np.concatenate((np.linspace(high, low, limits.vx_samples), [0.0]))
-        reach = limits.acc_lim_theta * period
-        turns = np.linspace(
-            max(-limits.max_vel_theta, velocity.angular - reach),
-            min(limits.max_vel_theta, velocity.angular + reach),
-            limits.vtheta_samples,
-        )
-        turns = np.concatenate((turns, [0.0]))
-        place = np.array([*costmap.to_cells(pose.x, pose.y), pose.yaw])
-        weights = np.array([costmap.resolution, 0.25, 0.6 * costmap.resolution])
-        i, j, _ = best_command(
-            costmap.clearance, costmap.occupied, self._body_for(costmap.resolution), place, speeds * scale, turns,
-            np.array(costmap.to_cells(*carrot)), margin * scale, limits.comfort * scale,
-            self._horizon(distance), 12, weights,
-        )  # fmt: skip
-        return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else STOP
-
-    def _horizon(self, distance: float) -> float:
-        """Return how far ahead (s) to look: less when the goal is near, so that the arc does not end beyond it."""
-        return max(0.6, min(self.limits.sim_time, 2.0 * distance / self.limits.max_vel_x))
-
-    def _turn(self, costmap, pose, velocity, error, final) -> Command:  # type: ignore[no-untyped-def]
+    def _turn(self, now: Situation, error: float, final: bool = False) -> Command:
         """Turn on the spot by ``error`` rad; ``final``: that is all that is left to do."""
-        if velocity.linear > 0.05:
-            return Command(FollowOutcome.DRIVING)
+        if now.velocity.linear > 0.05:
+            return Command(FollowOutcome.DRIVING, STOP)
         if final and abs(error) <= self.limits.yaw_goal_tolerance:
-            done = abs(velocity.angular) < 0.2 or abs(error) < 0.25 * self.limits.yaw_goal_tolerance
+            done = abs(now.velocity.angular) < 0.2 or abs(error) < 0.25 * self.limits.yaw_goal_tolerance
             return Command(FollowOutcome.REACHED if done else FollowOutcome.DRIVING)
         rate = math.copysign(min(self.limits.max_vel_theta, self.limits.turn_gain * abs(error) + 0.03), error)
-        if not self.may_turn(costmap, pose, rate):
+        if not self.may_turn(now.costmap, now.pose, rate):
             return Command(FollowOutcome.BLOCKED)
         return Command(FollowOutcome.DRIVING, Velocity(0.0, rate))
 

@@ -2,13 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 import yaml
 from PIL import Image
 
-__all__ = ["FREE", "MapError", "OCCUPIED", "OccupancyGrid", "UNKNOWN", "load_map", "read_map_info"]
+__all__ = ["FREE", "OCCUPIED", "UNKNOWN", "MapError", "OccupancyGrid", "load_map", "read_map_info"]
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 MODES = ("trinary", "scale", "raw")
@@ -69,9 +69,9 @@ def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
     try:
         info = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise MapError("map {}: cannot be read: {}".format(path, error)) from error
+        raise MapError(f"map {path}: cannot be read: {error}") from error
     if not isinstance(info, dict):
-        raise MapError("map {}: the file must hold keys and values (image, resolution, origin ...)".format(path))
+        raise MapError(f"map {path}: the file must hold keys and values (image, resolution, origin ...)")
     return {
         "image": _image_path(path, info),
         "resolution": _number(path, info, "resolution", low=1e-6),
@@ -125,7 +125,7 @@ def _occupancy(levels: Tuple[np.ndarray, np.ndarray], info: Mapping[str, Any]) -
 def _image_path(path: Path, info: Mapping[str, Any]) -> Path:
     image = info.get("image")
     if not isinstance(image, str) or not image:
-        raise MapError("map {}: image: the image's file name is missing".format(path))
+        raise MapError(f"map {path}: image: the image's file name is missing")
     return path.parent / image
 
 
@@ -139,20 +139,27 @@ def _mode(path: Path, info: Mapping[str, Any]) -> str:
 def _origin(path: Path, info: Mapping[str, Any]) -> Tuple[float, float]:
     origin = info.get("origin")
     if not isinstance(origin, (list, tuple)) or len(origin) not in (2, 3):
-        raise MapError("map {}: origin: must be [x, y, yaw] in m, m, rad".format(path))
-    numbers = {name: value for name, value in zip(("x", "y", "yaw"), origin)}
+        raise MapError(f"map {path}: origin: must be [x, y, yaw] in m, m, rad")
+    numbers = dict(zip(("x", "y", "yaw"), origin))
     x, y = (_number(path, numbers, key) for key in ("x", "y"))
     if _number(path, numbers, "yaw", default=0) != 0:
-        raise MapError("map {}: origin: a turned map (yaw) is not supported; costmap_2d ignores it too".format(path))
+        raise MapError(f"map {path}: origin: a turned map (yaw) is not supported; costmap_2d ignores it too")
     return x, y
 
 
-def _number(path, info, key, default=None, low=-math.inf, high=math.inf) -> float:  # type: ignore[no-untyped-def]
+def _number(
+    path: Path,
+    info: Mapping[str, Any],
+    key: str,
+    default: Optional[float] = None,
+    low: float = -math.inf,
+    high: float = math.inf,
+) -> float:
     value = info.get(key, default)
     if isinstance(value, bool) and default is not None:
         value = int(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise MapError("map {}: {}: must be a number, is {!r}".format(path, key, value))
+        raise MapError(f"map {path}: {key}: must be a number, is {value!r}")
     if not low <= value <= high:
-        raise MapError("map {}: {}: {} is not within {} .. {}".format(path, key, value, low, high))
+        raise MapError(f"map {path}: {key}: {value} is not within {low} .. {high}")
     return float(value)

@@ -1,97 +1,36 @@
 """Driving to a goal: the state machine of move_base, without ROS."""
 
-import enum
 import math
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
+from rosoclingo.navigation.compiled_rollout import path_is_clear
 from rosoclingo.navigation.costmap import Costmap
-from rosoclingo.navigation.follower import STOP, FollowOutcome, LocalPlanner, Velocity
 from rosoclingo.navigation.geometry import Pose2D
+from rosoclingo.navigation.local_planner import FollowOutcome, LocalPlanner, Velocity
+from rosoclingo.navigation.navigation_types import (
+    TRANSITIONS,
+    NavigationError,
+    NavigatorLimits,
+    Outcome,
+    Result,
+    State,
+    Tick,
+    Trigger,
+)
 from rosoclingo.navigation.planner import GlobalPlanner, Plan, PlanOutcome
 from rosoclingo.navigation.recovery import RecoveryBehavior
-from rosoclingo.navigation.rollout import path_is_clear
 
-__all__ = ["NavigationError", "Navigator", "NavigatorLimits", "Outcome", "Result", "State", "Tick"]
-
-
-class NavigationError(RuntimeError):
-    """A call that the navigator's state does not allow."""
+__all__ = ["Navigator"]
 
 
-class State(enum.Enum):
-    """move_base's states, and idle."""
-
-    IDLE = "idle"
-    PLANNING = "planning"
-    CONTROLLING = "controlling"
-    CLEARING = "clearing"
-
-
-class Outcome(enum.Enum):
-    """How a goal ended; the message of the result says why."""
-
-    REACHED = 0
-    NO_PLAN = 1
-    NO_CONTROL = 2
-    OSCILLATING = 3
-    LOCALISATION_LOST = 4
-    LASER_LOST = 5
-    NO_PROGRESS = 6
-
-
-class Trigger(enum.Enum):
-    """Why the robot recovers: the outcome if it cannot, and the words of move_base."""
-
-    PLANNING = (Outcome.NO_PLAN, "Failed to find a valid plan. Even after executing recovery behaviors")
-    CONTROLLING = (Outcome.NO_CONTROL, "Failed to find a valid control. Even after executing recovery behaviors")
-    OSCILLATION = (Outcome.OSCILLATING, "Robot is oscillating. Even after executing recovery behaviors")
-    STUCK = (Outcome.NO_PROGRESS, "Robot makes no progress. Even after executing recovery behaviors")
-
-
-# A new way is a detour when it is that much (m) longer; a bound keeps a goal that cannot be reached from lasting for ever.
+# A new way is a detour when it is that much (m) longer; a bound keeps a hopeless goal from lasting for ever.
 DETOUR, MOST_DETOURS = 1.0, 20
 # The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
 MOMENT = 0.25
-
-TRANSITIONS = {
-    State.IDLE: (State.PLANNING,),
-    State.PLANNING: (State.CONTROLLING, State.CLEARING, State.IDLE, State.PLANNING),
-    State.CONTROLLING: (State.PLANNING, State.CLEARING, State.IDLE),
-    State.CLEARING: (State.PLANNING, State.IDLE),
-}
-
-
-class NavigatorLimits(NamedTuple):
-    """Settings, named as move_base names them (s, m, Hz); ``progress_timeout`` (0: never) is this navigator's own.
-
-    ``planner_frequency`` 0: plan for a new goal and when the way is blocked only. ``max_planning_retries`` -1: as
-    many as planner_patience allows. ``oscillation_timeout`` 0: never.
-    """
-
-    planner_frequency: float = 1.0
-    planner_patience: float = 5.0
-    controller_patience: float = 15.0
-    max_planning_retries: int = -1
-    oscillation_timeout: float = 0.0
-    oscillation_distance: float = 0.5
-    progress_timeout: float = 60.0
-    recovery_behavior_enabled: bool = True
-
-
-class Result(NamedTuple):
-    """The end of a goal."""
-
-    outcome: Outcome
-    message: str
-
-
-class Tick(NamedTuple):
-    """What one control period gives: the velocity to drive, and the result once the goal has ended."""
-
-    velocity: Velocity = STOP
-    result: Optional[Result] = None
+# A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals.
+WORTHWHILE = 0.9
 
 
 class Navigator:
@@ -120,6 +59,7 @@ class Navigator:
         self.on_log: Callable[[str], None] = lambda text: None
         self._now = 0.0
         self._changed = False
+        self._blind_since: Optional[float] = None
         self._start(0.0)
         self._handlers: Dict[State, Callable[[float, Pose2D, Velocity, float], Tick]] = {
             State.PLANNING: self._planning,
@@ -136,9 +76,7 @@ class Navigator:
         """Drive to a pose (m, rad; the map's frame) from now (s) on, instead of to any other."""
         self.goal = goal
         self._start(now)
-        if self.state is State.CONTROLLING or self.state is State.CLEARING:
-            self._go(State.PLANNING)
-        elif self.state is State.IDLE:
+        if self.state is State.CONTROLLING or self.state is State.CLEARING or self.state is State.IDLE:
             self._go(State.PLANNING)
 
     def cancel(self) -> None:
@@ -155,7 +93,7 @@ class Navigator:
         if not self.active:
             raise NavigationError("tick without a goal")
         if now < self._now:
-            self.on_log("Time went back by {:.1f} s: patience starts anew".format(self._now - now))
+            self.on_log(f"Time went back by {self._now - now:.1f} s: patience starts anew")
             self._start(now)
         self._now, self._blind_since = now, None
         tick = self._handlers[self.state](now, pose, velocity, period)
@@ -186,11 +124,11 @@ class Navigator:
         self._reason = ""
         self._best = math.inf
         self._detours = 0
-        self._blind_since: Optional[float] = None
+        self._blind_since = None
 
     def _go(self, state: State) -> None:
         if state not in TRANSITIONS[self.state]:
-            raise NavigationError("no transition from {} to {}".format(self.state.value, state.value))
+            raise NavigationError(f"no transition from {self.state.value} to {state.value}")
         self.state = state
 
     def _planning(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
@@ -202,7 +140,7 @@ class Navigator:
         self._tries += 1
         self._reason = self.plan.outcome.value
         if self.plan.outcome.on_map:
-            return Tick(result=Result(Outcome.NO_PLAN, "Failed to find a valid plan: {}.".format(self._reason)))
+            return Tick(result=Result(Outcome.NO_PLAN, f"Failed to find a valid plan: {self._reason}."))
         patient = now - self._last_plan <= self.limits.planner_patience
         if patient and not 0 <= self.limits.max_planning_retries < self._tries:
             return Tick()
@@ -216,6 +154,7 @@ class Navigator:
             return Tick()
         if self._oscillates(now, pose):
             return self._recover(now, pose, Trigger.OSCILLATION)
+        self._watch_progress(now, pose)
         if self._stuck(now, pose):
             return self._recover(now, pose, Trigger.STUCK)
         command = self.follower.compute(self.costmap, pose, velocity, period)
@@ -248,21 +187,27 @@ class Navigator:
         self._trigger = trigger
         outcome, words = trigger.value
         if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
-            return Tick(result=Result(outcome, "{}: {}.".format(words, self._reason or outcome.name.lower())))
+            return Tick(result=Result(outcome, f"{words}: {self._reason or outcome.name.lower()}."))
         self._running = self.recoveries[self._recovery]
         self._recovery += 1
-        self.on_log("{}: recovery behavior {}".format(self._reason or trigger.name.lower(), self._running.name))
+        self.on_log(f"{self._reason or trigger.name.lower()}: recovery behavior {self._running.name}")
         self.on_recovery(self._running, self._recovery - 1, len(self.recoveries), pose)
         self._running.start(now, pose)
         self._go(State.CLEARING)
         return Tick()
 
-    def _make_plan(self, now: float, pose: Pose2D) -> bool:
-        self.plan = self.planner.plan(self.costmap, pose, self.goal)
+    def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> bool:
+        """Plan; tell whether there is a path to follow. ``keep``: the old one may stay, if the new one is no better."""
+        plan = self.planner.plan(self.costmap, pose, self.goal)
         self._planned_at, self._changed = now, False
-        if self.plan.outcome is not PlanOutcome.FOUND:
+        if plan.outcome is not PlanOutcome.FOUND:
+            self.plan = plan
             return False
         self._last_plan, self._tries = now, 0
+        left = self.follower.length_left(pose)
+        if keep and plan.length > left * WORTHWHILE and self._path_is_clear():
+            return True
+        self.plan = plan
         self.follower.set_plan(self.plan.points, self.goal)
         self.on_plan(self.plan.points)
         self._note_progress(now)
@@ -275,7 +220,7 @@ class Navigator:
         since = now - self._planned_at
         due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
         if due or (since >= MOMENT and not self._path_is_clear()):
-            return self._make_plan(now, pose)
+            return self._make_plan(now, pose, keep=True)
         return True
 
     def _path_is_clear(self) -> bool:
@@ -292,12 +237,17 @@ class Navigator:
             # The way is blocked and another one known: that takes its time, but renews no recovery.
             self._best, self._last_progress, self._detours = length, now, self._detours + 1
 
+    def _watch_progress(self, now: float, pose: Pose2D) -> None:
+        length = self.follower.length_left(pose)
+        if length < self._best - self.limits.oscillation_distance:
+            self._best, self._last_progress, self._recovery = length, now, 0
+
     def _stuck(self, now: float, pose: Pose2D) -> bool:
         """Tell whether the way left has not become shorter for progress_timeout, the end of the way aside."""
         timeout = self.limits.progress_timeout
         if timeout <= 0 or now - self._last_progress <= timeout + self._best:
             return False
-        self._reason = "the way left has not become shorter for {:.0f} s".format(now - self._last_progress)
+        self._reason = f"the way left has not become shorter for {now - self._last_progress:.0f} s"
         return True
 
     def _oscillates(self, now: float, pose: Pose2D) -> bool:
@@ -308,5 +258,5 @@ class Navigator:
         timeout = self.limits.oscillation_timeout
         if timeout <= 0 or now - since <= timeout:
             return False
-        self._reason = "it moved less than {} m in {:.0f} s".format(self.limits.oscillation_distance, now - since)
+        self._reason = f"it moved less than {self.limits.oscillation_distance} m in {now - since:.0f} s"
         return True

@@ -6,9 +6,9 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell, straighten
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
-from rosoclingo.navigation.search import find_cells, nearest_clear_cell, straighten
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
 
@@ -82,10 +82,17 @@ class GridPlanner(GlobalPlanner):
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return the path; see :class:`GlobalPlanner`."""
-        return self._plan_on(costmap, costmap.clearance, start, goal, tolerance, costmap.has_marks)
+        found = self._plan_on(costmap, costmap.clearance, start, goal, tolerance)
+        if found.outcome is not PlanOutcome.NO_PATH or not costmap.has_marks:
+            return found
+        # Whom to blame: is there a way on the map alone?
+        alone = self._plan_on(costmap, costmap.static_clearance, start, goal, tolerance)
+        return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
 
-    def _plan_on(self, costmap, clearance, start, goal, tolerance, explain) -> Plan:  # type: ignore[no-untyped-def]
-        """Plan on one clearance field; ``explain``: where it fails, try the map alone to learn whom to blame."""
+    def _plan_on(
+        self, costmap: Costmap, clearance: np.ndarray, start: Pose2D, goal: Pose2D, tolerance: Optional[float]
+    ) -> Plan:
+        """Plan on one clearance field."""
         if not costmap.grid.contains(start.x, start.y):
             return _failed(PlanOutcome.START_OFF_MAP)
         if not costmap.grid.contains(goal.x, goal.y):
@@ -102,9 +109,6 @@ class GridPlanner(GlobalPlanner):
         comfort, weight = self._comfort(costmap)
         cells = find_cells(clearance, least, comfort, weight, *start_cell, *goal_cell)
         if not len(cells):
-            if explain:
-                alone = self._plan_on(costmap, costmap.static_clearance, start, goal, tolerance, False)
-                return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
             return _failed(PlanOutcome.NO_PATH)
         ends = (self._end(costmap, clearance, start, start_cell), self._end(costmap, clearance, goal, goal_cell))
         points = straighten(_path(cells, ends), clearance, least, comfort, weight)
@@ -127,7 +131,7 @@ class GridPlanner(GlobalPlanner):
     def _end(
         costmap: Costmap, clearance: np.ndarray, pose: Pose2D, cell: Tuple[int, int]
     ) -> Optional[Tuple[float, float]]:
-        """Return the pose's own position in cells where the path may end exactly there, else None: the cell's centre."""
+        """Return the pose's own position in cells where the path may end exactly there, else None for the centre."""
         if costmap.grid.cell(pose.x, pose.y) != cell:
             return None
         x, y = costmap.to_cells(pose.x, pose.y)
@@ -151,9 +155,9 @@ def dense(points: np.ndarray, spacing: float) -> np.ndarray:
         return points
     parts: List[np.ndarray] = []
     for a, b in zip(points[:-1], points[1:]):
-        count = max(1, int(math.ceil(math.hypot(*(b - a)) / spacing)))
+        count = max(1, math.ceil(math.hypot(*(b - a)) / spacing))
         parts.append(a + (b - a) * (np.arange(count)[:, None] / count))
-    return np.concatenate(parts + [points[-1:]])
+    return np.concatenate([*parts, points[-1:]])
 
 
 def _failed(outcome: PlanOutcome) -> Plan:

@@ -4,8 +4,8 @@ import math
 from typing import List, NamedTuple, Optional
 
 from rosoclingo.navigation.costmap import Costmap
-from rosoclingo.navigation.follower import STOP, LocalPlanner, Velocity
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
+from rosoclingo.navigation.local_planner import STOP, LocalPlanner, Velocity
 
 __all__ = ["ClearCostmap", "RecoveryBehavior", "RecoveryStep", "RotateRecovery", "default_recoveries"]
 

@@ -99,7 +99,7 @@ class MoveBaseNode:
         self._goals.publish(goal)
 
     def _on_make_plan(self, request: Any) -> GetPlanResponse:
-        answer: "queue.Queue[GetPlanResponse]" = queue.Queue(1)
+        answer: queue.Queue[GetPlanResponse] = queue.Queue(1)
         self._worker.put(lambda: answer.put(self._make_plan(request)))
         try:
             return answer.get(timeout=30.0)
@@ -107,7 +107,7 @@ class MoveBaseNode:
             raise rospy.ServiceException("move_base does not answer") from error
 
     def _on_clear(self, _: Any) -> EmptyResponse:
-        done: "queue.Queue[None]" = queue.Queue(1)
+        done: queue.Queue[None] = queue.Queue(1)
         self._worker.put(lambda: done.put(self._clear()))
         done.get(timeout=30.0)
         return EmptyResponse()
@@ -183,7 +183,7 @@ class MoveBaseNode:
         if located.pose is None:
             tick = navigator.blind(now, Outcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault)
         elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
-            text = "The laser is lost: no scan on {} for {:.1f} s".format(self._settings.frames.scan_topic, laser_age)
+            text = f"The laser is lost: no scan on {self._settings.frames.scan_topic} for {laser_age:.1f} s"
             tick = navigator.blind(now, Outcome.LASER_LOST, text)
         else:
             tick = navigator.tick(now, located.pose, self._sensing.velocity, max(period, 0.05))
@@ -239,9 +239,7 @@ class MoveBaseNode:
         frame = self._sensing.to_map(target.header.frame_id, target.header.stamp)
         if frame is None:
             name, known = target.header.frame_id, self._settings.frames.map
-            return "Aborting on goal because its frame {!r} is unknown to tf, or not connected to {}".format(
-                name, known
-            )
+            return f"Aborting on goal because its frame {name!r} is unknown to tf, or not connected to {known}"
         goal = frame.compose(pose)
         self._navigator.set_goal(rospy.get_time(), goal)
         shown = PoseStamped()

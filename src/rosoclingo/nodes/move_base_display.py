@@ -1,7 +1,7 @@
 """What the move_base node shows: plans, costmaps, footprints."""
 
 import math
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 import rospy
@@ -17,7 +17,7 @@ def path_message(points: np.ndarray, frame: str, stamp: rospy.Time, final_yaw: f
     """Return points (n, 2; m) as a path; each pose looks to the next, the last one to ``final_yaw``."""
     message = Path()
     message.header.frame_id, message.header.stamp = frame, stamp
-    yaws = np.arctan2(*np.diff(points, axis=0).T[::-1]).tolist() + [final_yaw]
+    yaws = [*np.arctan2(*np.diff(points, axis=0).T[::-1]).tolist(), final_yaw]
     for (x, y), yaw in zip(points.tolist(), yaws):
         pose = PoseStamped()
         pose.header = message.header
@@ -38,12 +38,11 @@ class Display:
         self._global_plan = rospy.Publisher(follower + "/global_plan", Path, queue_size=1)
         self._local_plan = rospy.Publisher(follower + "/local_plan", Path, queue_size=1)
         self._costmaps = tuple(
-            rospy.Publisher("~{}_costmap/costmap".format(name), OccupancyGrid, queue_size=1, latch=True)
+            rospy.Publisher(f"~{name}_costmap/costmap", OccupancyGrid, queue_size=1, latch=True)
             for name in ("global", "local")
         )
         self._footprints = tuple(
-            rospy.Publisher("~{}_costmap/footprint".format(name), PolygonStamped, queue_size=1)
-            for name in ("global", "local")
+            rospy.Publisher(f"~{name}_costmap/footprint", PolygonStamped, queue_size=1) for name in ("global", "local")
         )
         self._shown = [-math.inf, -math.inf]
 
@@ -93,7 +92,7 @@ class Display:
             min(columns, max(0, low[1])), min(columns, max(0, high[1])),
         )  # fmt: skip
 
-    def _grid(self, costmap: Costmap, window) -> OccupancyGrid:  # type: ignore[no-untyped-def]
+    def _grid(self, costmap: Costmap, window: Optional[Tuple[int, int, int, int]]) -> OccupancyGrid:
         row0, row1, column0, column1 = window or (0, costmap.grid.shape[0], 0, costmap.grid.shape[1])
         message = OccupancyGrid()
         message.header.frame_id, message.header.stamp = self._frame, rospy.Time.now()

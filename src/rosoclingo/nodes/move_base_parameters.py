@@ -18,7 +18,7 @@ from rosoclingo.navigation import (
     RecoveryBehavior,
     default_recoveries,
 )
-from rosoclingo.navigation.follower import inscribed_radius
+from rosoclingo.navigation.local_planner import inscribed_radius
 from rosoclingo.nodes.parameters import ParameterError, not_negative, parameter
 
 # Plugins of the C++ navigation stack that configurations name, and what stands in for them here.
@@ -80,7 +80,7 @@ def read_settings() -> Settings:
         footprint,
         parameter("~global_costmap/static_layer/map_topic", str, "map"),
         bool(sources) and parameter(layer + "enabled", bool, True),
-        tuple(_period("~{}_costmap/publish_frequency".format(n), d) for n, d in (("global", 0.0), ("local", 2.0))),  # type: ignore[arg-type]
+        tuple(_period(f"~{n}_costmap/publish_frequency", d) for n, d in (("global", 0.0), ("local", 2.0))),  # type: ignore[arg-type]
         (_positive("~local_costmap/width", 6.0), _positive("~local_costmap/height", 6.0)),
         parameter("~shutdown_costmaps", bool, False),
     )
@@ -121,7 +121,7 @@ def make_recoveries() -> List[RecoveryBehavior]:
 
 def _recovery(item: Any) -> RecoveryBehavior:
     if not isinstance(item, dict) or not isinstance(item.get("name"), str) or not isinstance(item.get("type"), str):
-        raise ParameterError("~recovery_behaviors: each entry needs a name and a type, not {!r}".format(item))
+        raise ParameterError(f"~recovery_behaviors: each entry needs a name and a type, not {item!r}")
     kind = _load("~recovery_behaviors", item["type"], RecoveryBehavior)
     own = parameter("~" + item["name"], dict, {})
     if kind is ClearCostmap and not isinstance(own.get("reset_distance", 3.0), (int, float)):
@@ -144,9 +144,9 @@ def _load(name: str, path: str, base: type) -> Type[Any]:
     try:
         kind = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        raise ParameterError("{}: no class {!r}: {}".format(rospy.resolve_name(name), path, error)) from error
+        raise ParameterError(f"{rospy.resolve_name(name)}: no class {path!r}: {error}") from error
     if not (isinstance(kind, type) and issubclass(kind, base)):
-        raise ParameterError("{}: {} is no {}".format(rospy.resolve_name(name), path, base.__name__))
+        raise ParameterError(f"{rospy.resolve_name(name)}: {path} is no {base.__name__}")
     return kind
 
 
@@ -171,7 +171,7 @@ def _costmap(layer: str, radius: float) -> CostmapLimits:
         lethal_threshold=int(
             parameter("~global_costmap/static_layer/lethal_cost_threshold", int, base.lethal_threshold)
         ),
-        allow_unknown=bool(parameter("~{}/allow_unknown".format(_global_namespace()), bool, base.allow_unknown)),
+        allow_unknown=bool(parameter(f"~{_global_namespace()}/allow_unknown", bool, base.allow_unknown)),
     )
 
 
@@ -196,7 +196,7 @@ def _body() -> Tuple[float, Tuple[Tuple[float, float], ...]]:
         corners = yaml.safe_load(text) if isinstance(text, str) else text
         footprint = tuple((float(x), float(y)) for x, y in (corners or []))
     except (ValueError, TypeError, yaml.YAMLError) as error:
-        raise ParameterError("~global_costmap/footprint must be a list of [x, y], is {!r}".format(text)) from error
+        raise ParameterError(f"~global_costmap/footprint must be a list of [x, y], is {text!r}") from error
     radius = _positive("~global_costmap/robot_radius", CostmapLimits().robot_radius)
     if not footprint:
         return radius, ()
@@ -208,7 +208,7 @@ def _body() -> Tuple[float, Tuple[Tuple[float, float], ...]]:
 def _positive(name: str, default: float) -> float:
     value = not_negative(name, default)
     if value == 0.0:
-        raise ParameterError("parameter {} must be more than 0".format(rospy.resolve_name(name)))
+        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be more than 0")
     return value
 
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple, Optional, Tuple
 import numpy as np
 import rospy
 import tf2_ros
-from rospy.numpy_msg import numpy_msg
 from nav_msgs.msg import Odometry
+from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.navigation import Costmap, Pose2D, Velocity
@@ -71,12 +71,12 @@ class Sensing:
         for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
             stamp = self._newest(parent, child)
             if stamp is None:
-                return Located(None, "there is no transform from {} to {}".format(parent, child))
+                return Located(None, f"there is no transform from {parent} to {child}")
             if stamp > 0.0 and now - stamp > self._frames.tolerance:
                 age = now - stamp
-                return Located(None, "the transform from {} to {} is {:.1f} s old".format(parent, child, age))
+                return Located(None, f"the transform from {parent} to {child} is {age:.1f} s old")
         pose = self._pose_in_map(self._frames.base, rospy.Time(0))
-        return Located(pose, "" if pose else "there is no transform from {} to the robot".format(self._frames.map))
+        return Located(pose, "" if pose else f"there is no transform from {self._frames.map} to the robot")
 
     def laser_age(self, now: float) -> float:
         """Return the age (s) of the newest scan."""

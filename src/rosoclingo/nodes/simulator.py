@@ -72,7 +72,7 @@ class SimulatorNode:
         )
         self._speed = not_negative("~speed", 1.0)
         self._paused = parameter("~paused", bool, False)
-        self._jobs: "queue.Queue[Callable[[], None]]" = queue.Queue()
+        self._jobs: queue.Queue[Callable[[], None]] = queue.Queue()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=100)
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
         self._collisions = rospy.Publisher("~collisions", String, queue_size=10)
@@ -140,7 +140,7 @@ class SimulatorNode:
 
     def _between_steps(self, work: Callable[[], None]) -> Optional[str]:
         """Have the simulation's thread do something; return why it could not, None if it could."""
-        answer: "queue.Queue[Optional[str]]" = queue.Queue(1)
+        answer: queue.Queue[Optional[str]] = queue.Queue(1)
 
         def job() -> None:
             try:
@@ -223,7 +223,7 @@ class SimulatorNode:
 
     def _set_speed(self, speed: float) -> None:
         if not 0.0 <= speed < float("inf"):
-            raise WorldError("the speed must be a number from 0 on, not {}".format(speed))
+            raise WorldError(f"the speed must be a number from 0 on, not {speed}")
         self._speed = speed
         self._restart_pace()
 

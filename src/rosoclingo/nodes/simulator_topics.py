@@ -5,7 +5,7 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Quaternion, TransformStamped, Twist
+from geometry_msgs.msg import Pose, Quaternion, TransformStamped, Twist
 from nav_msgs.msg import Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
@@ -111,7 +111,7 @@ def _set_transform(message: TransformStamped, pose: Pose2D) -> None:
     _, _, message.transform.rotation.z, message.transform.rotation.w = yaw_to_quaternion(pose.yaw)
 
 
-def _set_pose(message, pose: Pose2D) -> None:  # type: ignore[no-untyped-def]
+def _set_pose(message: Pose, pose: Pose2D) -> None:
     message.position.x, message.position.y = pose.x, pose.y
     message.orientation = Quaternion(*yaw_to_quaternion(pose.yaw))
 
@@ -120,4 +120,4 @@ def prefixes(names: Sequence[str], use_names: bool) -> Tuple[str, ...]:
     """Return what stage_ros puts before the topics of each robot: nothing for one, ``robot_0/`` .. for several."""
     if len(names) == 1:
         return ("",)
-    return tuple("{}/".format(name if use_names else "robot_{}".format(i)) for i, name in enumerate(names))
+    return tuple("{}/".format(name if use_names else f"robot_{i}") for i, name in enumerate(names))

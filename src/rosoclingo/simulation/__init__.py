@@ -9,10 +9,10 @@ from rosoclingo.simulation.spec import (
     ObstacleSpec,
     PackageSpec,
     RobotSpec,
-    WorldError,
     WorldSpec,
-    load_world,
 )
+from rosoclingo.simulation.world_file import load_world
+from rosoclingo.simulation.world_reader import WorldError
 
 __all__ = [
     "Box",

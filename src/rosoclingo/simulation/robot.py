@@ -7,14 +7,14 @@ import numpy as np
 
 from rosoclingo.navigation.compiled import cast_rays
 from rosoclingo.navigation.geometry import Pose2D
-from rosoclingo.simulation.shapes import CLEAR, shorten_rays, sweep
+from rosoclingo.simulation.compiled_shapes import CLEAR, shorten_rays, sweep
 from rosoclingo.simulation.spec import LaserSpec, RobotSpec
 
 __all__ = ["Laser", "Robot", "Surroundings"]
 
 
 class Surroundings:
-    """What can be hit, in cells: the occupied cells, segments and discs (see :mod:`rosoclingo.simulation.shapes`)."""
+    """What can be hit, in cells: the occupied cells, segments, discs (:mod:`rosoclingo.simulation.compiled_shapes`)."""
 
     def __init__(self, occupied: np.ndarray, segments: np.ndarray, discs: np.ndarray) -> None:
         self.occupied, self.segments, self.discs = occupied, segments, discs
@@ -45,7 +45,7 @@ class Laser:
 
 
 class Robot:
-    """The state of a robot: true ``pose``, ``odometry`` (both in m, the world's frame at the start), velocity, stall."""
+    """The state of a robot: ``pose`` and what ``odometry`` takes for it (m, the world's frame), velocity, stall."""
 
     def __init__(self, spec: RobotSpec, seed: int) -> None:
         self.spec = spec

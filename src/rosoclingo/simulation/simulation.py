@@ -1,16 +1,19 @@
 """The simulated world in motion."""
 
 import math
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from rosoclingo.navigation.geometry import Pose2D
+from rosoclingo.simulation.compiled_shapes import CLEAR, HIT_DISC, HIT_SEGMENT, HIT_WALL, body_hits
 from rosoclingo.simulation.robot import Robot, Surroundings
-from rosoclingo.simulation.shapes import CLEAR, HIT_DISC, HIT_SEGMENT, HIT_WALL, body_hits
-from rosoclingo.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldError, WorldSpec
+from rosoclingo.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldSpec
+from rosoclingo.simulation.world_reader import WorldError
 
 __all__ = ["Collision", "Simulation"]
+
+Segment = Tuple[float, float, float, float]
 
 HITS = {HIT_WALL: "a wall", HIT_SEGMENT: "a door, a box or a robot's side", HIT_DISC: "an obstacle or a robot"}
 
@@ -76,12 +79,12 @@ class Simulation:
         """Return the ranges (float32, m) of a robot's laser now. Raises WorldError for a robot without one."""
         laser = self._robot(robot).laser
         if laser is None:
-            raise WorldError("robot {!r} has no laser".format(robot))
+            raise WorldError(f"robot {robot!r} has no laser")
         return laser.scan(self._in_cells(self._robot(robot).pose), self._around(robot), self._scale)
 
     def reset(self) -> None:
         """Put every robot back to its start, as stage_ros's reset_positions does; time, doors, obstacles stay."""
-        for name, robot in self.robots.items():
+        for robot in self.robots.values():
             robot.reset()
         for name, robot in self.robots.items():
             self._check_place(name, robot.pose)
@@ -97,19 +100,19 @@ class Simulation:
             raise WorldError("door {!r} is unknown; doors: {}".format(door, ", ".join(self.doors) or "none"))
         before = dict(self.doors)
         self.doors[door] = self.doors[door]._replace(open=opened)
-        self._build_or_undo("doors", before, "the door {!r}".format(door))
+        self._build_or_undo("doors", before, f"the door {door!r}")
 
     def put_obstacle(self, obstacle: ObstacleSpec) -> None:
         """Put an obstacle into the world, or move the one of that name. Raises WorldError where a robot stands."""
         before = dict(self.obstacles)
         self.obstacles[obstacle.name] = obstacle
-        self._build_or_undo("obstacles", before, "the obstacle {!r}".format(obstacle.name))
+        self._build_or_undo("obstacles", before, f"the obstacle {obstacle.name!r}")
 
     def remove_obstacle(self, name: str) -> None:
         """Take an obstacle away. Raises WorldError for an unknown one."""
         if name not in self.obstacles:
             known = ", ".join(self.obstacles) or "none"
-            raise WorldError("obstacle {!r} is unknown; obstacles: {}".format(name, known))
+            raise WorldError(f"obstacle {name!r} is unknown; obstacles: {known}")
         del self.obstacles[name]
         self._build()
 
@@ -125,7 +128,7 @@ class Simulation:
             if self._hits(name, robot.pose) != CLEAR:
                 setattr(self, attribute, before)
                 self._build()
-                raise WorldError("{} would stand where robot {!r} is".format(what, name))
+                raise WorldError(f"{what} would stand where robot {name!r} is")
 
     def _build(self) -> None:
         """Gather segments and discs of closed doors and obstacles, in cells."""
@@ -138,7 +141,7 @@ class Simulation:
                 segments.extend(_edges(_corners(obstacle.at, obstacle.box)))
         self._segments = self._segments_in_cells(segments)
         self._discs = np.array(
-            [self._point(x, y) + (radius / self._scale,) for x, y, radius in discs], dtype=np.float64
+            [(*self._point(x, y), radius / self._scale) for x, y, radius in discs], dtype=np.float64
         ).reshape(-1, 3)
 
     def _around(self, robot: str) -> Surroundings:
@@ -149,7 +152,7 @@ class Simulation:
             round_ones = [other for other in others if not other.outline]
             edges = [edge for other in others if other.outline for edge in _edges(_outline(other))]
             bodies = [
-                self._point(other.pose.x, other.pose.y) + (other.spec.radius / self._scale,) for other in round_ones
+                (*self._point(other.pose.x, other.pose.y), other.spec.radius / self._scale) for other in round_ones
             ]
             discs = np.concatenate((discs, np.array(bodies, dtype=np.float64).reshape(-1, 3)))
             segments = np.concatenate((segments, self._segments_in_cells(edges)))
@@ -166,14 +169,14 @@ class Simulation:
 
     def _check_place(self, robot: str, pose: Pose2D) -> None:
         if not all(map(math.isfinite, pose)):
-            raise WorldError("robot {!r}: a pose must be finite, is {}".format(robot, tuple(pose)))
+            raise WorldError(f"robot {robot!r}: a pose must be finite, is {tuple(pose)}")
         self._robot(robot)
         if not self.spec.grid.contains(pose.x, pose.y):
-            raise WorldError("robot {!r} would be off the map at ({:.2f}, {:.2f})".format(robot, pose.x, pose.y))
+            raise WorldError(f"robot {robot!r} would be off the map at ({pose.x:.2f}, {pose.y:.2f})")
         hit = self._hits(robot, pose)
         if hit != CLEAR:
-            place = "({:.2f}, {:.2f})".format(pose.x, pose.y)
-            raise WorldError("robot {!r} would stand in {} at {}".format(robot, HITS[hit], place))
+            place = f"({pose.x:.2f}, {pose.y:.2f})"
+            raise WorldError(f"robot {robot!r} would stand in {HITS[hit]} at {place}")
 
     def _point(self, x: float, y: float) -> Tuple[float, float]:
         return (x - self._origin[0]) / self._scale, (y - self._origin[1]) / self._scale
@@ -181,7 +184,7 @@ class Simulation:
     def _in_cells(self, pose: Pose2D) -> Pose2D:
         return Pose2D(*self._point(pose.x, pose.y), pose.yaw)
 
-    def _segments_in_cells(self, segments: List[Tuple[float, ...]]) -> np.ndarray:
+    def _segments_in_cells(self, segments: Sequence[Segment]) -> np.ndarray:
         cells = [self._point(s[0], s[1]) + self._point(s[2], s[3]) for s in segments]
         return np.array(cells, dtype=np.float64).reshape(-1, 4)
 
@@ -198,5 +201,5 @@ def _outline(robot: Robot) -> List[Tuple[float, float]]:
     return [robot.pose.compose(Pose2D(x, y))[:2] for x, y in robot.outline]
 
 
-def _edges(corners: List[Tuple[float, float]]) -> List[Tuple[float, ...]]:
+def _edges(corners: List[Tuple[float, float]]) -> List[Segment]:
     return [(*a, *b) for a, b in zip(corners, corners[1:] + corners[:1])]

@@ -14,7 +14,7 @@ def point_clearance(clearance, x, y):
     """Return the clearance at a point (cells), between the four nearest cell centres; -1 off the grid."""
     height, width = clearance.shape
     fx, fy = x - 0.5, y - 0.5
-    column, row = int(math.floor(fx)), int(math.floor(fy))
+    column, row = math.floor(fx), math.floor(fy)
     if not (0 <= row < height - 1 and 0 <= column < width - 1):
         return -1.0
     px, py = fx - column, fy - row
@@ -35,7 +35,7 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def path_is_clear(clearance, points, least):
+def path_is_clear(clearance, points, least) -> bool:
     """Tell whether the way along points (float64 n, 2; cells) keeps ``least`` (cells) of clearance."""
     for i in range(points.shape[0] - 1):
         if least_along(clearance, points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]) < least:
@@ -70,7 +70,7 @@ def body_clearance(clearance, occupied, body, x, y, yaw):
         px = x + c * body[i, 0] - s * body[i, 1]
         py = y + s * body[i, 0] + c * body[i, 1]
         spare = point_clearance(clearance, px, py) - body[i, 2]
-        if -1.0 < spare + body[i, 2] and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
+        if spare + body[i, 2] > -1.0 and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
             spare = _square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
         least = min(least, spare)
     return least
@@ -104,6 +104,8 @@ def best_command(clearance, occupied, body, pose, speeds, turns, carrot, margin,
     best, best_i, best_j, best_spare = np.inf, -1, -1, 0.0
     for i in range(speeds.shape[0]):
         for j in range(turns.shape[0]):
+            if abs(speeds[i]) < 1e-6 and abs(turns[j]) < 0.05:
+                continue  # to stand still is the caller's last resort
             spare, x, y, yaw = spare_after(
                 clearance, occupied, body, pose[0], pose[1], pose[2], speeds[i], turns[j], horizon, steps
             )

@@ -61,12 +61,12 @@ def _disc_hits(occupied, segments, discs, x, y, radius):
 
 
 @jit
-def _edge_hits_wall(occupied, x0, y0, x1, y1):
+def _edge_hits_wall(occupied, x0, y0, x1, y1) -> bool:
     """Tell whether a segment passes through an occupied cell."""
     height, width = occupied.shape
     dx, dy = x1 - x0, y1 - y0
-    column, row = int(math.floor(x0)), int(math.floor(y0))
-    last_c, last_r = int(math.floor(x1)), int(math.floor(y1))
+    column, row = math.floor(x0), math.floor(y0)
+    last_c, last_r = math.floor(x1), math.floor(y1)
     step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
     per_c = abs(1.0 / dx) if dx != 0.0 else math.inf
     per_r = abs(1.0 / dy) if dy != 0.0 else math.inf
@@ -140,7 +140,7 @@ def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt):
     """
     if outline.shape[0] == 0 and v == 0.0:
         return 1.0, CLEAR
-    count = max(1, int(math.ceil((abs(v) + abs(w) * (radius if outline.shape[0] else 0.0)) * dt * 4.0)))
+    count = max(1, math.ceil((abs(v) + abs(w) * (radius if outline.shape[0] else 0.0)) * dt * 4.0))
     for k in range(1, count + 1):
         half = 0.5 * w * dt * k / count
         chord = v * dt * k / count * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
@@ -152,7 +152,7 @@ def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt):
 
 
 @jit
-def shorten_rays(x, y, angles, segments, discs, out):
+def shorten_rays(x, y, angles, segments, discs, out) -> None:
     """Shorten the ranges ``out`` (float64 n) of rays from (x, y) at ``angles`` to the segments and discs they meet."""
     for i in range(angles.shape[0]):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])

@@ -1,0 +1,93 @@
+"""What every local planner has: the plugin interface, commands, the robot's body."""
+
+import enum
+import math
+from typing import NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from rosoclingo.navigation.costmap import Costmap
+from rosoclingo.navigation.geometry import Pose2D
+
+__all__ = ["STOP", "Command", "FollowOutcome", "LocalPlanner", "Velocity", "body_discs", "inscribed_radius"]
+
+
+class Velocity(NamedTuple):
+    """Speed forward (m/s) and turn (rad/s) of a differential drive."""
+
+    linear: float = 0.0
+    angular: float = 0.0
+
+
+STOP = Velocity()
+
+
+class FollowOutcome(enum.Enum):
+    """What a local planner has to say besides its command."""
+
+    DRIVING = "driving"
+    REACHED = "goal reached"
+    BLOCKED = "every movement towards the path would touch an obstacle"
+    OFF_PATH = "the robot cannot get back to its path in a straight line"
+
+
+class Command(NamedTuple):
+    """What a local planner answers."""
+
+    outcome: FollowOutcome
+    velocity: Velocity = STOP
+
+
+class LocalPlanner:
+    """What a local planner plugin does: subclasses are named by class path in ``base_local_planner``.
+
+    It is made with its parameters (the mapping under the last part of its class path) and the robot's footprint, a
+    sequence of (x, y) in m, or a radius in m.
+    """
+
+    def __init__(self, parameters: Optional[dict] = None, radius: float = 0.18, footprint: Sequence = ()) -> None:
+        self.parameters = dict(parameters or {})
+        self.radius = radius
+        self.footprint = tuple(footprint)
+
+    def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
+        """Take a new path: points (n, 2) in m in the map's frame, and the pose to end in."""
+        raise NotImplementedError
+
+    def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Command:
+        """Return the command for the next ``period`` s."""
+        raise NotImplementedError
+
+    def length_left(self, pose: Pose2D) -> float:
+        """Return the length (m) of the path that is still to be driven; infinity without a path."""
+        raise NotImplementedError
+
+    def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
+        """Return the points (n, 2; m) that a command leads through, for display."""
+        times = np.linspace(0.0, 1.0, 8)
+        return np.array([pose.moved(velocity.linear, velocity.angular, t)[:2] for t in times])
+
+
+def body_discs(radius: float, footprint: Sequence, resolution: float) -> np.ndarray:
+    """Return the discs (float64 n, 3; cells) that stand for the robot: one, or many along the footprint's edge."""
+    if not len(footprint):
+        return np.array([[0.0, 0.0, radius]]) / resolution
+    corners = [np.array(corner, dtype=np.float64) for corner in footprint]
+    discs = []
+    for a, b in zip(corners, corners[1:] + corners[:1]):
+        count = max(1, math.ceil(math.hypot(*(b - a)) / resolution))
+        for i in range(count):
+            discs.append((*(a + (b - a) * (i / count)), 0.25 * resolution))
+    return np.array(discs) / resolution
+
+
+def inscribed_radius(radius: float, footprint: Sequence) -> float:
+    """Return the radius (m) of the largest disc around the robot's origin within its footprint; else ``radius``."""
+    if not len(footprint):
+        return radius
+    corners = [Pose2D(*corner) for corner in footprint]
+    least = math.inf
+    for a, b in zip(corners, corners[1:] + corners[:1]):
+        length = a.distance(b)
+        least = min(least, abs(a.x * b.y - a.y * b.x) / length if length > 0.0 else a.distance(Pose2D(0.0, 0.0)))
+    return least
