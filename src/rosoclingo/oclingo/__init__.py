@@ -1,7 +1,7 @@
 """The reactive ASP solver: oClingo's language and behaviour on today's clingo.
 
-A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :class:`StreamUpdate` after :class:`StreamUpdate` and
-answers each. Pure Python on clingo; no ROS, no threads.
+A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :class:`StreamUpdate` after
+:class:`StreamUpdate` and answers each. Pure Python on clingo; no ROS, no threads.
 """
 
 from rosoclingo.oclingo.errors import Fault, OclingoError, ProgramError, ProgressionError, SolverError

@@ -1,8 +1,8 @@
 """Actions and cycles: which actions an answer of a given horizon, or of a cycle that has passed, may hold.
 
-A commitment keeps an executed action in every later plan; nothing in a stream keeps actions out of a cycle that has passed
-without them, nor out of the steps beyond the horizon for which an answer was searched. The first is done by constraints on the
-atoms of the closed cycle, the second by the rules that are made here.
+A commitment keeps an executed action in every later plan; nothing in a stream keeps actions out of a cycle that has
+passed without them, nor out of the steps beyond the horizon for which an answer was searched. The first is done by
+constraints on the atoms of the closed cycle, the second by the rules that are made here.
 """
 
 from typing import List, Sequence, Set, Tuple
@@ -30,14 +30,16 @@ def closing_text(parts: Sequence[Part]) -> Source:
 
 
 def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
-    """Return part name, parameter and the text of the cycle argument of each action in a head; C__ for one that is not simple."""
+    """Return part name, parameter and cycle argument (C__ where it is not simple) of each action in a head."""
     found: Set[Tuple[str, str, str]] = set()
     for part in parts:
         for statement in part.statements:
             for one in occurrences(statement) if statement.ast_type == ASTType.Rule else ():
                 if one.head and one.signature == ACTION:
                     cycle = one.term.arguments[2]
-                    simple = cycle.ast_type in (ASTType.SymbolicTerm, ASTType.BinaryOperation) and not _has_variable(cycle)
+                    simple = cycle.ast_type in (ASTType.SymbolicTerm, ASTType.BinaryOperation) and not _has_variable(
+                        cycle
+                    )
                     # a volatile head is a head of its step all the same; the rules must outlast the window
                     name = "cumulative" if part.name == "volatile" else part.name
                     found.add((name, part.parameter, str(cycle) if simple else "C__"))
@@ -51,7 +53,6 @@ def _has_variable(term: AST) -> bool:
 
 
 def _rules(name: str, parameter: str, cycle: str) -> str:
-    header = "{}({})".format(name, parameter) if parameter else name
+    header = f"{name}({parameter})" if parameter else name
     domain = " : _action_lib(_,_,C__)" if cycle == "C__" else ""
     return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND)
-

@@ -1,7 +1,8 @@
 """oClingo's own directives in program texts: found, taken out, and put into today's ``#program`` form.
 
-clingo's parser does not know ``#base.``, ``#cumulative t.``, ``#volatile t : w.``, ``#external p/n.``, ``#forget t : term.`` and
-``#iinit n.``. They are replaced here, line by line in place, so that clingo's messages keep their line numbers.
+clingo's parser does not know ``#base.``, ``#cumulative t.``, ``#volatile t : w.``, ``#external p/n.``, ``#forget t :
+term.`` and ``#iinit n.``. They are replaced here, line by line in place, so that clingo's messages keep their line
+numbers.
 """
 
 import re
@@ -27,11 +28,11 @@ _SKIP = re.compile(
 )
 _FORMS: Dict[str, str] = {
     "base": r"\s*\.",
-    "cumulative": r"\s+(?P<parameter>{})\s*\.".format(_NAME),
-    "volatile": r"\s+(?P<parameter>{})\s*(?::\s*(?P<term>[^.:]+?)\s*)?\.".format(_NAME),
-    "external": r"\s+(?P<sign>-?)\s*(?P<name>{})\s*/\s*(?P<arity>[0-9]+)\s*\.".format(_NAME),
-    "forget": r"\s+(?P<parameter>{})\s*:\s*(?P<term>[^.:]+?)\s*\.".format(_NAME),
-    "iinit": r"\s+(?P<number>-?\s*[0-9]+|{})\s*\.".format(_NAME),
+    "cumulative": rf"\s+(?P<parameter>{_NAME})\s*\.",
+    "volatile": rf"\s+(?P<parameter>{_NAME})\s*(?::\s*(?P<term>[^.:]+?)\s*)?\.",
+    "external": rf"\s+(?P<sign>-?)\s*(?P<name>{_NAME})\s*/\s*(?P<arity>[0-9]+)\s*\.",
+    "forget": rf"\s+(?P<parameter>{_NAME})\s*:\s*(?P<term>[^.:]+?)\s*\.",
+    "iinit": rf"\s+(?P<number>-?\s*[0-9]+|{_NAME})\s*\.",
     "include": r'\s*"(?P<file>(?:[^"\\\n]|\\.)*)"\s*\.',
 }
 _PATTERNS = {name: re.compile(form) for name, form in _FORMS.items()}
@@ -62,7 +63,6 @@ class Directives:
     signatures: List[Tuple[str, int, bool]] = field(default_factory=list)
     forgets: List[Placed] = field(default_factory=list)
     first_steps: List[Placed] = field(default_factory=list)
-    includes: List[Placed] = field(default_factory=list)
     faults: List[Fault] = field(default_factory=list)
 
 
@@ -99,7 +99,7 @@ class _Reader:
         line = self._text.count("\n", 0, start.start()) + 1
         if match is None:
             if name in _MENDS:
-                message = "directive #{} is not written as it must be".format(name)
+                message = f"directive #{name} is not written as it must be"
                 self._found.faults.append(Fault(self._file, line, 1, message, _MENDS[name]))
             return start.end()  # an ordinary #external or #include is clingo's own
         statement = self._text[start.start() : match.end()]
@@ -130,8 +130,7 @@ def _iinit(found: Directives, match: "Match[str]", file: str, line: int) -> str:
 
 
 def _include(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    found.includes.append(Placed(match.group("file"), "", file, line))
-    return ""
+    return ""  # the file has been added to the program's sources
 
 
 _HANDLERS: Dict[str, Callable[[Directives, "Match[str]", str, int], str]] = {

@@ -1,10 +1,10 @@
 """One grounding of a reactive program in one :class:`clingo.Control`, grown step by step.
 
-The engine knows nothing of streams: the solver tells it what to ground, define, release and solve. It can be thrown away and
-built anew at any time from the solver's state.
+The engine knows nothing of streams: the solver tells it what to ground, define, release and solve. It can be thrown
+away and built anew at any time from the solver's state.
 """
 
-from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Observer
@@ -15,7 +15,6 @@ from rosoclingo.oclingo.externals import ActionIndex, AtomIndex, AtomTable, Cycl
 from rosoclingo.oclingo.horizon import HorizonLiterals
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.program import ReactiveProgram
-from rosoclingo.oclingo.progression import Statement
 from rosoclingo.oclingo.rewriting import guard_atom
 
 POLL = 0.02
@@ -23,7 +22,7 @@ POLL = 0.02
 
 
 class Search(NamedTuple):
-    """Result of one search: satisfiable, or not, or None where it was stopped; the answers, and the horizon of the last."""
+    """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last."""
 
     satisfiable: Optional[bool]
     answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
@@ -47,6 +46,7 @@ class Engine:
         horizon: the last grounded step; first step - 1 while only base is grounded.
         atoms: what updates may say of the atoms, and how.
         messages: what clingo said since they were last cleared.
+
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Engine:
         facts: Set[clingo.Symbol],
         shortest: bool = False,
     ) -> None:
-        """Load ``program`` and ground its base with ``open_atoms`` as externals, or as facts where they are in ``facts``.
+        """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
 
         With ``shortest`` no answer holds an action of a cycle beyond its horizon. Raises RuntimeError as clingo does.
         """
@@ -145,8 +145,8 @@ class Engine:
     def search(self, models: int, stopped: Callable[[], bool], first: int, last: int) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
-        Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the answers'
-        horizons are free within the range.
+        Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the
+        answers' horizons are free within the range.
         """
         self.atoms.end_definitions()
         assumptions = self._ends.range(first, last)
@@ -154,9 +154,10 @@ class Engine:
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
         best = self.program.optimizes
-        self._control.configuration.solve.models = str(models)
+        options: Any = self._control.configuration.solve
+        options.models = str(models)
         if best:
-            self._control.configuration.solve.opt_mode = "optN"
+            options.opt_mode = "optN"
 
         def keep(model: clingo.Model) -> None:
             if not best or model.optimality_proven:

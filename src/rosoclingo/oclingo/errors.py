@@ -1,6 +1,7 @@
 """Typed errors of the reactive solver.
 
-Every fault names its place and, where there is one, the mend, so that a node or a service can pass the text on as it stands.
+Every fault names its place and, where there is one, the mend, so that a node or a service can pass the text on as it
+stands.
 """
 
 from dataclasses import dataclass
@@ -22,8 +23,8 @@ class Fault:
     mend: str = ""
 
     def __str__(self) -> str:
-        place = "{}:{}:{}: ".format(self.file, self.line, self.column) if self.line else "{}: ".format(self.file)
-        return place + self.message + (" ({})".format(self.mend) if self.mend else "")
+        place = f"{self.file}:{self.line}:{self.column}: " if self.line else f"{self.file}: "
+        return place + self.message + (f" ({self.mend})" if self.mend else "")
 
 
 class ProgramError(OclingoError):
@@ -39,7 +40,7 @@ class ProgressionError(OclingoError):
 
     def __init__(self, line: int, column: int, message: str) -> None:
         self.line, self.column, self.message = line, column, message
-        super().__init__("{}:{}: {}".format(line, column, message))
+        super().__init__(f"{line}:{column}: {message}")
 
 
 class SolverError(OclingoError):

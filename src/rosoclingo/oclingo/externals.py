@@ -1,7 +1,7 @@
 """What a grounding knows of its atoms: which externals may still be defined, by which literal, and what defines them.
 
-An external that gets a lapsing definition stays open behind it: the definition goes to its literal together with a rule by which
-a fresh external, its next *cell*, defines it as well.
+An external that gets a lapsing definition stays open behind it: the definition goes to its literal together with a
+rule by which a fresh external, its next *cell*, defines it as well.
 """
 
 from typing import Dict, Iterable, Iterator, List, Optional, Set, Tuple

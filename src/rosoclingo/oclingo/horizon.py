@@ -1,8 +1,8 @@
-"""The horizon of an answer as literals, so that one grounding can be asked for any horizon, or for the least of a range.
+"""The horizon of an answer as literals: one grounding can be asked for any horizon, or for the least of a range.
 
-``beyond(T)`` says that step T lies beyond the horizon. It is free, but once true it stays true for all later steps; so the
-horizon H is where ``not beyond(H), beyond(H+1)``, and an instance of ``#volatile t : w.`` of step S, which holds while
-S <= H <= S+w-1, holds where ``not beyond(S), beyond(S+w)``.
+``beyond(T)`` says that step T lies beyond the horizon. It is free, but once true it stays true for all later steps;
+so the horizon H is where ``not beyond(H), beyond(H+1)``, and an instance of ``#volatile t : w.`` of step S, which
+holds while S <= H <= S+w-1, holds where ``not beyond(S), beyond(S+w)``.
 """
 
 from typing import Dict, List
@@ -12,7 +12,7 @@ import clingo
 from rosoclingo.oclingo.editor import Editor
 
 BEYOND = "__oclingo_beyond"
-"""``__oclingo_beyond(T)``: the program's name for ``beyond(T)``, where it asks for it (see :mod:`~rosoclingo.oclingo.closing`)."""
+"""``__oclingo_beyond(T)``: the program's name for ``beyond(T)`` (see :mod:`~rosoclingo.oclingo.closing`)."""
 
 
 class HorizonLiterals:

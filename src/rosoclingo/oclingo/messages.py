@@ -7,7 +7,9 @@ import clingo
 
 from rosoclingo.oclingo.errors import Fault
 
-_MESSAGE = re.compile(r"(?P<file>.+?):(?P<line>[0-9]+):(?P<column>[0-9]+)(?:-[0-9:]+)?: (?P<kind>[a-z]+): (?P<text>.*)", re.S)
+_MESSAGE = re.compile(
+    r"(?P<file>.+?):(?P<line>[0-9]+):(?P<column>[0-9]+)(?:-[0-9:]+)?: (?P<kind>[a-z]+): (?P<text>.*)", re.S
+)
 _NOTE = re.compile(r"\n?[^\n]*: note: '(?P<variable>[^']*)' is unsafe")
 
 

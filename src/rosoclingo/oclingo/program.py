@@ -30,6 +30,7 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         warnings: what is odd but usable, as text.
+
     """
 
     def __init__(self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None) -> None:
@@ -74,7 +75,7 @@ class ReactiveProgram:
 
     def arguments(self) -> List[str]:
         """Return clingo's command line arguments for the constants."""
-        return ["-Wno-atom-undefined"] + ["-c{}={}".format(name, value) for name, value in self.constants.items()]
+        return ["-Wno-atom-undefined"] + [f"-c{name}={value}" for name, value in self.constants.items()]
 
     def may_see(self, atom: clingo.Symbol, last: int) -> bool:
         """Tell whether a rule grounded up to step ``last`` could have an instance with the open external ``atom``."""
@@ -138,18 +139,18 @@ class ReactiveProgram:
             raise ProgramError(faults)
 
     def _number(self, placed: Placed, faults: List[Fault], **parameters: int) -> int:
-        """Return the value of a directive's term under the constants and ``parameters``; 1 and a fault where it has none."""
+        """Return the value of a directive's term under constants and ``parameters``; 1 and a fault where it has none."""
         values = dict(self._values, **{name: clingo.Number(value) for name, value in parameters.items()})
         terms: List[AST] = []
         try:
-            parse_string("value({}).".format(placed.value), terms.append, logger=lambda code, text: None)
+            parse_string(f"value({placed.value}).", terms.append, logger=lambda code, text: None)
         except RuntimeError:
-            faults.append(Fault(placed.file, placed.line, 1, "{!r} is no term".format(placed.value)))
+            faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no term"))
             return 1
         value = evaluate(terms[-1].head.atom.symbol.arguments[0], values)
         if value is None or value.type != clingo.SymbolType.Number:
             mend = "write a number, or a name that a #const gives a number"
-            faults.append(Fault(placed.file, placed.line, 1, "{!r} is no number".format(placed.value), mend))
+            faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no number", mend))
             return 1
         return value.number
 
@@ -162,5 +163,4 @@ class ReactiveProgram:
         present = {part.name for part in self.parts if part.written}
         for name in PARTS:
             if name not in present and name != "base":
-                self.warnings.append("the program has no {} part; write #{} t. and what holds at each step".format(name, name))
-
+                self.warnings.append(f"the program has no {name} part; write #{name} t. and what holds at each step")

@@ -1,6 +1,7 @@
 """Online progressions as data: stream updates, their statements and sections, and how they are printed.
 
-``str()`` of everything here is its text in oClingo's language; :mod:`~rosoclingo.oclingo.progression_parser` reads it back.
+``str()`` of everything here is its text in oClingo's language; :mod:`~rosoclingo.oclingo.progression_parser` reads it
+back.
 """
 
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ class Literal:
     positive: bool = True
 
     def __str__(self) -> str:
-        return str(self.atom) if self.positive else "not {}".format(self.atom)
+        return str(self.atom) if self.positive else f"not {self.atom}"
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,8 @@ class Statement:
     def __str__(self) -> str:
         body = ", ".join(map(str, self.body))
         if self.head is None:
-            return ":- {}.".format(body)
-        return "{} :- {}.".format(self.head, body) if body else "{}.".format(self.head)
+            return f":- {body}."
+        return f"{self.head} :- {body}." if body else f"{self.head}."
 
 
 def fact(atom: clingo.Symbol) -> Statement:
@@ -54,12 +55,12 @@ class Cumulative:
 
 @dataclass(frozen=True)
 class Volatile:
-    """Section ``#volatile.`` (until the next update) or ``#volatile : n.`` (while the horizon is at most step + n - 1)."""
+    """Section ``#volatile.`` (until the next update) or ``#volatile : n.`` (while horizon <= step + n - 1)."""
 
     window: Optional[int] = None
 
     def __str__(self) -> str:
-        return "#volatile." if self.window is None else "#volatile : {}.".format(self.window)
+        return "#volatile." if self.window is None else f"#volatile : {self.window}."
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class Assert:
     term: clingo.Symbol
 
     def __str__(self) -> str:
-        return "#assert : {}.".format(self.term)
+        return f"#assert : {self.term}."
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Retract:
     term: clingo.Symbol
 
     def __str__(self) -> str:
-        return "#retract : {}.".format(self.term)
+        return f"#retract : {self.term}."
 
 
 @dataclass(frozen=True)
@@ -90,8 +91,8 @@ class Forget:
     last: int
 
     def __str__(self) -> str:
-        steps = str(self.first) if self.first == self.last else "{}..{}".format(self.first, self.last)
-        return "#forget {}.".format(steps)
+        steps = str(self.first) if self.first == self.last else f"{self.first}..{self.last}"
+        return f"#forget {steps}."
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,10 @@ class StreamUpdate:
     Attributes:
         step: logical time point k; None keeps the one of the update before.
         bound: m, by which the horizon may grow beyond k; None is no bound (or, without a step, the one before).
-        items: statements and directives, in order; statements belong to the section named last, at first ``#cumulative.``
+        items: statements and directives, in order; statements belong to the section named last, at first
+            ``#cumulative.``
         warnings: what the parser noticed and ignored; no part of the update's value.
+
     """
 
     step: Optional[int] = None
@@ -139,6 +142,6 @@ class StreamUpdate:
     def __str__(self) -> str:
         lines = [str(item) for item in self.items]
         if self.step is not None:
-            bound = "" if self.bound is None else " : {}".format(self.bound)
-            lines.insert(0, "#step {}{}.".format(self.step, bound))
+            bound = "" if self.bound is None else f" : {self.bound}"
+            lines.insert(0, f"#step {self.step}{bound}.")
         return "".join(line + "\n" for line in lines) + "#end step.\n"

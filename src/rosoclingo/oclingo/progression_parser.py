@@ -23,10 +23,10 @@ from rosoclingo.oclingo.tokens import TokenStream
 
 
 def parse_update(text: str) -> StreamUpdate:
-    """Return the one update that ``text`` holds; raise :class:`ProgressionError` where it holds another number of them."""
+    """Return the one update that ``text`` holds; raise :class:`ProgressionError` where it holds none or more."""
     updates = parse_updates(text)
     if len(updates) != 1:
-        raise ProgressionError(1, 1, "expected one update, ended by #endstep., found {}".format(len(updates)))
+        raise ProgressionError(1, 1, f"expected one update, ended by #endstep., found {len(updates)}")
     return updates[0]
 
 
@@ -68,9 +68,9 @@ class _UpdateReader:
         elif name == "#endstep":
             self._tokens.take()
         else:
-            known = ", ".join(sorted(["#step", "#endstep"] + list(_DIRECTIVES)))
-            self._tokens.fail("unknown directive, known are {}".format(known))
-        self._tokens.expect(".", "to end {}".format(name))
+            known = ", ".join(sorted(["#step", "#endstep", *list(_DIRECTIVES)]))
+            self._tokens.fail(f"unknown directive, known are {known}")
+        self._tokens.expect(".", f"to end {name}")
         return name in ("#endstep", "#stop")
 
     def _read_step(self) -> None:
@@ -80,7 +80,7 @@ class _UpdateReader:
         if self._step is None:
             self._step, self._bound = step, bound
         else:
-            text = "New '#step {}.' without prior '#endstep.' encountered in line {}. Ignoring....".format(step, token.line)
+            text = f"New '#step {step}.' without prior '#endstep.' encountered in line {token.line}. Ignoring...."
             self._warnings.append(text)
 
 

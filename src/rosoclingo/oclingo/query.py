@@ -13,16 +13,17 @@ class Query:
     Attributes:
         seconds: wall time spent in clingo's search so far.
         permanent: True once nothing can make the program satisfiable again.
+
     """
 
     def __init__(self, models: int, shortest: bool, hint: int, halt: Callable[[], bool]) -> None:
-        """Prepare to search for ``models`` answers; ``hint`` is the horizon of the last answer, where a new one is likely."""
+        """Prepare to search for ``models`` answers; ``hint`` is the last answer's horizon, where a new one is likely."""
         self._models, self._shortest, self._hint, self._halt = models, shortest, hint, halt
         self.seconds = 0.0
         self.permanent = False
 
     def run(self, transaction: Transaction) -> Search:
-        """Search at the horizons that are grounded, then grow one by one until there is an answer or no more may be grounded."""
+        """Search at the grounded horizons, then grow one by one until there is an answer or no more may be grounded."""
         found = self._search_grounded(transaction)
         while found.satisfiable is False and not self.permanent and transaction.may_grow():
             if self._halt():

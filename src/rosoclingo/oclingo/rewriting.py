@@ -27,6 +27,7 @@ class Part:
         header: the ``#program`` statement.
         statements: the statements, guarded where the part is volatile.
         written: False for the base part that clingo puts before every text.
+
     """
 
     name: str
@@ -38,7 +39,7 @@ class Part:
 
 
 def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
-    """Return the parts of the parsed sources in order; raise :class:`ProgramError` for parts that oClingo does not know."""
+    """Return the parts of the parsed sources in order; raise :class:`ProgramError` for parts of other names."""
     parts: List[Part] = []
     faults: List[Fault] = []
     for source in parsed:
@@ -64,7 +65,7 @@ def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part
         begin = header.location.begin
         text = "{}({})".format(name, ",".join(parameters)) if parameters else name
         mend = "a reactive program has the parts base, cumulative(t) and volatile(t)"
-        faults.append(Fault(begin.filename, begin.line, begin.column, "unknown program part {}".format(text), mend))
+        faults.append(Fault(begin.filename, begin.line, begin.column, f"unknown program part {text}", mend))
     parameter = parameters[0] if parameters else ""
     # one name of the parameter for clingo as for us: parts of the same name may call it differently
     renamed = Program(header.location, name, [Id(header.location, parameter)] if parameter else [])
@@ -76,14 +77,15 @@ def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part
 
 def _guard_declaration(part: Part, header: AST) -> List[AST]:
     found: List[AST] = []
-    parse_string("#external {}(({}),{}).".format(GUARD, part.window, part.parameter), found.append)
+    parse_string(f"#external {GUARD}(({part.window}),{part.parameter}).", found.append)
     return [statement for statement in found if statement.ast_type == ASTType.External]
 
 
 class _Namer(Transformer):
     """Names the anonymous variables of positive literals.
 
-    The meaning is the same; but clingo projects a ``_`` by a rule of its own that it grounds for all steps anew at every step.
+    The meaning is the same; but clingo projects a ``_`` by a rule of its own that it grounds for all steps anew at
+    every step.
     """
 
     def __init__(self) -> None:
@@ -98,7 +100,7 @@ class _Namer(Transformer):
         if node.name != "_":
             return node
         self._count += 1
-        return node.update(name="Any__{}".format(self._count))
+        return node.update(name=f"Any__{self._count}")
 
 
 def _add(part: Part, statement: AST) -> None:
@@ -106,7 +108,7 @@ def _add(part: Part, statement: AST) -> None:
     if part.name != "base":
         statement = _Namer().visit(statement)
     if part.window and kind in _GUARDED and not _says_nothing(statement):
-        statement = statement.update(body=list(statement.body) + [_guard(part, statement)])
+        statement = statement.update(body=[*list(statement.body), _guard(part, statement)])
     part.statements.append(statement)
 
 
@@ -116,7 +118,7 @@ def _says_nothing(statement: AST) -> bool:
 
 
 def _guard(part: Part, statement: AST) -> AST:
-    declared = [one for one in part.statements if one.ast_type == ASTType.External][0]
+    declared = next(one for one in part.statements if one.ast_type == ASTType.External)
     return Literal(statement.location, Sign.NoSign, declared.atom)
 
 

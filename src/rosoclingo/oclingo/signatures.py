@@ -1,7 +1,7 @@
 """What a program's statements mention: signatures, who depends on whom, and where open externals stand.
 
-Works on :mod:`clingo.ast` statements. A *pattern* is an atom as a rule writes it; it tells, without grounding, at which steps
-a rule could see a given ground atom.
+Works on :mod:`clingo.ast` statements. A *pattern* is an atom as a rule writes it; it tells, without grounding, at
+which steps a rule could see a given ground atom.
 """
 
 from dataclasses import dataclass
@@ -63,9 +63,9 @@ def occurrences(statement: AST) -> List[Occurrence]:
     found: List[Occurrence] = []
     if statement.ast_type == ASTType.Rule:
         _from_head(statement.head, found)
-    elif "atom" in statement.keys():
+    elif "atom" in statement:
         _from_atom(statement.atom, True, False, found)
-    if "body" in statement.keys():
+    if "body" in statement:
         for literal in statement.body:
             _from_body(literal, True, found)
     return found
@@ -81,7 +81,7 @@ def _from_head(head: AST, found: List[Occurrence]) -> None:
         if head.atom.ast_type == ASTType.SymbolicAtom:
             _from_atom(head.atom, head.sign == Sign.NoSign, False, found)
         return
-    for element in head.elements if "elements" in head.keys() else ():
+    for element in head.elements if "elements" in head else ():
         conditional = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
         if conditional.ast_type == ASTType.ConditionalLiteral:
             _from_head(conditional.literal, found)
@@ -90,17 +90,17 @@ def _from_head(head: AST, found: List[Occurrence]) -> None:
 
 
 def _from_body(literal: AST, positive: bool, found: List[Occurrence]) -> None:
-    """Collect the atoms of a body literal; atoms in aggregates and conditions count as positive where they have no sign."""
+    """Collect the atoms of a body literal; in aggregates and conditions those without a sign count as positive."""
     kind = literal.ast_type
     if kind == ASTType.ConditionalLiteral:
-        for part in [literal.literal] + list(literal.condition):
+        for part in [literal.literal, *list(literal.condition)]:
             _from_body(part, positive, found)
     elif kind == ASTType.Literal:
         atom = literal.atom
         plain = positive and literal.sign == Sign.NoSign
         if atom.ast_type == ASTType.SymbolicAtom:
             _from_atom(atom, False, plain, found)
-        elif "elements" in atom.keys():
+        elif "elements" in atom:
             for element in atom.elements:
                 _from_element(element, found)
 
@@ -109,7 +109,7 @@ def _from_element(element: AST, found: List[Occurrence]) -> None:
     if element.ast_type == ASTType.ConditionalLiteral:
         _from_body(element, True, found)
         return
-    for literal in element.condition if "condition" in element.keys() else ():
+    for literal in element.condition if "condition" in element else ():
         _from_body(literal, True, found)
 
 
@@ -150,6 +150,7 @@ class Pattern:
     Attributes:
         term: the atom's term.
         parameter: name of the part's step parameter, empty in base.
+
     """
 
     term: AST
@@ -171,7 +172,7 @@ class Pattern:
         return first <= pinned <= last and _matches(self.term, atom, at_step)
 
     def _pinned_step(self, atom: clingo.Symbol, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
-        """Return the one step at which an argument like ``t``, ``t+1`` or ``t-1`` fits, None where no argument tells."""
+        """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
         arguments = () if self.term.ast_type != ASTType.Function else self.term.arguments
         for argument, value in zip(arguments, atom.arguments):
             offset = time_offset(argument, self.parameter, constants)

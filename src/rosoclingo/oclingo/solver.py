@@ -1,7 +1,7 @@
 """The reactive solver: a reactive logic program that takes stream updates and answers each.
 
-Behaves as oClingo did (2012), observed on the real program, without its failures: an update is taken or refused as a whole, and
-no text from outside can end it.
+Behaves as oClingo did (2012), observed on the real program, without its failures: an update is taken or refused as a
+whole, and no text from outside can end it.
 """
 
 import time
@@ -43,6 +43,7 @@ class SolveResult:
         warnings: what was ignored and why.
         permanent: True where no further step and no external can make the program satisfiable.
         statistics: seconds of wall time spent in ``ground`` and ``solve``.
+
     """
 
     outcome: SolveOutcome
@@ -57,8 +58,8 @@ class SolveResult:
 class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates.
 
-    Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few hundredths of a
-    second of wall time while clingo searches, and before each step is grounded.
+    Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
+    hundredths of a second of wall time while clingo searches, and before each step is grounded.
     """
 
     def __init__(
@@ -70,9 +71,11 @@ class ReactiveSolver:
             program: the reactive logic program.
             models: how many answers to compute for an update, 0 for all.
             horizon_limit: no step beyond it is grounded.
-            shortest: search each update's answers from horizon k on, though more steps may be grounded, so that plans are
-                shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo searched at the
-                last grounded step only.
+            shortest: search each update's answers from horizon k on, though more steps may be grounded, so that plans
+                are
+                shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo searched
+                at the last grounded step only.
+
         """
         self.program = program
         self.models = models
@@ -113,8 +116,8 @@ class ReactiveSolver:
     def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
         """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
-        Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An interrupted search
-        leaves the update in force.
+        Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An
+        interrupted search leaves the update in force.
         """
         return self._run(update, stopped)
 
@@ -148,7 +151,9 @@ class ReactiveSolver:
         self._state, self._engine = transaction.state, transaction.engine
         return result
 
-    def _search(self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> SolveResult:
+    def _search(
+        self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]
+    ) -> SolveResult:
         start = time.perf_counter()
         query = Query(self.models, self.shortest, self._hint, halt)
         search = Search(None)

@@ -8,8 +8,9 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
 import clingo
 from clingo.ast import AST, ASTSequence, Location, Position, parse_string
 
-from rosoclingo.oclingo.directives import Directives, Placed, take_directives
+from rosoclingo.oclingo.directives import Directives, take_directives
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
+from rosoclingo.oclingo.gringo3 import included_files, translate_program
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.terms import parse_term
 
@@ -30,9 +31,9 @@ class Source:
         try:
             return cls(str(path), path.read_text(encoding="utf-8"), path.parent)
         except OSError as error:
-            raise ProgramError([Fault(str(path), 0, 0, "can't be read: {}".format(error.strerror))]) from None
+            raise ProgramError([Fault(str(path), 0, 0, f"can't be read: {error.strerror}")]) from None
         except UnicodeDecodeError as error:
-            message = "no UTF-8 text: {} at byte {}".format(error.reason, error.start)
+            message = f"no UTF-8 text: {error.reason} at byte {error.start}"
             raise ProgramError([Fault(str(path), 0, 0, message, "save the file as UTF-8")]) from None
 
 
@@ -44,65 +45,65 @@ class Parsed(NamedTuple):
 
 
 def read_sources(sources: Sequence[Source], found: Directives, warnings: List[str]) -> List[Parsed]:
-    """Parse ``sources`` and what they include; add oClingo's directives to ``found``.
+    """Parse ``sources`` and what they include, in either dialect; add oClingo's directives to ``found``.
 
     Raises ProgramError with all the faults of all files.
     """
-    reader = _SourceReader(found, warnings)
+    collector = _Collector()
     for source in sources:
-        reader.read(source)
-    if reader.faults:
-        raise ProgramError(reader.faults)
-    return reader.parsed
+        collector.add(source)
+    texts: Sequence[str] = ()
+    faults = list(collector.faults)
+    try:
+        results = translate_program([(source.name, source.text) for source in collector.sources])
+        texts = [result.text for result in results]
+        warnings.extend(warning for result in results for warning in result.warnings)
+    except ProgramError as error:
+        faults.extend(error.faults)
+    parsed = [_parse(source.name, text, found, faults) for source, text in zip(collector.sources, texts)]
+    if faults:
+        raise ProgramError(faults)
+    return parsed
 
 
-class _SourceReader:
-    def __init__(self, found: Directives, warnings: List[str]) -> None:
-        self._found, self._warnings = found, warnings
+class _Collector:
+    """Follows ``#include``, each file once; the files of a program are translated together."""
+
+    def __init__(self) -> None:
         self._seen: Set[Path] = set()
-        self.parsed: List[Parsed] = []
+        self.sources: List[Source] = []
         self.faults: List[Fault] = []
 
-    def read(self, source: Source) -> None:
-        known = len(self._found.includes)
-        try:
-            text = translated(source, self._warnings)
-        except ProgramError as error:
-            self.faults.extend(error.faults)
-            return
-        text = take_directives(text, source.name, self._found)
-        for include in self._found.includes[known:]:
-            self._include(source, include)
-        self.parsed.append(Parsed(source.name, self._parse(source.name, text)))
+    def add(self, source: Source) -> None:
+        """Take a source and all that it includes."""
+        self.sources.append(source)
+        for name, line in included_files(source.text):
+            self._include(source, name, line)
 
-    def _include(self, source: Source, include: Placed) -> None:
+    def _include(self, source: Source, name: str, line: int) -> None:
         folders = [folder for folder in (source.folder, Path()) if folder is not None]
-        paths = [folder / include.value for folder in folders if (folder / include.value).is_file()]
+        paths = [folder / name for folder in folders if (folder / name).is_file()]
         if not paths:
-            message = "included file {!r} is not there".format(include.value)
+            message = f"included file {name!r} is not there"
             mend = "looked in {}".format(" and ".join(str(folder.resolve()) for folder in folders))
-            self.faults.append(Fault(source.name, include.line, 1, message, mend))
+            self.faults.append(Fault(source.name, line, 1, message, mend))
         elif paths[0].resolve() not in self._seen:
             self._seen.add(paths[0].resolve())
             try:
-                self.read(Source.from_file(paths[0]))
+                self.add(Source.from_file(paths[0]))
             except ProgramError as error:
                 self.faults.extend(error.faults)
 
-    def _parse(self, name: str, text: str) -> List[AST]:
-        messages, statements = Messages(), []  # type: Messages, List[AST]
-        try:
-            parse_string(text, statements.append, logger=messages.log)
-        except RuntimeError:
-            self.faults.extend(_named(fault, name) for fault in messages.faults())
-        for statement in statements:
-            _relocate(statement, name)
-        return statements
 
-
-def translated(source: Source, warnings: List[str]) -> str:
-    """Return the text of ``source`` in today's dialect."""
-    return source.text
+def _parse(name: str, text: str, found: Directives, faults: List[Fault]) -> Parsed:
+    messages, statements = Messages(), []  # type: Messages, List[AST]
+    try:
+        parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
+    except RuntimeError:
+        faults.extend(_named(fault, name) for fault in messages.faults())
+    for statement in statements:
+        _relocate(statement, name)
+    return Parsed(name, statements)
 
 
 def _named(fault: Fault, name: str) -> Fault:
@@ -112,7 +113,7 @@ def _named(fault: Fault, name: str) -> Fault:
 
 def _relocate(node: AST, name: str) -> None:
     """Let ``node`` and all below it say that they stand in file ``name``."""
-    if "location" in node.keys():
+    if "location" in node:
         begin, end = node.location.begin, node.location.end
         node.location = Location(Position(name, begin.line, begin.column), Position(name, end.line, end.column))
     for key in node.child_keys:
@@ -126,14 +127,14 @@ def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:
     """Return the values of ``-c NAME=VALUE`` constants as symbols; raise :class:`ProgramError` naming each bad one."""
     faults, values = [], {}
     for name, value in constants.items():
-        place = "constant {}={}".format(name, value)
+        place = f"constant {name}={value}"
         if not _CONSTANT.match(name):
-            faults.append(Fault(place, 0, 0, "{!r} is no name for a constant".format(name), "start in lower case"))
+            faults.append(Fault(place, 0, 0, f"{name!r} is no name for a constant", "start in lower case"))
             continue
         try:
             values[name] = parse_term(str(value))
         except ProgressionError as error:
-            faults.append(Fault(place, 0, 0, "the value is no ground term: {}".format(error.message)))
+            faults.append(Fault(place, 0, 0, f"the value is no ground term: {error.message}"))
     if faults:
         raise ProgramError(faults)
     return values

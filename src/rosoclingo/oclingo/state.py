@@ -38,6 +38,7 @@ class Entry:
         statement: the rule.
         lifetime: how long it holds.
         guard: the literal under which the engine holds it; None while it waits.
+
     """
 
     statement: Statement
@@ -60,8 +61,10 @@ class StreamState:
         forgotten: externals closed by ``#forget``.
         forgets_done: last step at which the program's own ``#forget`` was carried out.
         closed_cycles: the actions that were executed in each cycle that has been closed.
-        cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for each
+        cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for
+            each
             search, since clingo looks for loops only among the rules that come between two searches.
+
     """
 
     step: int

@@ -62,7 +62,7 @@ def read_term(tokens: TokenStream) -> clingo.Symbol:
 def read_number(tokens: TokenStream, what: str) -> int:
     """Read a number without sign; ``what`` names it in the error."""
     if tokens.next.kind != "number":
-        tokens.fail("expected {}, a number".format(what))
+        tokens.fail(f"expected {what}, a number")
     return _number(tokens.take(), 1)
 
 
@@ -106,7 +106,7 @@ def _read_arguments(tokens: TokenStream, name: Token) -> List[clingo.Symbol]:
 
 def _check_depth(depth: int, token: Token) -> None:
     if depth >= MAX_DEPTH:
-        raise ProgressionError(token.line, token.column, "term nested deeper than {} levels".format(MAX_DEPTH))
+        raise ProgressionError(token.line, token.column, f"term nested deeper than {MAX_DEPTH} levels")
 
 
 def _number(token: Token, sign: int) -> int:
@@ -114,8 +114,8 @@ def _number(token: Token, sign: int) -> int:
     value = sign * int(token.text) if len(token.text.lstrip("0")) <= 10 else None
     if value is None or not _LOWEST <= value <= _HIGHEST:
         text = token.text if len(token.text) <= 20 else token.text[:20] + "..."
-        limits = "numbers go from {} to {}".format(_LOWEST, _HIGHEST)
-        raise ProgressionError(token.line, token.column, "number {} does not fit in 32 bits; {}".format(text, limits))
+        limits = f"numbers go from {_LOWEST} to {_HIGHEST}"
+        raise ProgressionError(token.line, token.column, f"number {text} does not fit in 32 bits; {limits}")
     return value
 
 

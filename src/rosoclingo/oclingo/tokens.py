@@ -58,8 +58,8 @@ def _complaint(text: str, offset: int) -> str:
         return 'string without end; close it with " on the same line (escapes are \\", \\\\ and \\n)'
     variable = _VARIABLE.match(text, offset)
     if variable:
-        return "variable {}; an online progression is ground, write a value".format(variable.group())
-    return "unexpected character {!r}".format(text[offset])
+        return f"variable {variable.group()}; an online progression is ground, write a value"
+    return f"unexpected character {text[offset]!r}"
 
 
 def scan(text: str) -> Iterator[Token]:
@@ -110,13 +110,13 @@ class TokenStream:
     def expect(self, text: str, where: str) -> Token:
         """Take ``text`` or raise :class:`ProgressionError` saying that it is missing ``where``."""
         if not self.at(text):
-            self.fail("expected {!r} {}".format(text, where))
+            self.fail(f"expected {text!r} {where}")
         return self.take()
 
     def fail(self, message: str) -> NoReturn:
         """Raise :class:`ProgressionError` at the next token."""
-        found = "found the end" if self.next.kind == "end" else "found {}".format(shorten(self.next.text))
-        raise ProgressionError(self.next.line, self.next.column, "{}, {}".format(message, found))
+        found = "found the end" if self.next.kind == "end" else f"found {shorten(self.next.text)}"
+        raise ProgressionError(self.next.line, self.next.column, f"{message}, {found}")
 
 
 def shorten(text: str, limit: int = 60) -> str:

@@ -1,7 +1,8 @@
 """Taking one update: what it changes in the stream's state and in the grounding, all or nothing.
 
-A transaction works on a copy of the state. While the grounding fits the state it is changed in place; where a change can't be
-made in place (an open external that a grounded step could see, a loop over several steps) it is dropped and made anew.
+A transaction works on a copy of the state. While the grounding fits the state it is changed in place; where a change
+can't be made in place (an open external that a grounded step could see, a loop over several steps) it is dropped and
+made anew.
 """
 
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ class Setting:
         horizon_limit: the last step that may be grounded, None for no limit.
         dependencies: who depends on whom, updates included.
         shortest: whether answers are searched from step k on (see :class:`~rosoclingo.oclingo.solver.ReactiveSolver`).
+
     """
 
     program: ReactiveProgram
@@ -44,6 +46,7 @@ class Transaction:
         engine: the grounding that fits :attr:`state`, None where it has to be made anew.
         warnings: what was ignored.
         touched: True once the engine that was given no longer fits the old state.
+
     """
 
     def __init__(self, setting: Setting, state: StreamState, engine: Optional[Engine]) -> None:
@@ -74,7 +77,7 @@ class Transaction:
         return complete
 
     def close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to ``executed``; the returns of the cycle closed before it are complete by now."""
+        """Fix the actions of ``cycle`` to ``executed``; returns of the cycle closed before it are complete by now."""
         self.touched = True
         before = max(self.state.closed_cycles, default=None)
         self.state.closed_cycles[cycle] = executed
@@ -102,13 +105,13 @@ class Transaction:
     def explain(self, error: RuntimeError) -> str:
         """Return what clingo's ``error`` means for this update."""
         said = self.engine.messages.text() if self.engine is not None else ""
-        text = "the update was refused: {}".format(error)
-        return "{}\n{}".format(text, said) if said else text
+        text = f"the update was refused: {error}"
+        return f"{text}\n{said}" if said else text
 
     def _check_limit(self, horizon: int) -> None:
         if self._limit is not None and horizon > self._limit:
             mend = "raise the limit or send a lower step"
-            raise SolverError("step {} is beyond the horizon limit {}; {}".format(horizon, self._limit, mend))
+            raise SolverError(f"step {horizon} is beyond the horizon limit {self._limit}; {mend}")
 
     def _open_heads(self, update: StreamUpdate) -> None:
         """Make new atoms of open signatures known; what has been grounded and could have seen one is given up."""
@@ -148,7 +151,9 @@ class Transaction:
         state = self.state
         horizon = state.horizon
         self._lapse([e for e in state.lapsing + state.waiting if isinstance(e.lifetime, int) and e.lifetime < horizon])
-        for entry in [one for one in state.waiting if one.statement.head is not None and engine.atoms.is_open(one.statement.head)]:
+        for entry in [
+            one for one in state.waiting if one.statement.head is not None and engine.atoms.is_open(one.statement.head)
+        ]:
             state.waiting.remove(entry)
             self._put(entry.statement, entry.lifetime)
         while state.forgets_done < horizon:
@@ -242,7 +247,7 @@ class Transaction:
     def _retract(self, term: clingo.Symbol) -> None:
         entries = [one for one in self.state.lapsing + self.state.waiting if one.lifetime == Term(term)]
         if not entries:
-            self.warnings.append("Term {} has not been asserted. The retraction is ignored.".format(term))
+            self.warnings.append(f"Term {term} has not been asserted. The retraction is ignored.")
         self._lapse(entries)
         self._guards.pop(Term(term), None)
 
