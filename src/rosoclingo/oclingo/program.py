@@ -139,7 +139,7 @@ class ReactiveProgram:
             raise ProgramError(faults)
 
     def _number(self, placed: Placed, faults: List[Fault], **parameters: int) -> int:
-        """Return the value of a directive's term under constants and ``parameters``; 1 and a fault where it has none."""
+        """Return the value of a directive's term under constants and ``parameters``; 1 and a fault for none."""
         values = dict(self._values, **{name: clingo.Number(value) for name, value in parameters.items()})
         terms: List[AST] = []
         try:

@@ -17,7 +17,7 @@ class Query:
     """
 
     def __init__(self, models: int, shortest: bool, hint: int, halt: Callable[[], bool]) -> None:
-        """Prepare to search for ``models`` answers; ``hint`` is the last answer's horizon, where a new one is likely."""
+        """Prepare to search for ``models`` answers; ``hint`` is a likely horizon (that of the last one)."""
         self._models, self._shortest, self._hint, self._halt = models, shortest, hint, halt
         self.seconds = 0.0
         self.permanent = False

@@ -63,9 +63,9 @@ def occurrences(statement: AST) -> List[Occurrence]:
     found: List[Occurrence] = []
     if statement.ast_type == ASTType.Rule:
         _from_head(statement.head, found)
-    elif "atom" in statement:
+    elif hasattr(statement, "atom"):
         _from_atom(statement.atom, True, False, found)
-    if "body" in statement:
+    if hasattr(statement, "body"):
         for literal in statement.body:
             _from_body(literal, True, found)
     return found
@@ -81,7 +81,7 @@ def _from_head(head: AST, found: List[Occurrence]) -> None:
         if head.atom.ast_type == ASTType.SymbolicAtom:
             _from_atom(head.atom, head.sign == Sign.NoSign, False, found)
         return
-    for element in head.elements if "elements" in head else ():
+    for element in head.elements if hasattr(head, "elements") else ():
         conditional = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
         if conditional.ast_type == ASTType.ConditionalLiteral:
             _from_head(conditional.literal, found)
@@ -100,7 +100,7 @@ def _from_body(literal: AST, positive: bool, found: List[Occurrence]) -> None:
         plain = positive and literal.sign == Sign.NoSign
         if atom.ast_type == ASTType.SymbolicAtom:
             _from_atom(atom, False, plain, found)
-        elif "elements" in atom:
+        elif hasattr(atom, "elements"):
             for element in atom.elements:
                 _from_element(element, found)
 
@@ -109,7 +109,7 @@ def _from_element(element: AST, found: List[Occurrence]) -> None:
     if element.ast_type == ASTType.ConditionalLiteral:
         _from_body(element, True, found)
         return
-    for literal in element.condition if "condition" in element else ():
+    for literal in element.condition if hasattr(element, "condition") else ():
         _from_body(literal, True, found)
 
 

@@ -6,7 +6,7 @@ import clingo.ast
 
 
 def head_signatures(text: str) -> List[Tuple[str, int]]:
-    """The signatures of the atoms in the head of a statement, or declared external; none if clingo cannot read it.
+    """The signatures of the atoms in the heads of statements, or declared external; clingo stops at a faulty statement.
 
     Only ASCII goes to clingo: its Python module ends the process when a message cuts another character in two.
     """
@@ -17,7 +17,7 @@ def head_signatures(text: str) -> List[Tuple[str, int]]:
             plain, lambda node: found.extend(_of_statement(node)), logger=lambda code, message: None
         )
     except RuntimeError:
-        return []
+        pass  # clingo will name the fault when the program is loaded
     return list(dict.fromkeys(found))
 
 

@@ -2,7 +2,6 @@
 
 from typing import Callable, Dict, List, Sequence, Set, Tuple
 
-from rosoclingo.oclingo.gringo3.clingo5 import head_signatures
 from rosoclingo.oclingo.gringo3.constants import Constants
 from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, StatementDialect
 from rosoclingo.oclingo.gringo3.directive_parser import DirectiveParser, Display, Signature, TermDirective, signature_of
@@ -105,8 +104,7 @@ class FileTranslator:
         if domain_atoms(tokens, self._program.domains):
             message = "a variable that #domain declares cannot stand in a statement of clingo 5"
             raise RefusalError(tokens[0], message, "use another variable")
-        text = self._text[tokens[0].start : tokens[-1].end]
-        self._program.visibility.define(head_signatures(text), self._step)
+        self._program.visibility.leave(self._text[tokens[0].start : tokens[-1].end], self._step)
 
     def _directives(self) -> "Dict[str, Callable[[StatementDialect, DirectiveParser], None]]":
         return {

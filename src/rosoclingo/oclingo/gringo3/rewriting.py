@@ -17,10 +17,9 @@ class Rewriting:
     def replace(self, span: Span, new: str) -> None:
         """Replace the tokens of a span by a text without newlines; earlier edits inside the span are dropped."""
         first, after = span
-        for inner in [index for index in self._edits if first <= index < after]:
-            del self._edits[inner]
-        for inner in [index for index in self._insertions if first <= index < after]:
-            del self._insertions[inner]
+        for inner in range(first, after):
+            self._edits.pop(inner, None)
+            self._insertions.pop(inner, None)
         self._edits[first] = (after, new)
 
     def insert(self, index: int, new: str) -> None:

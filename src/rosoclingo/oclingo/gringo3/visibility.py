@@ -7,6 +7,7 @@ the statements mean therefore depends on all files together, so they are collect
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Sequence, Set, Tuple
 
+from rosoclingo.oclingo.gringo3.clingo5 import head_signatures
 from rosoclingo.oclingo.gringo3.directive_parser import Display, Signature, signature_of
 from rosoclingo.oclingo.gringo3.elements import ElementTranslator
 from rosoclingo.oclingo.gringo3.faults import RefusalError
@@ -39,6 +40,7 @@ class Visibility:
         self._statements: List[Statement] = []
         self._defined: Dict[Signature, None] = {}
         self._in_steps: Set[Signature] = set()
+        self._left: Dict[str, List[str]] = {}
         self._hides_all = False
         self._listed = False
 
@@ -47,6 +49,14 @@ class Visibility:
         self._defined.update(dict.fromkeys(signatures))
         if step:
             self._in_steps.update(signatures)
+
+    def leave(self, text: str, step: str) -> None:
+        """Note a statement of clingo 5, which may define something; clingo is asked only if it matters."""
+        self._left.setdefault(step, []).append(text)
+
+    def _read_what_was_left(self) -> None:
+        for step, texts in self._left.items():
+            self.define(head_signatures("\n".join(texts)), step)
 
     def add(self, statement: Statement) -> None:
         """Note a ``#show`` or ``#hide``."""
@@ -57,6 +67,8 @@ class Visibility:
 
     def write(self) -> List[Tuple[Statement, RefusalError]]:
         """Edit the files; the statements that could not be written, with the reasons."""
+        if self._statements:
+            self._read_what_was_left()
         refused = []
         for statement in self._statements:
             try:
