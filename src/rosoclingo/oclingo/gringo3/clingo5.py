@@ -1,5 +1,6 @@
 """What has to be known about statements that are in clingo 5's language already."""
 
+import contextlib
 from typing import List, Tuple
 
 import clingo.ast
@@ -12,12 +13,8 @@ def head_signatures(text: str) -> List[Tuple[str, int]]:
     """
     found: List[Tuple[str, int]] = []
     plain = text.encode("ascii", "replace").decode("ascii")
-    try:
-        clingo.ast.parse_string(
-            plain, lambda node: found.extend(_of_statement(node)), logger=lambda code, message: None
-        )
-    except RuntimeError:
-        pass  # clingo will name the fault when the program is loaded
+    with contextlib.suppress(RuntimeError):  # clingo will name the fault when the program is loaded
+        clingo.ast.parse_string(plain, lambda node: found.extend(_of_statement(node)), logger=lambda *message: None)
     return list(dict.fromkeys(found))
 
 

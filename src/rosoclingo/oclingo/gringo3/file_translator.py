@@ -46,6 +46,7 @@ class FileTranslator:
         self._optimization = OptimizationTranslator(tokens, self.rewriting, program.naming, name)
         self._text, self._name = text, name
         self._step = ""
+        self._has_gringo3 = bool(told.of(Dialect.GRINGO3))
 
     def text(self) -> str:
         """The file after all edits."""
@@ -83,7 +84,7 @@ class FileTranslator:
         """Whether a statement counts as gringo 3's; its own evidence weighs more than the file's language."""
         if self._told.pragma is Dialect.CLINGO5 or statement is Dialect.CLINGO5:
             return False
-        mixed = statement is Dialect.EITHER and bool(self._told.of(Dialect.GRINGO3))
+        mixed = statement is Dialect.EITHER and self._has_gringo3
         return self._dialect is Dialect.GRINGO3 or statement is Dialect.GRINGO3 or mixed
 
     def _parsed(self, statement: StatementDialect, word: Token, parser: DirectiveParser) -> None:
