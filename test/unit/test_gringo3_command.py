@@ -62,3 +62,12 @@ def test_files_that_cannot_be_read(files):
     (files / "bytes.lp").write_bytes(b"p.\xff")
     code, _, err = run("bytes.lp", folder=files)
     assert (code, "bytes.lp: no UTF-8 text" in err, "save the file as UTF-8" in err) == (1, True, True)
+
+
+def test_included_files_have_to_be_named_too(files):
+    (files / "main.lp").write_text('#include "one.lp".\n#include "more/other.lp".', encoding="utf-8")
+    code, _, err = run("main.lp", "one.lp", folder=files)
+    message = (
+        "warning: main.lp:2:1: the included file more/other.lp is not translated (name it on the command line, too)\n"
+    )
+    assert (code, err) == (0, message)

@@ -7,7 +7,7 @@ from typing import List, Optional, Sequence, Tuple
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.dialect import Dialect
 from rosoclingo.oclingo.gringo3.faults import TranslationError
-from rosoclingo.oclingo.gringo3.translate import TranslationResult, translate_program
+from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
 
 
 def main(names: Sequence[str], folder: Optional[str]) -> int:
@@ -23,7 +23,8 @@ def main(names: Sequence[str], folder: Optional[str]) -> int:
     except (TranslationError, _UnreadableError) as error:
         sys.stderr.write(f"{error}\n")
         return 1
-    sys.stderr.writelines(f"warning: {warning}\n" for result in results for warning in result.warnings)
+    warnings = [warning for result in results for warning in result.warnings]
+    sys.stderr.writelines(f"warning: {warning}\n" for warning in [*warnings, *_left_out(sources)])
     return _write(list(zip(names, results)), folder)
 
 
@@ -40,6 +41,14 @@ def _read(name: str) -> str:
     except UnicodeDecodeError as error:
         message = f"no UTF-8 text: {error.reason} at byte {error.start}"
         raise _UnreadableError(str(Fault(name, 0, 0, message, "save the file as UTF-8"))) from None
+
+
+def _left_out(sources: Sequence[Tuple[str, str]]) -> List[str]:
+    """Warnings about included files that were not given to the command."""
+    given = {Path(name).name for name, _ in sources}
+    included = [(name, *found) for name, text in sources for found in included_files(text)]
+    message = "{}:{}:1: the included file {} is not translated (name it on the command line, too)"
+    return [message.format(name, line, file) for name, file, line in included if Path(file).name not in given]
 
 
 def _write(results: List[Tuple[str, TranslationResult]], folder: Optional[str]) -> int:

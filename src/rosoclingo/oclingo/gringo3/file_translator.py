@@ -116,7 +116,7 @@ class FileTranslator:
             "#forget": lambda s, p: self._terms(p.term_directive(True, ":")),
             "#iinit": lambda s, p: self._terms(p.term_directive(False, "")),
             "#const": self._const,
-            "#include": self._include,
+            "#include": lambda s, p: p.include(),
             "#domain": self._domain,
             "#show": lambda s, p: self._display(s, p.display(True)),
             "#hide": lambda s, p: self._display(s, p.display(False)),
@@ -154,10 +154,6 @@ class FileTranslator:
             raise RefusalError(self._tokens[statement.first], "#const needs a value", "write '#const name = value.'")
         self._program.constants.define(self._tokens[statement.first], directive.identifier)
         self._terms(directive)
-
-    def _include(self, statement: StatementDialect, parser: DirectiveParser) -> None:
-        parser.include()
-        self.warnings.append((self._tokens[statement.first], "the included file is not translated with this one"))
 
     def _domain(self, statement: StatementDialect, parser: DirectiveParser) -> None:
         atom, variables = parser.domain()
