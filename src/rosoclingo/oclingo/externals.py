@@ -21,6 +21,7 @@ class AtomTable:
         self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
         self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
         self._closed: Set[clingo.Symbol] = set()
+        self._facts: Set[clingo.Symbol] = set()
         self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
 
     def declare(self, atom: clingo.Symbol, true: bool) -> None:
@@ -29,6 +30,7 @@ class AtomTable:
         if true:
             self._editor.backend.add_rule([literal])
             self._closed.add(atom)
+            self._facts.add(atom)
         else:
             self._editor.backend.add_external(literal, clingo.TruthValue.False_)
             self._cells[atom] = literal
@@ -40,7 +42,7 @@ class AtomTable:
     def is_true(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is known as a fact."""
         known = self._control.symbolic_atoms[atom]
-        return known is not None and known.is_fact
+        return atom in self._facts or (known is not None and bool(known.is_fact))
 
     def is_open(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that a rule may define now."""
@@ -56,6 +58,8 @@ class AtomTable:
         body = [self._body_literal(literal) for literal in statement.body] + ([] if guard is None else [guard])
         head = [] if statement.head is None else [self._head(statement.head, guard)]
         self._editor.backend.add_rule(head, body)
+        if statement.head is not None and not body:
+            self._facts.add(statement.head)
 
     def close(self, atom: clingo.Symbol) -> None:
         """Let the open external ``atom`` be false for good."""

@@ -17,6 +17,7 @@ from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.query import Query
 from rosoclingo.oclingo.state import StreamState
+from rosoclingo.oclingo.strings import strings_apart
 from rosoclingo.oclingo.transaction import Setting, Transaction
 
 T = TypeVar("T")
@@ -63,7 +64,12 @@ class ReactiveSolver:
     """
 
     def __init__(
-        self, program: ReactiveProgram, models: int = 1, horizon_limit: Optional[int] = None, shortest: bool = False
+        self,
+        program: ReactiveProgram,
+        models: int = 1,
+        horizon_limit: Optional[int] = None,
+        shortest: bool = False,
+        oclingo_strings: bool = True,
     ) -> None:
         """Make a solver.
 
@@ -72,14 +78,14 @@ class ReactiveSolver:
             models: how many answers to compute for an update, 0 for all.
             horizon_limit: no step beyond it is grounded.
             shortest: search each update's answers from horizon k on, though more steps may be grounded, so that plans
-                are
-                shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo searched
-                at the last grounded step only.
+                are shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo
+                searched at the last grounded step only.
 
         """
         self.program = program
         self.models = models
         self.shortest = shortest
+        self._oclingo_strings = oclingo_strings
         self._hint = 0
         self._setting = Setting(program, horizon_limit, program.dependencies.copy(), shortest)
         self._state = StreamState(step=1, horizon=1, forgets_done=program.first_step - 1)
@@ -119,7 +125,7 @@ class ReactiveSolver:
         Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An
         interrupted search leaves the update in force.
         """
-        return self._run(update, stopped)
+        return self._run(strings_apart(update) if self._oclingo_strings else update, stopped)
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.

@@ -16,6 +16,7 @@ from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import Assert, Cumulative, Forget, Retract, Statement, StreamUpdate, Volatile
 from rosoclingo.oclingo.signatures import Dependencies, Signature, signature_of
 from rosoclingo.oclingo.state import FOREVER, UPDATE, Entry, Lifetime, StreamState, Term, lifetime_of
+from rosoclingo.oclingo.strings import holds_string_apart
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 
@@ -207,7 +208,8 @@ class Transaction:
     def _is_new(self, atom: clingo.Symbol, engine: Engine) -> bool:
         """Whether the program has no word of ``atom``, so that an update may define it freely."""
         signature = signature_of(atom)
-        return signature not in self.program.signatures | self.program.open_signatures and not engine.atoms.knows(atom)
+        known = self.program.signatures | self.program.open_signatures
+        return (signature not in known or holds_string_apart(atom)) and not engine.atoms.knows(atom)
 
     def _may_come(self, atom: clingo.Symbol) -> bool:
         return self.program.may_declare(atom, self.state.horizon)

@@ -1,0 +1,167 @@
+"""A plain reading of language.md: every update is solved from scratch, the whole accumulated program in one grounding.
+
+Written without the solver under test; it knows programs only as parts of text with ``t`` for the step.
+"""
+
+from dataclasses import dataclass, field
+from typing import Dict, FrozenSet, List, Optional, Set, Tuple
+
+import clingo
+
+from rosoclingo.oclingo.progression import (
+    Assert,
+    Cumulative,
+    Forget,
+    Retract,
+    Statement,
+    StreamUpdate,
+    Volatile,
+)
+
+Answer = FrozenSet[str]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Rules of a program, as text; ``externals`` are templates like ``f(1,t)``, ``opens`` names of arity 2 without domain."""
+
+    base: Tuple[str, ...]
+    cumulative: Tuple[str, ...]
+    volatile: Tuple[Tuple[int, str], ...]
+    externals: Tuple[str, ...]
+    opens: Tuple[str, ...]
+
+    def text(self) -> str:
+        lines = ["#base.", *self.base, "#cumulative t.", *(f"#external {e}." for e in self.externals)]
+        lines += [f"#external {name}/2." for name in self.opens]
+        lines += self.cumulative
+        for window, rule in self.volatile:
+            lines += [f"#volatile t : {window}.", rule]
+        return "\n".join([*lines, "#volatile t."]) + "\n"
+
+
+@dataclass
+class Held:
+    statement: Statement
+    lifetime: object
+    waiting: bool = False
+
+
+@dataclass
+class Reference:
+    """Plays a stream on a program."""
+
+    parts: Parts
+    step: int = 1
+    horizon: int = 1
+    bound: Optional[int] = None
+    held: List[Held] = field(default_factory=list)
+    closed: Set[str] = field(default_factory=set)
+    forgotten: Set[str] = field(default_factory=set)
+    opened: Set[str] = field(default_factory=set)
+
+    def declared(self) -> Dict[str, int]:
+        """Every declared external with the step of its declaration."""
+        steps = range(1, self.horizon + 1)
+        return {at(template, step): step for step in reversed(steps) for template in self.parts.externals}
+
+    def update(self, update: StreamUpdate) -> Tuple[bool, Set[Answer], int, int]:
+        """Return whether there are answers, the answers, the horizon, and how many rules were ignored."""
+        self.held = [one for one in self.held if one.lifetime != "update"]
+        if update.step is not None:
+            self.step = update.step
+            self.bound = None if update.bound is None else update.step + update.bound
+        while self.horizon < self.step:
+            self.grow()
+        ignored = self.take(update)
+        while True:
+            answers = self.solve()
+            if answers or self.horizon >= (self.bound if self.bound is not None else self.horizon):
+                return bool(answers), answers, self.horizon, ignored
+            self.grow()
+
+    def grow(self) -> None:
+        self.horizon += 1
+        self.held = [one for one in self.held if not (isinstance(one.lifetime, int) and one.lifetime < self.horizon)]
+        for one in self.held:
+            if one.waiting and str(one.statement.head) in self.declared():
+                one.waiting = False
+                self.closed |= {str(one.statement.head)} if one.lifetime == "ever" else set()
+
+    def take(self, update: StreamUpdate) -> int:
+        section, ignored, fresh = Cumulative(), 0, set()
+        for item in update.items:
+            if isinstance(item, (Cumulative, Volatile, Assert)):
+                section = item
+            elif isinstance(item, Statement):
+                ignored += self.statement(item, self.lifetime(section), fresh)
+            elif isinstance(item, Forget):
+                self.forget(item)
+            elif isinstance(item, Retract):
+                self.held = [one for one in self.held if one.lifetime != ("term", item.term)]
+        self.closed |= fresh
+        return ignored
+
+    def lifetime(self, section: object) -> object:
+        if isinstance(section, Cumulative):
+            return "ever"
+        if isinstance(section, Assert):
+            return ("term", section.term)
+        return "update" if section.window is None else self.step + section.window - 1
+
+    def statement(self, statement: Statement, lifetime: object, fresh: Set[str]) -> int:
+        """Take a statement; 1 if it is ignored with a warning."""
+        if isinstance(lifetime, int) and lifetime < self.horizon:
+            return 0
+        head = None if statement.head is None else str(statement.head)
+        if head is None:
+            self.held.append(Held(statement, lifetime))
+            return 0
+        is_open = head.split("(")[0] in self.parts.opens
+        if is_open:
+            self.opened.add(head)
+        if head in fresh or ((is_open or head in self.declared()) and head not in self.closed | self.forgotten):
+            self.held.append(Held(statement, lifetime))
+            fresh |= {head} if lifetime == "ever" else set()
+            return 0
+        if not statement.body and any(
+            str(one.statement.head) == head and not one.statement.body and one.lifetime == "ever" and not one.waiting
+            for one in self.held
+        ):
+            return 0
+        later = {at(template, step) for step in range(self.horizon + 1, 40) for template in self.parts.externals}
+        if head in later and head not in self.closed | self.forgotten:
+            self.held.append(Held(statement, lifetime, waiting=True))
+            return 0
+        return 1
+
+    def forget(self, item: Forget) -> None:
+        defined = {str(one.statement.head) for one in self.held if not one.waiting}
+        for atom, step in self.declared().items():
+            if item.first <= step <= item.last and atom not in defined:
+                self.forgotten.add(atom)
+
+    def solve(self) -> Set[Answer]:
+        control = clingo.Control(["0", "-Wnone"])
+        control.add("base", [], "\n".join(self.rules()))
+        control.ground([("base", [])])
+        answers: Set[Answer] = set()
+        control.solve(on_model=lambda model: answers.add(frozenset(map(str, model.symbols(shown=True)))))
+        return answers
+
+    def rules(self) -> List[str]:
+        rules = list(self.parts.base)
+        horizon = self.horizon
+        for step in range(1, horizon + 1):
+            rules += [at(rule, step) for rule in self.parts.cumulative]
+            rules += [at(rule, step) for window, rule in self.parts.volatile if step <= horizon <= step + window - 1]
+        rules += [f"#external {atom}." for atom in set(self.declared()) | self.opened]
+        rules += [str(one.statement) for one in self.held if not one.waiting]
+        return rules
+
+
+def at(text: str, step: int) -> str:
+    """Return ``text`` with its parameter ``t`` replaced."""
+    return text.replace("t-1", str(step - 1)).replace("t+1", str(step + 1)).replace("(t)", f"({step})").replace(
+        ",t)", f",{step})"
+    )
