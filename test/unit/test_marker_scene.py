@@ -11,6 +11,7 @@ from rosoclingo.nodes.marker_scene import (
     plan_steps,
     plan_text,
     robot_shapes,
+    title_shapes,
 )
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
@@ -39,6 +40,13 @@ def test_every_label_has_a_disc_and_a_name():
     shapes = label_shapes(LABELS)
     assert [shape.text for shape in shapes if shape.kind == "text"] == ["office1", "office2", "office3"]
     assert [shape.position[0] for shape in shapes if shape.kind == "cylinder"] == [0.0, 4.0, 8.0]
+
+
+def test_the_title_is_left_of_the_plan():
+    (title,) = title_shapes("office", (8.0, -5.0, 0.0), "map")
+    assert title.text == "office"
+    assert title.position[0] < 8.0
+    assert title_shapes("", (8.0, -5.0, 0.0), "map") == []
 
 
 def test_the_robot_is_drawn_in_its_own_frame():
@@ -80,3 +88,18 @@ def test_the_plan_in_words():
         "5. deliver 1",
     ]
     assert plan_text([], 7) == "cycle 7: idle"
+
+
+def test_long_plans_are_shown_in_part():
+    plan = steps([f"_action_lib(pickup,{number},{number})" for number in range(1, 13)])
+    beginning = plan_text(plan, 1).splitlines()
+    assert (len(beginning), beginning[1], beginning[-1]) == (9, "1. pickup 1  now", "... 5 more")
+    middle = plan_text(plan, 4).splitlines()
+    assert (len(middle), middle[1], middle[-1]) == (9, "3. pickup 3  done", "... 3 more")
+    end = plan_text(plan, 12).splitlines()
+    assert (len(end), end[1], end[-1]) == (9, "5. pickup 5  done", "12. pickup 12  now")
+
+
+def test_the_words_hang_from_their_upper_edge():
+    low, high = (plan_shapes(steps(plan), 1, None, (8.0, -5.0, 0.0), "map")[0] for plan in (PLAN, []))
+    assert low.position[1] < high.position[1] < -5.0

@@ -22,7 +22,11 @@ LATER: Colour = (0.13, 0.55, 0.33, 0.8)
 
 PACKAGE_SIZE = 0.24
 TEXT_SIZE = 0.32
-LANE = 0.12
+PLAN_TEXT_SIZE = 0.28
+TITLE_SIZE = 0.5
+LINE_HEIGHT = 1.2  # of a text, in sizes
+MOST_LINES = 8
+LANE = 0.2
 
 
 class Shape(NamedTuple):
@@ -64,6 +68,12 @@ def label_shapes(labels: LabelTable) -> List[Shape]:
     return shapes
 
 
+def title_shapes(title: str, panel: Point, frame: str) -> List[Shape]:
+    """The title, to the left of the plan's text."""
+    position = (panel[0] - 5.0, panel[1] - TITLE_SIZE, panel[2])
+    return [text_shape("title", frame, title, position, INK, TITLE_SIZE)] if title else []
+
+
 def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str) -> List[Shape]:
     """A cube with its name for each package (identifier, label, carried): beside its label, or on the robot."""
     shapes: List[Shape] = []
@@ -101,26 +111,39 @@ def plan_shapes(
     ahead = [step for step in steps if step.action.cycle >= cycle]
     before = next((step.place for step in reversed(steps) if step.action.cycle < cycle and step.place), None)
     here = start if start is not None else (before.x, before.y) if before is not None else None
-    shapes = [text_shape("plan", frame, plan_text(steps, cycle), panel, INK)]
+    shapes = [_panel(plan_text(steps, cycle), panel, frame)]
     for step in ahead:
         place = step.place
         if place is None:
             continue
         if here is not None and math.hypot(place.x - here[0], place.y - here[1]) > 0.1:
             colour = NEXT if step.action.cycle == cycle else LATER
-            points = _lane(here, (place.x, place.y))
+            points = _lane(here, (place.x, place.y), 0.2 if colour is NEXT else 0.1)
             shapes.append(Shape("plan", "arrow", place.frame, colour, scale=(0.07, 0.2, 0.25), points=points))
         here = (place.x, place.y)
     return shapes
 
 
 def plan_text(steps: Sequence[PlanStep], cycle: int) -> str:
-    """The plan in words, a line for each action, the current one marked."""
-    lines = ["cycle {}: {}".format(cycle, "plan" if any(step.action.cycle >= cycle for step in steps) else "idle")]
-    for action, _ in steps:
-        mark = "  done" if action.cycle < cycle else "  now" if action.cycle == cycle else ""
-        lines.append(f"{action.cycle}. {action.interface_name} {action.parameter}{mark}")
-    return "\n".join(lines)
+    """The plan in words, a line for each action, the current one marked; what is far off is left out."""
+    lines = [_line(step.action, cycle) for step in steps]
+    first = max(0, min(sum(step.action.cycle < cycle for step in steps) - 1, len(lines) - MOST_LINES))
+    shown = lines[first : first + MOST_LINES]
+    if len(lines) - first > MOST_LINES:
+        shown[-1] = f"... {len(lines) - first - MOST_LINES + 1} more"
+    state = "plan" if any(step.action.cycle >= cycle for step in steps) else "idle"
+    return "\n".join([f"cycle {cycle}: {state}", *shown])
+
+
+def _line(action: Action, cycle: int) -> str:
+    mark = "  done" if action.cycle < cycle else "  now" if action.cycle == cycle else ""
+    return f"{action.cycle}. {action.interface_name} {action.parameter}{mark}"
+
+
+def _panel(text: str, top: Point, frame: str) -> Shape:
+    """The text with its upper edge at `top`; rviz puts the middle of a text where it is told."""
+    height = (text.count("\n") + 1) * LINE_HEIGHT * PLAN_TEXT_SIZE
+    return text_shape("plan", frame, text, (top[0], top[1] - height / 2, top[2]), INK, PLAN_TEXT_SIZE)
 
 
 def text_shape(group: str, frame: str, text: str, position: Point, colour: Colour, size: float = TEXT_SIZE) -> Shape:
@@ -128,12 +151,12 @@ def text_shape(group: str, frame: str, text: str, position: Point, colour: Colou
     return Shape(group, "text", frame, colour, position, (size, size, size), text)
 
 
-def _lane(start: Tuple[float, float], end: Tuple[float, float]) -> Tuple[Point, Point]:
+def _lane(start: Tuple[float, float], end: Tuple[float, float], z: float) -> Tuple[Point, Point]:
     """Both ends a little to the right of the way, so that there and back can be told apart."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.hypot(dx, dy)
     right, down = LANE * dy / length, -LANE * dx / length
-    return ((start[0] + right, start[1] + down, 0.1), (end[0] + right, end[1] + down, 0.1))
+    return ((start[0] + right, start[1] + down, z), (end[0] + right, end[1] + down, z))
 
 
 def _beside(label: Label, number: int) -> Point:

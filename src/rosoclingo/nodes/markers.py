@@ -17,6 +17,7 @@ from rosoclingo.nodes.marker_scene import (
     plan_shapes,
     plan_steps,
     robot_shapes,
+    title_shapes,
 )
 from rosoclingo.nodes.parameters import ParameterError, not_negative, parameter
 from rosoclingo.nodes.robot_pose import RobotPose
@@ -36,7 +37,8 @@ class MarkersNode:
         ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
         ~map_frame (string, "map"), ~base_frame (string, "base_link"), ~pose_max_age (float, 5.0): as in RobotPose.
         ~robot_radius (float, 0.18): metres.
-        ~panel (list, [0.0, -2.0]): x and y in metres of the middle of the plan's text in the map.
+        ~panel (list, [0.0, -2.0]): x and y in metres of the upper edge's middle of the plan's text.
+        ~title (string, ""): words to the left of the plan's text.
     Subscribes:
         packages (rosoclingo/PackageStates): where the packages are.
         rosoclingo/task_plan (rosoclingo/TaskPlan): the current plan.
@@ -55,6 +57,7 @@ class MarkersNode:
         self._groups: Dict[str, List[Shape]] = {
             "robot": robot_shapes(self._base_frame, not_negative("~robot_radius", 0.18)),
             "labels": label_shapes(self._labels),
+            "title": title_shapes(parameter("~title", str, ""), self._panel, self._map_frame),
         }
         self._changed = True
         self._publisher = rospy.Publisher("~markers", MarkerArray, queue_size=1, latch=True)
