@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosoclingo.interfaces.config import ConfigError, read_limits, read_spec, read_specs
 from rosoclingo.interfaces.runs import Limits
@@ -100,3 +102,21 @@ def test_limits_alone():
     assert read_limits({"timeout": 7}, "~", Limits(1.0, 2.0, 3)) == Limits(7.0, 2.0, 3)
     with pytest.raises(ConfigError, match=r"~\.retries"):
         read_limits({"retries": -1}, "~")
+
+
+SCALARS = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("$parameter"))
+ANYTHING = st.recursive(
+    SCALARS,
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(SCALARS, inner, max_size=3)),
+    max_leaves=8,
+)
+FIELDS = ["server", "type", "goal", "timeout", "server_timeout", "retries", "retry_on", "returns", "other"]
+RULES = st.lists(st.dictionaries(st.sampled_from(["status", "text", "when", "return", "facts"]), ANYTHING), max_size=3)
+
+
+@given(st.dictionaries(st.sampled_from(FIELDS), st.one_of(ANYTHING, RULES)), SCALARS)
+def test_any_data_is_read_or_refused(entry, name):
+    try:
+        read_specs({name: entry})
+    except ConfigError as error:
+        assert str(error)  # noqa: PT017

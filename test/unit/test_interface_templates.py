@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 from clingo import Function, Number
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosoclingo.interfaces.answers import Rule, answer, conclude
 from rosoclingo.interfaces.templates import (
@@ -169,3 +171,22 @@ def test_text_that_is_no_term_is_returned_as_a_string():
 )
 def test_the_own_verdict_stands_unless_the_server_succeeded(verdict, ended, status):
     assert conclude(verdict, ended).status == status
+
+
+PIECES = st.sampled_from(
+    ["$", "{", "}", "parameter", "1", "2", ".", "0", "pose", "x", "cycle", "now", "result", "a ", "$$"]
+)
+
+
+@given(
+    st.lists(PIECES, max_size=8).map("".join), st.sampled_from(["office2", "office9", "f(a,office2)", "7", '"text"'])
+)
+def test_a_template_that_passes_the_check_is_filled_or_refused_for_a_reason(template, parameter):
+    try:
+        check(template)
+    except TemplateError:
+        return
+    try:
+        evaluate(template, scope(parameter))
+    except (FillError, UnknownLabelError) as error:
+        assert str(error)  # noqa: PT017

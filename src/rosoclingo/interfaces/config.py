@@ -167,7 +167,7 @@ class _Reader:
             return None
         self.known_fields(entry, _RULE_FIELDS, place)
         status, when, facts = entry.get("status"), entry.get("when", {}), entry.get("facts", [])
-        if status is not None and status not in DEFAULT_RETURNS:
+        if status is not None and str(status) not in DEFAULT_RETURNS:
             self.fault(place, "no status {!r}; statuses are {}".format(status, ", ".join(DEFAULT_RETURNS)))
         if not isinstance(when, Mapping):
             self.fault(place, f"when must be a mapping of result fields to values, not {when!r}")
