@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Make doc/images/mailbot_rviz.png: the mailbot at work, in a real rviz on a virtual screen.
 
-Run it in the built workspace: ./dev exec doc/make_rviz_picture.py
+Run it in the built workspace: ./dev exec python3 doc/make_rviz_picture.py
 It starts everything with a master of its own, sends two requests, and takes the picture while the robot carries a
 package from one office to the next.  Needs Xvfb, Pillow with X11 support, and rviz; rendering is done in software.
 """
