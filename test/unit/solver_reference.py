@@ -3,6 +3,7 @@
 Written without the solver under test; it knows programs only as parts of text with ``t`` for the step.
 """
 
+import re
 from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, List, Optional, Set, Tuple
 
@@ -161,7 +162,5 @@ class Reference:
 
 
 def at(text: str, step: int) -> str:
-    """Return ``text`` with its parameter ``t`` replaced."""
-    return text.replace("t-1", str(step - 1)).replace("t+1", str(step + 1)).replace("(t)", f"({step})").replace(
-        ",t)", f",{step})"
-    )
+    """Return ``text`` with its parameter ``t``, ``t-1`` or ``t+1`` replaced."""
+    return re.sub(r"\bt([+-]1)?\b", lambda match: str(step + int(match.group(1) or 0)), text)

@@ -4,7 +4,7 @@ The engine knows nothing of streams: the solver tells it what to ground, define,
 away and built anew at any time from the solver's state.
 """
 
-from typing import Any, Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Container, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Observer
@@ -15,7 +15,7 @@ from rosoclingo.oclingo.externals import ActionIndex, AtomIndex, AtomTable, Cycl
 from rosoclingo.oclingo.horizon import HorizonLiterals
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.program import ReactiveProgram
-from rosoclingo.oclingo.rewriting import guard_atom
+from rosoclingo.oclingo.rewriting import guard_atom, open_part
 
 POLL = 0.02
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -65,25 +65,30 @@ class Engine:
         self.messages = Messages()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._editor = Editor(self._control)
-        self.atoms = AtomTable(self._control, self._editor)
+        self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
+        self.atoms = AtomTable(self._control, self._editor, self._declared, program.head_signatures)
         self._actions = ActionIndex(self._control, self._editor, ACTION)
         self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures)
         self._observer = _Externals()
         self._control.register_observer(self._observer)
         program.load_into(self._control)
-        self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
         self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
         self._hidden: Set[clingo.Symbol] = set()
         self.horizon = program.first_step - 1
         self._ends = HorizonLiterals(self._control, self._editor, self.horizon)
-        for atom in open_atoms:
-            self.atoms.declare(atom, atom in facts)
-        self._ground("base", [], 1)
+        self.declare(open_atoms, facts)
+        self._ground([("base", [])], 1)
 
-    def _ground(self, part: str, arguments: Sequence[clingo.Symbol], step: int, *more: str) -> None:
+    def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
+        """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
+        declared = list(atoms)
+        self.atoms.stepless.update(declared)
+        self._ground([open_part(atom, atom in facts) for atom in declared], 1)
+
+    def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
         self._editor.close()
-        self._control.ground([(name, arguments) for name in (part, *more)])
+        self._control.ground(parts)
         for literal in self._observer.fresh:
             self._declared.setdefault(literal, step)
         self._observer.fresh.clear()
@@ -95,7 +100,7 @@ class Engine:
         """Ground the next step; raises RuntimeError as clingo does."""
         self.horizon += 1
         step = self.horizon
-        self._ground("cumulative", [clingo.Number(step)], step, "volatile")
+        self._ground([(part, [clingo.Number(step)]) for part in ("cumulative", "volatile")], step)
         for window in self.program.windows:
             guard = self._control.symbolic_atoms[guard_atom(window, step)]
             if guard is not None and window > 0:
@@ -118,7 +123,7 @@ class Engine:
     def declared_between(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the open externals that were declared at steps ``first`` to ``last`` (base counts as 1)."""
         for atom, literal in self._externals.fresh():
-            if literal in self._declared:
+            if literal in self._declared and atom not in self.atoms.stepless:
                 self._declarations.setdefault(self._declared[literal], []).append(atom)
         steps = [step for step in self._declarations if first <= step <= last]
         return [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]

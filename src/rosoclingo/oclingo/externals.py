@@ -4,36 +4,34 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import Dict, Iterable, Iterator, List, Optional, Set, Tuple
+from typing import Container, Dict, Iterable, Iterator, List, Optional, Set, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.editor import Editor
 from rosoclingo.oclingo.progression import Literal, Statement
-from rosoclingo.oclingo.signatures import Signature
+from rosoclingo.oclingo.signatures import Signature, signature_of
 
 
 class AtomTable:
-    """Atoms of one control, seen as what updates may say of them."""
+    """Atoms of one control, seen as what updates may say of them.
 
-    def __init__(self, control: clingo.Control, editor: Editor) -> None:
-        self._control, self._editor = control, editor
+    Attributes:
+        stepless: the atoms of open signatures that no step declares.
+
+    """
+
+    def __init__(
+        self, control: clingo.Control, editor: Editor, declared: Container[int], heads: Container[Signature]
+    ) -> None:
+        """Take the control, its editor, the literals of declared externals, and the predicates that rules define."""
+        self._control, self._editor, self._declared, self._heads = control, editor, declared, heads
         self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
         self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
         self._closed: Set[clingo.Symbol] = set()
         self._facts: Set[clingo.Symbol] = set()
+        self.stepless: Set[clingo.Symbol] = set()
         self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
-
-    def declare(self, atom: clingo.Symbol, true: bool) -> None:
-        """Make an atom known to all that is grounded later, as an open external or as a fact."""
-        literal = self._editor.backend.add_atom(atom)
-        if true:
-            self._editor.backend.add_rule([literal])
-            self._closed.add(atom)
-            self._facts.add(atom)
-        else:
-            self._editor.backend.add_external(literal, clingo.TruthValue.False_)
-            self._cells[atom] = literal
 
     def knows(self, atom: clingo.Symbol) -> bool:
         """Tell whether some grounded rule or external mentions ``atom`` as possible."""
@@ -51,7 +49,10 @@ class AtomTable:
         if atom in self._closed:
             return False
         known = self._control.symbolic_atoms[atom]
-        return known is not None and known.is_external
+        if known is None:
+            return False
+        # clingo itself no longer keeps track of externals once the program can never be satisfied
+        return bool(known.is_external) or (known.literal in self._declared and signature_of(atom) not in self._heads)
 
     def add(self, statement: Statement, guard: Optional[int]) -> None:
         """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""

@@ -10,7 +10,7 @@ from rosoclingo.oclingo.closing import closing_text
 from rosoclingo.oclingo.directives import Directives, Placed
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.messages import Messages
-from rosoclingo.oclingo.rewriting import PARTS, Part, rewrite
+from rosoclingo.oclingo.rewriting import PARTS, Part, open_parts, rewrite
 from rosoclingo.oclingo.signatures import Dependencies, Pattern, Signature, evaluate, occurrences, rule_edges
 from rosoclingo.oclingo.sources import Source, parse_constants, read_sources
 
@@ -22,6 +22,7 @@ class ReactiveProgram:
     """A reactive logic program: base, cumulative and volatile part, externals, and what the solver has to know of them.
 
     Attributes:
+        sources: the texts that it was made of.
         constants: values of ``#const`` names that were given from outside, as symbols.
         first_step: the first grounded step (1 unless ``#iinit`` says less).
         windows: the distinct lengths w of ``#volatile t : w.``, in steps.
@@ -38,6 +39,7 @@ class ReactiveProgram:
 
         Raises ProgramError with all faults that can be found without grounding.
         """
+        self.sources = tuple(sources)
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
         self._directives = Directives()
         self.warnings: List[str] = []
@@ -72,6 +74,9 @@ class ReactiveProgram:
                 builder.add(part.header)
                 for statement in part.statements:
                     builder.add(statement)
+        for signature in sorted(self.open_signatures):
+            for name, parameters, text in open_parts(signature):
+                control.add(name, parameters, text)
 
     def arguments(self) -> List[str]:
         """Return clingo's command line arguments for the constants."""

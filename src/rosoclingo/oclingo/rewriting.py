@@ -1,13 +1,14 @@
 """Statements sorted into program parts, and volatile ones bound to the window in which they hold."""
 
 from dataclasses import dataclass, field
-from typing import List, Sequence
+from typing import List, Sequence, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer, parse_string
 
 from rosoclingo.oclingo.directives import VOLATILE_PREFIX, Directives
 from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.signatures import Signature, signature_of
 from rosoclingo.oclingo.sources import Parsed
 
 PARTS = ("base", "cumulative", "volatile")
@@ -125,3 +126,25 @@ def _guard(part: Part, statement: AST) -> AST:
 def guard_atom(window: int, step: int) -> clingo.Symbol:
     """Return the guard of the volatile instance of ``step`` with length ``window``."""
     return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])
+
+
+def open_parts(signature: Signature) -> List[Tuple[str, List[str], str]]:
+    """Return the program parts (name, parameters, text) that make one atom of an open signature an external or a fact.
+
+    Atoms that come by clingo's backend won't do: its grounder passes over some instances of rules that hold them.
+    """
+    parameters = [f"x{number}" for number in range(signature.arity)]
+    atom = ("" if signature.positive else "-") + signature.name
+    atom += f"({','.join(parameters)})" if parameters else ""
+    texts = ((False, f"#external {atom}."), (True, f"{atom}."))
+    return [(_open_name(signature, fact), parameters, text) for fact, text in texts]
+
+
+def open_part(atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
+    """Return the part to ground, with its arguments, that makes ``atom`` an external or a fact."""
+    return _open_name(signature_of(atom), fact), atom.arguments
+
+
+def _open_name(signature: Signature, fact: bool) -> str:
+    sign = "" if signature.positive else "not_"
+    return f"__oclingo_{'fact' if fact else 'open'}_{sign}{signature.name}_{signature.arity}"

@@ -80,6 +80,7 @@ class ReactiveSolver:
             shortest: search each update's answers from horizon k on, though more steps may be grounded, so that plans
                 are shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo
                 searched at the last grounded step only.
+            oclingo_strings: take strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.strings`.
 
         """
         self.program = program
@@ -126,6 +127,22 @@ class ReactiveSolver:
         interrupted search leaves the update in force.
         """
         return self._run(strings_apart(update) if self._oclingo_strings else update, stopped)
+
+    def replay(self, update: Optional[StreamUpdate], horizon: int) -> None:
+        """Take again what led to ``horizon`` when it was taken first, without a search.
+
+        ``update`` is None for :meth:`solve`. Raises SolverError as :meth:`update` does.
+        """
+        transaction = Transaction(self._setting, self._state.copy(), self._engine)
+        if update is not None and self._oclingo_strings:
+            update = strings_apart(update)
+
+        def take() -> None:
+            transaction.begin(update, lambda: transaction.state.horizon >= horizon)
+            while transaction.state.horizon < horizon:
+                transaction.grow()
+
+        self._guarded(transaction, take)
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.

@@ -74,6 +74,7 @@ class Transaction:
             self._open_heads(update)
         complete = self._ground_to(max(state.horizon, step), halt)
         if update is not None:
+            self._standing().atoms.end_definitions()
             self._take_items(update)
         return complete
 
@@ -130,8 +131,7 @@ class Transaction:
             if any(self.program.may_see(atom, self.engine.horizon) for atom in new):
                 self.engine = None
             else:
-                for atom in new:
-                    self.engine.atoms.declare(atom, False)
+                self.engine.declare(new)
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
@@ -194,6 +194,8 @@ class Transaction:
             self._put(statement, lifetime)
         elif not statement.body and engine.atoms.is_true(head):
             return  # said before
+        elif engine.conflicting and signature_of(head) in self.program.external_signatures:
+            self._wait(statement, lifetime)  # clingo grounds no further; a grounding made anew will tell
         elif head in self.state.forgotten or engine.atoms.knows(head) or not self._may_come(head):
             self.warnings.append(_NOT_EXTERNAL.format(head))
         else:
@@ -276,6 +278,7 @@ class Transaction:
             engine.atoms.add(entry.statement, entry.guard)
         for cycle in sorted(state.closed_cycles)[:-1]:
             engine.close_returns(cycle)
+        engine.atoms.end_definitions()
         self.engine = engine
         self._fall_due(engine)
         return engine
