@@ -24,7 +24,7 @@ Answer = FrozenSet[str]
 
 @dataclass(frozen=True)
 class Parts:
-    """Rules of a program, as text; ``externals`` are templates like ``f(1,t)``, ``opens`` names of arity 2 without domain."""
+    """Rules of a program as text; ``externals`` are templates like ``f(1,t)``, ``opens`` names of arity 2."""
 
     base: Tuple[str, ...]
     cumulative: Tuple[str, ...]

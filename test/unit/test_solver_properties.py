@@ -1,10 +1,9 @@
 """The incremental solver equals one that solves the accumulated program from scratch, update by update."""
 
+import clingo
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from solver_reference import Parts, Reference
-
-import clingo
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
 from rosoclingo.oclingo.progression import (
