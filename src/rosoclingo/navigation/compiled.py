@@ -10,7 +10,7 @@ from typing import Optional
 import numba
 import numpy as np
 
-__all__ = ["cast_rays", "clear_along_rays", "jit", "segment_is_clear", "update_clearance"]
+__all__ = ["cast_rays", "count_rays", "jit", "segment_is_clear", "update_clearance"]
 
 jit = numba.njit(cache=True, nogil=True)
 
@@ -106,32 +106,51 @@ def _leaves(index, step, size):
 
 
 @jit
-def clear_along_rays(marks, x, y, angles, lengths):
-    """Set to 0 the cells of ``marks`` (uint8 H, W) that rays from (x, y) cross before their ``lengths`` end.
+def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, sure):
+    """Count what rays from (x, y) crossed and hit, and mark and clear by that.
 
-    The cell in which a ray ends keeps its mark. Returns (row0, row1, column0, column1), the half-open window of the
-    cells changed, empty (0, 0, 0, 0) where none was.
+    ``counts`` (uint8 H, W) goes down by 1 for each ray that crosses a cell before its ``lengths`` end, and up by
+    ``gain`` to ``limit`` in the cell where it ends, if it ``hits`` (bool n) there. ``marks`` (uint8 H, W) is set where
+    a count reaches ``sure``, cleared where it comes down to 0, and else stays: noise does not set and clear a cell in
+    turns. Hits in cells that are ``mapped`` (uint8 H, W) are left out. Returns the window (row0, row1, column0,
+    column1; half-open) of the marks changed, empty (0, 0, 0, 0) where none was.
     """
     height, width = marks.shape
     low_r, high_r, low_c, high_c = height, -1, width, -1
     for i in range(angles.shape[0]):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        column, row = math.floor(x), math.floor(y)
-        last_c, last_r = math.floor(x + dx * lengths[i]), math.floor(y + dy * lengths[i])
+        column, row = int(math.floor(x)), int(math.floor(y))
+        last_c, last_r = int(math.floor(x + dx * lengths[i])), int(math.floor(y + dy * lengths[i]))
         step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
         per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
         per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
         next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
         next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
         for _ in range(abs(last_c - column) + abs(last_r - row)):
-            if 0 <= row < height and 0 <= column < width and marks[row, column]:
-                marks[row, column] = 0
-                low_r, high_r = min(low_r, row), max(high_r, row)
-                low_c, high_c = min(low_c, column), max(high_c, column)
+            if 0 <= row < height and 0 <= column < width and counts[row, column]:
+                counts[row, column] -= 1
+                if counts[row, column] == 0 and marks[row, column]:
+                    marks[row, column] = 0
+                    low_r, high_r = min(low_r, row), max(high_r, row)
+                    low_c, high_c = min(low_c, column), max(high_c, column)
             if next_c < next_r:
                 next_c, column = next_c + per_c, column + step_c
             else:
                 next_r, row = next_r + per_r, row + step_r
+    for i in range(angles.shape[0]):
+        if not hits[i]:
+            continue
+        column, row = (
+            int(math.floor(x + math.cos(angles[i]) * lengths[i])),
+            int(math.floor(y + math.sin(angles[i]) * lengths[i])),
+        )
+        if not (0 <= row < height and 0 <= column < width) or mapped[row, column]:
+            continue
+        counts[row, column] = min(counts[row, column] + gain, limit)
+        if counts[row, column] >= sure and not marks[row, column]:
+            marks[row, column] = 1
+            low_r, high_r = min(low_r, row), max(high_r, row)
+            low_c, high_c = min(low_c, column), max(high_c, column)
     if high_r < 0:
         return 0, 0, 0, 0
     return low_r, high_r + 1, low_c, high_c + 1

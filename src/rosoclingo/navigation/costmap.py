@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import clear_along_rays, update_clearance
+from rosoclingo.navigation.compiled import count_rays, update_clearance
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
 
@@ -13,7 +13,9 @@ __all__ = ["Costmap", "CostmapLimits", "Window"]
 
 Window = Tuple[int, int, int, int]
 EMPTY: Window = (0, 0, 0, 0)
-HELD = 1.0  # cells before a hit that are not cleared
+# A hit counts for so many rays that pass; from SURE on a cell is marked, and LIMIT is as sure as it gets: what hits in
+# less than a third of all scans is noise, and what has gone is forgotten after LIMIT rays have passed.
+GAIN, SURE, LIMIT = 2, 8, 24
 
 
 class CostmapLimits(NamedTuple):
@@ -49,11 +51,14 @@ class Costmap:
         self._closed = (grid.cells < 0) & (not self.limits.allow_unknown)
         self._occupied = static.copy()
         self._marks = np.zeros(grid.shape, dtype=np.uint8)
+        self._counts = np.zeros(grid.shape, dtype=np.uint8)
         self._marked = 0
         self._static = static
         self.clearance = np.empty(grid.shape, dtype=np.float32)
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
         self.static_clearance = self.clearance.copy()
+        near = self.limits.static_tolerance / grid.resolution
+        self._mapped = np.ascontiguousarray(self.clearance <= near, dtype=np.uint8)
 
     @property
     def has_marks(self) -> bool:
@@ -91,15 +96,11 @@ class Costmap:
         turned = np.asarray(angles[good] + sensor.yaw, dtype=np.float64)
         far = np.asarray(ranges[good], dtype=np.float64)
         x, y = self.to_cells(sensor.x, sensor.y)
-        window = EMPTY
-        if self._marked:
-            # A cell just before a hit keeps its mark: noise would set and clear it in turns, and the way with it.
-            lengths = np.minimum(far, min(self.limits.raytrace_range, range_max)) / self.resolution
-            lengths = np.where(far < range_max - 1e-3, np.maximum(lengths - HELD, 0.0), lengths)
-            window = clear_along_rays(self._marks, x, y, turned, lengths)
         hits = far < min(self.limits.obstacle_range, range_max - 1e-3)
-        steps = far[hits] / self.resolution + 1e-3
-        window = _joined(window, self._mark(x + steps * np.cos(turned[hits]), y + steps * np.sin(turned[hits])))
+        lengths = np.minimum(far, min(self.limits.raytrace_range, range_max)) / self.resolution + 1e-3
+        window = count_rays(
+            self._counts, self._marks, self._mapped, x, y, turned, lengths, hits, GAIN, LIMIT, SURE
+        )  # fmt: skip
         return self._changed(window)
 
     def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
@@ -114,6 +115,7 @@ class Costmap:
             kept[near] = self._marks[near]
         dropped = np.argwhere(self._marks != kept)
         self._marks = kept
+        self._counts *= kept
         return self._changed(_window_of(dropped))
 
     def costs(self, window: Optional[Window] = None) -> np.ndarray:
@@ -129,19 +131,6 @@ class Costmap:
         shown = costs.astype(np.int8)
         shown[self._closed[part] & (self._occupied[part] == 0)] = -1
         return shown
-
-    def _mark(self, xs: np.ndarray, ys: np.ndarray) -> Window:
-        """Mark the cells of points (in cells) that nothing on the map accounts for; return their window."""
-        columns, rows = np.floor(xs).astype(np.intp), np.floor(ys).astype(np.intp)
-        inside = (rows >= 0) & (rows < self.grid.shape[0]) & (columns >= 0) & (columns < self.grid.shape[1])
-        rows, columns = rows[inside], columns[inside]
-        new = self._marks[rows, columns] == 0
-        new &= self.static_clearance[rows, columns] > self.limits.static_tolerance / self.resolution
-        rows, columns = rows[new], columns[new]
-        if not rows.size:
-            return EMPTY
-        self._marks[rows, columns] = 1
-        return _window_of(np.stack((rows, columns), axis=1))
 
     def _changed(self, window: Window) -> bool:
         """Bring occupancy and clearance up to date after marks changed within a window."""
@@ -168,10 +157,3 @@ def _window_of(cells: np.ndarray) -> Window:
         return EMPTY
     low, high = cells.min(axis=0), cells.max(axis=0) + 1
     return int(low[0]), int(high[0]), int(low[1]), int(high[1])
-
-
-def _joined(a: Window, b: Window) -> Window:
-    """Return the window around two windows."""
-    if EMPTY in (a, b):
-        return b if a == EMPTY else a
-    return min(a[0], b[0]), max(a[1], b[1]), min(a[2], b[2]), max(a[3], b[3])

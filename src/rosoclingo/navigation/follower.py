@@ -107,11 +107,9 @@ class RolloutFollower(LocalPlanner):
         self._arrived = now.distance(self._points[-1]) <= tolerance
         if self._arrived:
             return self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
-        carrots = self._carrots(now)
-        if not len(carrots):
-            return self._escape(now, self._points[self._index])
         if self._refuge is None:
-            command = self._towards(now, carrots[0])
+            carrot = self._carrot(now)
+            command = self._towards(now, carrot) if carrot is not None else Command(FollowOutcome.BLOCKED)
             if command.outcome is not FollowOutcome.BLOCKED:
                 self._patience = PATIENCE
                 return command
@@ -157,7 +155,7 @@ class RolloutFollower(LocalPlanner):
         self._patience -= now.period
         return Command(FollowOutcome.DRIVING, found)
 
-    def _towards(self, now: Situation, carrot: Sequence[float]) -> Command:
+    def _towards(self, now: Situation, carrot: Tuple[float, float]) -> Command:
         """Drive to a point, turning to it first where it is not ahead."""
         bearing = now.bearing(carrot)
         aside = abs(bearing) > (ASIDE if now.distance(carrot) < NEAR else BEHIND)
@@ -225,18 +223,21 @@ class RolloutFollower(LocalPlanner):
             self._body = (resolution, body_discs(self.radius, self.footprint, resolution))
         return self._body[1]
 
-    def _carrots(self, now: Situation) -> np.ndarray:
-        """Return points (n, 2) ahead on the path that a straight line leads to, the furthest first."""
+    def _carrot(self, now: Situation) -> Optional[Tuple[float, float]]:
+        """Return the point furthest ahead on the path that a straight line leads to, None where that is too near."""
         self._advance(now.pose)
         costmap, points = now.costmap, self._ahead()[::-1]
         here = costmap.to_cells(now.pose.x, now.pose.y)
         spare = np.array([least_along(costmap.clearance, *here, *costmap.to_cells(*point)) for point in points])
-        # Only a direction: what is driven is tried for safety. Standing too close, anything free will do.
+        away = np.hypot(points[:, 0] - now.pose.x, points[:, 1] - now.pose.y)
+        far = away >= min(1.2 * costmap.resolution, now.distance(self._points[-1]))
         inner = self._inner / costmap.resolution
-        for least in (inner, inner - 0.25, 0.0):
-            if (spare >= least).any():
-                return np.asarray(points[spare >= least])
-        return points[:0]
+        # Only a direction: what is driven is tried for safety. So, in a tight place, a line may graze something.
+        for least in (inner, inner - 0.25, inner - 0.5):
+            good = far & (spare >= least)
+            if good.any():
+                return float(points[good][0, 0]), float(points[good][0, 1])
+        return None
 
     def _advance(self, pose: Pose2D) -> None:
         """Move on to the path's point nearest to the robot; never back."""

@@ -1,0 +1,222 @@
+"""The compiled loops against brute force."""
+
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from rosoclingo.navigation.compiled import cast_rays, count_rays, segment_is_clear, update_clearance
+from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell, straighten
+from rosoclingo.simulation.compiled_shapes import CLEAR, body_hits, shorten_rays
+
+GRIDS = arrays(np.uint8, st.tuples(st.integers(3, 20), st.integers(3, 20)), elements=st.sampled_from([0, 0, 0, 0, 1]))
+NOTHING = np.empty((0, 4)), np.empty((0, 3)), np.empty((0, 2))
+
+
+def clearance_of(occupied, reach=50.0):
+    out = np.full(occupied.shape, 7.0, dtype=np.float32)
+    update_clearance(occupied, reach, 0, occupied.shape[0], 0, occupied.shape[1], out)
+    return out
+
+
+def distance(occupied, x, y):
+    rows, columns = np.nonzero(occupied)
+    if not len(rows):
+        return math.inf
+    dx = np.maximum(np.maximum(columns - x, x - columns - 1), 0)
+    dy = np.maximum(np.maximum(rows - y, y - rows - 1), 0)
+    return float(np.hypot(dx, dy).min())
+
+
+@given(GRIDS, st.floats(1.0, 30.0))
+@settings(max_examples=60, deadline=None)
+def test_clearance_is_the_distance_to_the_nearest_occupied_square(occupied, reach):
+    clearance = clearance_of(occupied, reach)
+    for row in range(occupied.shape[0]):
+        for column in range(occupied.shape[1]):
+            if occupied[row, column]:
+                assert clearance[row, column] == -0.5
+            else:
+                expected = min(reach, distance(occupied, column + 0.5, row + 0.5))
+                assert abs(clearance[row, column] - expected) < 1e-4
+
+
+@given(GRIDS, st.data())
+@settings(max_examples=60, deadline=None)
+def test_a_window_brings_clearance_up_to_date(occupied, data):
+    reach = 4.0
+    clearance = clearance_of(occupied, reach)
+    row = data.draw(st.integers(0, occupied.shape[0] - 1))
+    column = data.draw(st.integers(0, occupied.shape[1] - 1))
+    occupied[row, column] ^= 1
+    low_r, high_r = max(0, row - 5), min(occupied.shape[0], row + 6)
+    low_c, high_c = max(0, column - 5), min(occupied.shape[1], column + 6)
+    update_clearance(occupied, reach, low_r, high_r, low_c, high_c, clearance)
+    assert np.array_equal(clearance, clearance_of(occupied, reach))
+
+
+@given(GRIDS, st.floats(-3.0, 23.0), st.floats(-3.0, 23.0), st.floats(-7.0, 7.0), st.floats(0.5, 40.0))
+@settings(max_examples=150, deadline=None)
+def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach):
+    out = np.empty(1)
+    cast_rays(occupied, x, y, np.array([angle]), reach, out)
+    assert 0.0 <= out[0] <= reach
+    places = np.arange(0.0, reach, 0.003)
+    columns = np.floor(x + places * math.cos(angle)).astype(int)
+    rows = np.floor(y + places * math.sin(angle)).astype(int)
+    inside = (rows >= 0) & (rows < occupied.shape[0]) & (columns >= 0) & (columns < occupied.shape[1])
+    hit = np.zeros(len(places), dtype=bool)
+    hit[inside] = occupied[rows[inside], columns[inside]] > 0
+    first = places[hit.argmax()] if hit.any() else reach
+    # Small steps may leap over a corner that the ray cuts by less than a step.
+    assert out[0] <= first + 1e-6
+    end_x, end_y = x + (out[0] + 1e-6) * math.cos(angle), y + (out[0] + 1e-6) * math.sin(angle)
+    assert abs(out[0] - first) < 0.005 or distance(occupied, end_x, end_y) < 1e-4
+
+
+@given(
+    st.lists(st.tuples(*[st.integers(-9, 9)] * 4), max_size=4),
+    st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(0.1, 3)), max_size=3),
+    st.floats(-3.2, 3.2),
+)
+@settings(max_examples=100, deadline=None)
+def test_rays_end_at_doors_and_discs(segments, discs, angle):
+    out = np.array([12.0])
+    shorten_rays(
+        0.0, 0.0, np.array([angle]), np.array(segments, dtype=float).reshape(-1, 4), np.array(discs).reshape(-1, 3), out
+    )
+    dx, dy = math.cos(angle), math.sin(angle)
+    best = 12.0
+    for x, y, radius in discs:
+        roots = np.roots([1.0, -2.0 * (x * dx + y * dy), x * x + y * y - radius * radius])
+        real = [root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0]
+        if math.hypot(x, y) <= radius:
+            best = 0.0
+        elif real:
+            best = min(best, *real)
+    for x0, y0, x1, y1 in segments:
+        matrix = np.array([[dx, x0 - x1], [dy, y0 - y1]])
+        if abs(np.linalg.det(matrix)) > 1e-6:
+            t, u = np.linalg.solve(matrix, [x0, y0])
+            if t >= 0 and 0 <= u <= 1:
+                best = min(best, t)
+    assert abs(out[0] - best) < 1e-3
+
+
+@given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.2, 4.0))
+@settings(max_examples=100, deadline=None)
+def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
+    away = distance(occupied, x, y)
+    if abs(away - radius) > 1e-9:
+        assert (body_hits(occupied, *NOTHING, radius, x, y, 0.0) != CLEAR) == (away < radius)
+
+
+class Counted:
+    """Counts and marks of a row of cells that one ray looks along."""
+
+    def __init__(self):
+        self.counts, self.marks, self.mapped = (np.zeros((5, 9), dtype=np.uint8) for _ in range(3))
+
+    def ray(self, length, hit=True, times=1):
+        for _ in range(times):
+            window = count_rays(
+                self.counts,
+                self.marks,
+                self.mapped,
+                0.5,
+                2.5,
+                np.zeros(1),
+                np.array([length]),
+                np.array([hit]),
+                2,
+                24,
+                8,
+            )
+        return window
+
+
+def test_a_cell_is_marked_once_it_is_sure_and_cleared_once_rays_pass():
+    row = Counted()
+    assert row.ray(5.2, times=3) == (0, 0, 0, 0)
+    assert row.ray(5.2) == (2, 3, 5, 6)
+    assert np.argwhere(row.marks).tolist() == [[2, 5]]
+    assert row.ray(5.2, times=20) == (0, 0, 0, 0)
+    assert row.ray(7.0, hit=False, times=23) == (0, 0, 0, 0)
+    assert row.ray(7.0, hit=False) == (2, 3, 5, 6)
+    assert not row.marks.any()
+
+
+def test_rare_hits_are_noise_and_rare_passes_clear_nothing():
+    row = Counted()
+    for _ in range(50):
+        row.ray(5.2)
+        row.ray(7.0, hit=False, times=3)
+    assert not row.marks.any()
+    row.ray(5.2, times=12)
+    for _ in range(50):
+        row.ray(5.2, times=2)
+        row.ray(7.0, hit=False, times=3)
+    assert row.marks.sum() == 1
+
+
+def test_hits_on_the_map_are_left_out():
+    row = Counted()
+    row.mapped[2, 5] = 1
+    row.ray(5.2, times=20)
+    assert not row.marks.any()
+
+
+@given(GRIDS, st.floats(0.3, 2.5), st.data())
+@settings(max_examples=150, deadline=None)
+def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
+    """Against a flood fill; each point of the straightened way is as clear as the radius."""
+    clearance = clearance_of(occupied, 8.0)
+    least = math.sqrt(radius * radius + 0.5)
+    good = np.argwhere(clearance >= least)
+    if len(good) < 2:
+        return
+    start = good[data.draw(st.integers(0, len(good) - 1))]
+    goal = good[data.draw(st.integers(0, len(good) - 1))]
+    cells = find_cells(clearance, least, 5.0, 0.3, *start, *goal)
+    assert bool(len(cells)) == reachable(clearance >= least, tuple(start), tuple(goal))
+    if not len(cells):
+        return
+    assert tuple(cells[0]) == tuple(start)
+    assert tuple(cells[-1]) == tuple(goal)
+    assert np.abs(np.diff(cells, axis=0)).max(initial=0) <= 1
+    points = straighten(np.ascontiguousarray(cells[:, ::-1] + 0.5), clearance, least, 5.0, 0.3)
+    for a, b in zip(points[:-1], points[1:]):
+        for t in np.linspace(0, 1, 25):
+            assert distance(occupied, *(a + (b - a) * t)) >= radius - 0.01
+
+
+def reachable(free, start, goal):
+    seen, todo = {start}, [start]
+    while todo:
+        r, c = todo.pop()
+        for there in ((r + i, c + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+            inside = 0 <= there[0] < free.shape[0] and 0 <= there[1] < free.shape[1]
+            if inside and free[there] and there not in seen:
+                seen.add(there)
+                todo.append(there)
+    return goal in seen
+
+
+def test_segments_near_a_corner():
+    occupied = np.zeros((20, 20), dtype=np.uint8)
+    occupied[:10, 10] = 1
+    clearance = clearance_of(occupied)
+    assert segment_is_clear(clearance, 2.0, 15.0, 18.0, 15.0, 3.0)
+    assert not segment_is_clear(clearance, 2.0, 11.0, 18.0, 11.0, 3.0)
+    assert not segment_is_clear(clearance, 2.0, 5.0, 18.0, 5.0, 0.0)
+    assert not segment_is_clear(clearance, 2.0, 15.0, 25.0, 15.0, 0.0)
+
+
+def test_the_nearest_clear_cell():
+    clearance = np.zeros((9, 9), dtype=np.float32)
+    clearance[4, 7] = 3.0
+    assert nearest_clear_cell(clearance, 2.0, 4, 4, 3.5) == (4, 7)
+    assert nearest_clear_cell(clearance, 2.0, 4, 4, 2.5) == (-1, -1)
+    assert nearest_clear_cell(clearance, 4.0, 4, 4, 9.0) == (-1, -1)
