@@ -22,6 +22,7 @@ _SKIP = re.compile(
     | \#script\b.*?\#end\s*\.
     | %\*
     | \*%
+    | (?P<strange>[^\x00-\x7f]+)
     | \#(?P<directive>base|cumulative|volatile|external|forget|iinit|include)\b
     """,
     re.VERBOSE | re.DOTALL,
@@ -90,8 +91,19 @@ class _Reader:
                 depth = max(0, depth + (1 if match.group() == "%*" else -1))
             elif depth and match.group()[0] in '%"':
                 offset = match.start() + 1  # inside a block comment quotes and % mean nothing
+            elif not depth and match.lastgroup == "strange":
+                self._strange(match)
             elif not depth and match.lastgroup == "directive":
                 offset = self._directive(match)
+
+    def _strange(self, match: "Match[str]") -> None:
+        """Take out what clingo can't even complain about: it cuts such characters in its messages and gives up."""
+        line = self._text.count("\n", 0, match.start()) + 1
+        column = match.start() - self._text.rfind("\n", 0, match.start())
+        message, mend = f"unexpected characters {match.group()!r}", "only strings and comments may hold them"
+        self._found.faults.append(Fault(self._file, line, column, message, mend))
+        self._pieces.append(self._text[self._copied : match.start()])
+        self._copied = match.end()
 
     def _directive(self, start: "Match[str]") -> int:
         name = start.group("directive")

@@ -6,11 +6,12 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Union
 import clingo
 from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
 
+from rosoclingo.oclingo import checks
 from rosoclingo.oclingo.closing import closing_text
 from rosoclingo.oclingo.directives import Directives, Placed
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.messages import Messages
-from rosoclingo.oclingo.rewriting import PARTS, Part, open_parts, rewrite
+from rosoclingo.oclingo.rewriting import Part, open_parts, rewrite
 from rosoclingo.oclingo.signatures import Dependencies, Pattern, Signature, evaluate, occurrences, rule_edges
 from rosoclingo.oclingo.sources import Source, parse_constants, read_sources
 
@@ -44,12 +45,10 @@ class ReactiveProgram:
         self._directives = Directives()
         self.warnings: List[str] = []
         parsed = read_sources(sources, self._directives, self.warnings)
-        if self._directives.faults:
-            raise ProgramError(self._directives.faults)
         self.parts: List[Part] = rewrite(parsed, self._directives)
         self.parts += rewrite(read_sources([closing_text(self.parts)], Directives(), []), Directives())
         self._collect()
-        self._check_parts()
+        self._check()
 
     @classmethod
     def from_files(cls, files: Iterable[PathLike], constants: Optional[Mapping[str, str]] = None) -> "ReactiveProgram":
@@ -107,7 +106,6 @@ class ReactiveProgram:
         for part in self.parts:
             for statement in part.statements:
                 self._collect_statement(part, statement)
-        self._evaluate_directives()
 
     def _collect_statement(self, part: Part, statement: AST) -> None:
         self.optimizes |= statement.ast_type == ASTType.Minimize
@@ -123,14 +121,18 @@ class ReactiveProgram:
             if signature in self.open_signatures:
                 self._open_patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter))
 
-    def _evaluate_directives(self) -> None:
-        """Give windows, the first step and the constants in patterns their values."""
-        scratch = Messages()
-        control = clingo.Control(self.arguments(), logger=scratch.log)
+    def _control(self, messages: Messages) -> clingo.Control:
+        """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""
+        control = clingo.Control(self.arguments(), logger=messages.log)
         try:
             self.load_into(control)
+            control.ground([("__oclingo_no_part", [])])  # now clingo looks for unsafe variables
         except RuntimeError:
-            raise ProgramError(scratch.faults()) from None
+            raise ProgramError(messages.faults()) from None
+        return control
+
+    def _evaluate_directives(self, control: clingo.Control) -> None:
+        """Give windows, the first step and the constants in patterns their values."""
         names = {s.name for part in self.parts for s in part.statements if s.ast_type == ASTType.Definition}
         values = {name: control.get_const(name) for name in names | set(self.constants)}
         self._values = {name: value for name, value in values.items() if value is not None}
@@ -163,9 +165,28 @@ class ReactiveProgram:
         """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
         return [self._number(one, [], **{one.parameter: step}) for one in self.forgets]
 
-    def _check_parts(self) -> None:
-        """Warn of parts that the program lacks; one without any step can't react."""
-        present = {part.name for part in self.parts if part.written}
-        for name in PARTS:
-            if name not in present and name != "base":
-                self.warnings.append(f"the program has no {name} part; write #{name} t. and what holds at each step")
+    def _check(self) -> None:
+        """Raise ProgramError with all faults that show before anything is grounded, or in the first steps."""
+        messages = Messages()
+        faults = checks.wrong_arities(self.parts)
+        try:
+            control = self._control(messages)
+            self._evaluate_directives(control)
+        except ProgramError as error:
+            raise ProgramError([*faults, *error.faults]) from None
+        odd = checks.missing_parts(self.parts)
+        odd += checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self._values)
+        if checks.uses_keywords(self.parts):
+            faults += [one for one in odd if "volatile part" not in one.message]
+            odd = [one for one in odd if one not in faults]
+        self.warnings += [str(one) for one in odd]
+        if not faults and checks.suspicious_heads(self.parts, self._values):
+            faults += self._redefinitions(control, messages)
+        if faults:
+            raise ProgramError(faults)
+
+    def _redefinitions(self, control: clingo.Control, messages: Messages) -> List[Fault]:
+        try:
+            return checks.redefinitions(control, self.parts, self.first_step)
+        except RuntimeError:
+            return messages.faults()

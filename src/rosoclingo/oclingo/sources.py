@@ -61,8 +61,8 @@ def read_sources(sources: Sequence[Source], found: Directives, warnings: List[st
     except ProgramError as error:
         faults.extend(error.faults)
     parsed = [_parse(source.name, text, found, faults) for source, text in zip(collector.sources, texts)]
-    if faults:
-        raise ProgramError(faults)
+    if faults or found.faults:
+        raise ProgramError([*found.faults, *faults])
     return parsed
 
 

@@ -10,6 +10,7 @@ from typing import Callable, Dict, FrozenSet, List, Optional, Set
 
 import clingo
 
+from rosoclingo.oclingo.building import build_engine
 from rosoclingo.oclingo.engine import Engine
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program import ReactiveProgram
@@ -108,6 +109,8 @@ class Transaction:
         """Return what clingo's ``error`` means for this update."""
         said = self.engine.messages.text() if self.engine is not None else ""
         text = f"the update was refused: {error}"
+        if "redefinition" in text:
+            text += " (the rules of two steps define it: give the head the step, like p(t))"
         return f"{text}\n{said}" if said else text
 
     def _check_limit(self, horizon: int) -> None:
@@ -256,29 +259,7 @@ class Transaction:
         self._guards.pop(Term(term), None)
 
     def _build(self) -> Engine:
-        """Ground the program anew, up to the state's horizon, and put in force all that the state holds."""
-        state = self.state
-        facts = {one.head for one in state.permanent if one.head is not None and not one.body}
-        self._guards = {}
-        engine = Engine(self.program, state.open_atoms, facts, self._shortest)
-        while engine.horizon < state.horizon:
-            engine.ground_step()
-        for atom in state.forgotten:
-            engine.atoms.close(atom)
-        for cycle, executed in state.closed_cycles.items():
-            engine.close_cycle(cycle, executed)
-        given = set(state.open_atoms) & facts
-        for statement in state.permanent:
-            if statement.body or statement.head not in given:
-                engine.atoms.add(statement, None)
-        for entry in state.lapsing:
-            if entry.lifetime not in self._guards:
-                self._guards[entry.lifetime] = engine.new_guard()
-            entry.guard = self._guards[entry.lifetime]
-            engine.atoms.add(entry.statement, entry.guard)
-        for cycle in sorted(state.closed_cycles)[:-1]:
-            engine.close_returns(cycle)
-        engine.atoms.end_definitions()
-        self.engine = engine
-        self._fall_due(engine)
-        return engine
+        """Ground the program anew and put in force all that the state holds."""
+        self.engine, self._guards = build_engine(self.program, self.state, self._shortest)
+        self._fall_due(self.engine)
+        return self.engine

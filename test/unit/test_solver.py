@@ -1,0 +1,185 @@
+"""The reactive solver: what golden answers and properties don't cover."""
+
+import pytest
+
+from rosoclingo.oclingo import (
+    ReactiveProgram,
+    ReactiveSolver,
+    SolveOutcome,
+    SolverError,
+    parse_atom,
+    parse_update,
+)
+
+WALK = """
+#program base.
+at(0,0).
+#program cumulative(t).
+#external _request/2.
+{ _action_lib(move,X,t) : X = (P-1;P+1), at(P,t-1) } 1.
+at(X,t) :- _action_lib(move,X,t).
+at(X,t) :- at(X,t-1), not moves(t).
+moves(t) :- _action_lib(move,X,t).
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1).
+reached(X,t) :- wanted(X,t), at(X,t).
+reached(X,t) :- reached(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not reached(X,t).
+"""
+
+
+def solver_of(text, **options):
+    return ReactiveSolver(ReactiveProgram.from_text(text), **options)
+
+
+def play(solver, text):
+    return solver.update(parse_update(text + " #endstep."))
+
+
+def atoms(result):
+    return sorted(map(str, result.answers[0]))
+
+
+def plan(result):
+    return [str(one) for one in sorted(result.answers[0]) if one.name == "_action_lib"]
+
+
+@pytest.fixture
+def open_external():
+    return solver_of("#external e/1. a(X) :- e(X). #cumulative t. b(X,t) :- e(X). #volatile t.")
+
+
+def test_open_external_reaches_base_and_past_steps(open_external):
+    play(open_external, "#step 3.")
+    assert atoms(play(open_external, "e(new(thing)).")) == [
+        "a(new(thing))",
+        "b(new(thing),1)",
+        "b(new(thing),2)",
+        "b(new(thing),3)",
+        "e(new(thing))",
+    ]
+
+
+def test_lapsing_definitions_leave_externals_open():
+    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
+    assert atoms(play(solver, "#step 1. #volatile. e(1).")) == ["c(1)", "e(1)"]
+    assert atoms(play(solver, "#assert : x. e(1).")) == ["c(1)", "e(1)"]
+    assert atoms(play(solver, "#retract : x.")) == []
+    assert atoms(play(solver, "e(1).")) == ["c(1)", "e(1)"]
+
+
+def test_ignored_heads_are_warned_of_in_oclingos_words():
+    solver = solver_of("p. #cumulative t. #external e(t). { m(t) }. #volatile t.")
+    result = play(solver, "#step 2. p. m(1). e(0). e(5) :- m(1). #forget 1. e(1).")
+    words = "Head {} has not been declared external. The entire rule will be ignored."
+    assert list(result.warnings) == [words.format(head) for head in ("m(1)", "e(0)", "e(1)")]
+    assert play(solver, "#retract : z.").warnings == ("Term z has not been asserted. The retraction is ignored.",)
+
+
+def test_a_fact_told_before_its_step():
+    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
+    assert atoms(play(solver, "#step 1. e(3). #volatile. e(2).")) == []
+    assert atoms(play(solver, "#step 3.")) == ["c(3)", "e(3)"]
+
+
+def test_forget_of_the_program():
+    solver = solver_of("#cumulative t. #external e(t). #forget t : t-1. #volatile t.")
+    result = play(solver, "#step 3. e(1). e(3).")
+    assert atoms(result) == ["e(3)"]
+    assert "Head e(1)" in result.warnings[0]
+
+
+def test_a_loop_over_steps_supports_nothing():
+    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.", models=0)
+    play(solver, "#step 1.")
+    assert atoms(play(solver, "e(1) :- c(1).")) == []
+
+
+def test_contrary_atoms_exclude_each_other():
+    solver = solver_of("{ x }. #cumulative t. s(t). #volatile t.", models=0)
+    assert len(play(solver, "#step 1.").answers) == 2
+    assert [sorted(map(str, a)) for a in play(solver, "-x.").answers] == [["-x", "s(1)"]]
+
+
+def test_unsatisfiable_for_good_and_not():
+    solver = solver_of("{ a }. #cumulative t. #external e(t). :- a, e(t). #volatile t.")
+    assert play(solver, "#step 1 : 0. e(1). #volatile. :- not a.").outcome is SolveOutcome.UNSATISFIABLE
+    assert play(solver, "#step 1 : 0.").outcome is SolveOutcome.SATISFIABLE
+    result = play(solver, "#step 1. :- not e(1).")
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    result = play(solver, "#step 1. :- e(1).")
+    assert result.outcome is SolveOutcome.UNSATISFIABLE
+    assert result.permanent
+
+
+def test_an_update_is_refused_as_a_whole():
+    solver = solver_of("#cumulative t. #external e(t). #volatile t.", horizon_limit=5)
+    play(solver, "#step 1. e(1).")
+    with pytest.raises(SolverError, match="beyond the horizon limit 5"):
+        play(solver, "#step 9. e(2).")
+    assert atoms(play(solver, "#step 2.")) == ["e(1)"]
+
+
+def test_redefinition_at_run_time_is_refused_and_the_state_kept():
+    solver = solver_of("#cumulative t. { m(t) }. p(t/4) :- m(t), t > 3. #volatile t.")
+    play(solver, "#step 4.")
+    with pytest.raises(SolverError, match=r"redefinition.*p\(1\).*give the head the step"):
+        play(solver, "#step 5.")
+    assert play(solver, "#step 4.").horizon == 4
+
+
+def test_stopping():
+    solver = solver_of("#cumulative t. s(t). #volatile t. :- s(t).")
+    asked = []
+
+    def stopped():
+        asked.append(solver.horizon)
+        return len(asked) > 20
+
+    result = solver.update(parse_update("#step 1. #endstep."), stopped)
+    assert result.outcome is SolveOutcome.INTERRUPTED
+    assert play(solver, "#step 1 : 0.").outcome is SolveOutcome.UNSATISFIABLE
+
+
+def test_interrupt_without_a_search_changes_nothing():
+    solver = solver_of("a. #cumulative t. #volatile t.")
+    solver.interrupt()
+    assert solver.solve().outcome is SolveOutcome.SATISFIABLE
+
+
+def test_plans_are_shortest_though_the_horizon_has_grown():
+    solver = solver_of(WALK, shortest=True, horizon_limit=30)
+    assert plan(play(solver, "#step 1. _request(4,1).")) == [f"_action_lib(move,{i},{i})" for i in range(1, 5)]
+    assert solver.horizon == 4
+    state = solver.snapshot()
+    play(solver, "#step 2. _request(-4,2).")
+    assert solver.horizon > 10
+    solver.restore(state)
+    assert solver.horizon == 4
+    for one in ("_request(1,1)",):
+        other = solver_of(WALK, shortest=True, horizon_limit=30)
+        play(other, "#step 9.")
+        other.close_cycle(9, [])
+        assert plan(play(other, f"#step 1. {one}.")) == ["_action_lib(move,1,1)"]
+
+
+def test_closed_cycles_hold_what_was_executed_and_nothing_else():
+    solver = solver_of(WALK, shortest=True, horizon_limit=30)
+    play(solver, "#step 1. _request(1,1).")
+    solver.close_cycle(1, [parse_atom("_action_lib(move,-1,1)")])
+    solver.close_cycle(2, [])
+    result = play(solver, "#step 3. :- not _action_lib(move,-1,1).")
+    assert plan(result) == ["_action_lib(move,-1,1)", "_action_lib(move,0,3)", "_action_lib(move,1,4)"]
+    solver.restore(solver.snapshot())
+    assert plan(solver.solve()) == plan(result)
+
+
+def test_least_costs_come_alone():
+    solver = solver_of(
+        "1 { a ; b ; c }. #minimize { 2,a : a ; 1,b : b ; 1,c : c }. #cumulative t. #volatile t.", models=0
+    )
+    assert [sorted(map(str, answer)) for answer in sorted(play(solver, "#step 1.").answers, key=str)] in (
+        [["b"], ["c"]],
+        [["c"], ["b"]],
+    )
