@@ -62,7 +62,7 @@ def test_all_faults_at_once():
     found = faults("a(X) :- b(Y).\n_request(x).\nc(X) :- not d(X).\n" + STEPS)
     assert [line for _, line, _ in found] == [2, 1, 3]
     assert "_request(Goal,C)" in found[0][2]
-    assert "unsafe variables X, Y" in found[1][2]
+    assert "unsafe variable X in a(X)" in found[1][2]
     assert "domain" in found[2][2]
 
 
