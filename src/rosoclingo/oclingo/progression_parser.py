@@ -3,7 +3,7 @@
 Raises nothing but :class:`ProgressionError`, with line and column of the text that was given.
 """
 
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.progression import (
@@ -32,10 +32,14 @@ def parse_update(text: str) -> StreamUpdate:
 
 def parse_updates(text: str) -> List[StreamUpdate]:
     """Return the updates of ``text``, each ended by ``#endstep.``, ``#end step.`` or ``#stop.``"""
-    tokens, updates = TokenStream(text), []
+    return list(iterate_updates(text))
+
+
+def iterate_updates(text: str) -> Iterator[StreamUpdate]:
+    """Yield the updates of ``text`` one by one; a fault is raised when its update's turn comes."""
+    tokens = TokenStream(text)
     while tokens.next.kind != "end":
-        updates.append(_UpdateReader(tokens).read())
-    return updates
+        yield _UpdateReader(tokens).read()
 
 
 class _UpdateReader:
