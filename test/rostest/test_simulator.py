@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""The simulator's topics and services: rates, frames, watchdog, pause and step, doors, obstacles, poses, reset."""
+
+import math
+import sys
+import threading
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor, SetRobotPose, SetSpeed, StepSimulation
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
+from std_srvs.srv import Empty, SetBool
+
+START = (1.9, 0.0)
+
+
+class Stamps:
+    """Counts the messages of a topic and keeps the last one."""
+
+    def __init__(self, topic, kind):
+        self.changed, self.messages = threading.Condition(), []
+        rospy.Subscriber(topic, kind, self._take, queue_size=1000)
+
+    def _take(self, message):
+        with self.changed:
+            self.messages.append(message)
+            self.changed.notify_all()
+
+    def wait(self, condition, limit=60.0):
+        with self.changed:
+            start = len(self.messages)
+            if not self.changed.wait_for(lambda: condition(self.messages[start:]), timeout=limit):
+                raise AssertionError(f"waited {limit} s in vain")
+            return self.messages[start:]
+
+
+class SimulatorTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.odom, cls.truth = Stamps("odom", Odometry), Stamps("base_pose_ground_truth", Odometry)
+        cls.scan, cls.clock = Stamps("base_scan", LaserScan), Stamps("/clock", Clock)
+        cls.collisions = Stamps("/simulator/collisions", String)
+        cls.buffer = tf2_ros.Buffer()
+        cls.listener = tf2_ros.TransformListener(cls.buffer)
+        cls.command = rospy.Publisher("cmd_vel", Twist, queue_size=10)
+        cls.pause, cls.step = cls.service("pause", SetBool), cls.service("step", StepSimulation)
+        cls.place, cls.door = cls.service("set_pose", SetRobotPose), cls.service("set_door", SetDoor)
+        cls.put, cls.remove = cls.service("put_obstacle", PutObstacle), cls.service("remove_obstacle", RemoveObstacle)
+        cls.truth.wait(len)
+        cls.scan.wait(len)
+
+    @staticmethod
+    def service(name, kind):
+        rospy.wait_for_service("/simulator/" + name, timeout=60.0)
+        return rospy.ServiceProxy("/simulator/" + name, kind)
+
+    def setUp(self):
+        rospy.ServiceProxy("reset_positions", Empty)()
+
+    def drive_until(self, condition, v=0.5, w=0.0):
+        """Command a velocity with every pose until one satisfies a condition."""
+        twist = Twist()
+        twist.linear.x, twist.angular.z = v, w
+
+        def check(messages):
+            self.command.publish(twist)
+            return messages and condition(messages[-1])
+
+        return self.truth.wait(check)[-1]
+
+    def test_rates_are_ten_a_simulated_second(self):
+        for stamps in (self.odom, self.truth, self.scan):
+            messages = stamps.wait(lambda m: len(m) > 50)
+            times = [message.header.stamp.to_sec() for message in messages]
+            gaps = [b - a for a, b in zip(times, times[1:])]
+            self.assertTrue(all(abs(gap - 0.1) < 1e-6 for gap in gaps), gaps)
+        ticks = [message.clock.to_sec() for message in self.clock.wait(lambda m: len(m) > 20)]
+        self.assertTrue(all(abs(b - a - 0.1) < 1e-6 for a, b in zip(ticks, ticks[1:])))
+
+    def test_frames_are_those_of_stage_ros(self):
+        self.assertEqual(self.odom.messages[-1].header.frame_id, "odom")
+        self.assertEqual(self.odom.messages[-1].child_frame_id, "base_footprint")
+        scan = self.scan.messages[-1]
+        self.assertEqual((scan.header.frame_id, len(scan.ranges)), ("base_laser_link", 270))
+        found = self.buffer.lookup_transform("odom", "base_laser_link", rospy.Time(0), rospy.Duration(5.0)).transform
+        self.assertAlmostEqual(found.translation.x, START[0], places=3)
+        self.assertAlmostEqual(found.translation.y, START[1] + 0.05, places=3)
+        self.assertAlmostEqual(found.translation.z, 0.25, places=3)
+        for parent, child in (("odom", "base_footprint"), ("base_footprint", "base_link")):
+            self.assertTrue(self.buffer.can_transform(parent, child, rospy.Time(0)))
+
+    def test_the_watchdog_stops_the_robot(self):
+        self.drive_until(lambda m: m.twist.twist.linear.x > 0.1)
+        self.truth.wait(lambda m: m and m[-1].twist.twist.linear.x == 0.0)
+
+    def test_a_collision_is_reported_and_the_robot_stands(self):
+        twist = Twist()
+        twist.linear.x = 0.6
+
+        self.place("", 15.0, 0.0, 0.0)
+        before = len(self.collisions.messages)
+        self.truth.wait(lambda _: len(self.collisions.messages) > before or self.command.publish(twist))
+        self.assertIn("mailbot ran into a wall", self.collisions.messages[-1].data)
+
+    def test_pause_and_step(self):
+        self.assertTrue(self.pause(True).success)
+        try:
+            time = self.step(0).time
+            answer = self.step(7)
+            self.assertTrue(answer.success)
+            self.assertAlmostEqual((answer.time - time).to_sec(), 0.7, places=6)
+        finally:
+            self.pause(False)
+        self.clock.wait(lambda m: len(m) > 3)
+        answer = self.step(1)
+        self.assertFalse(answer.success)
+        self.assertIn("paused", answer.message)
+
+    def test_a_door_blocks_the_beam_and_cannot_close_on_a_robot(self):
+        def ahead():
+            return self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135]
+
+        self.assertGreater(ahead(), 2.0)
+        self.assertTrue(self.door("office1", False).success)
+        self.assertAlmostEqual(ahead(), 1.075 - 0.05, delta=0.1)
+        self.assertTrue(self.door("office1", True).success)
+        self.assertGreater(ahead(), 2.0)
+        self.assertIn("gate", self.door("gate", True).message)
+        self.assertTrue(self.place("", 1.9, 1.075, 0.0).success)
+        answer = self.door("office1", False)
+        self.assertFalse(answer.success)
+        self.assertIn("mailbot", answer.message)
+
+    def test_obstacles(self):
+        self.assertTrue(self.put("crate", 1.9, 0.8, 0.2, 0.0, 0.0, 0.0).success)
+        self.assertAlmostEqual(self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135], 0.55, delta=0.1)
+        self.assertTrue(self.remove("crate").success)
+        self.assertFalse(self.remove("crate").success)
+        self.assertFalse(self.put("crate", 1.9, 0.0, 0.2, 0.0, 0.0, 0.0).success)
+        self.assertFalse(self.put("", 5.0, 0.0, 0.2, 0.0, 0.0, 0.0).success)
+        self.assertFalse(self.put("crate", 5.0, 0.0, 0.2, 1.0, 1.0, 0.0).success)
+
+    def test_poses(self):
+        self.assertTrue(self.place("mailbot", 5.0, 0.2, 1.0).success)
+        pose = self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose
+        self.assertAlmostEqual(pose.position.x, 5.0)
+        self.assertAlmostEqual(2.0 * math.atan2(pose.orientation.z, pose.orientation.w), 1.0)
+        self.assertIn("wall", self.place("", 7.93, 3.0, 0.0).message)
+        self.assertIn("rover", self.place("rover", 5.0, 0.0, 0.0).message)
+        rospy.ServiceProxy("reset_positions", Empty)()
+        self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, START[0])
+
+    def test_the_speed_is_checked(self):
+        speed = self.service("set_speed", SetSpeed)
+        self.assertFalse(speed(-1.0).success)
+        self.assertFalse(speed(math.nan).success)
+        self.assertTrue(speed(20.0).success)
+
+
+if __name__ == "__main__":
+    rospy.init_node("simulator_test")
+    rostest.rosrun("rosoclingo", "simulator_test", SimulatorTest, sys.argv)
