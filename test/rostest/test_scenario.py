@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Plays a shipped scenario in the whole system: real core, interfaces, office, navigation, simulator and recorder."""
+
+import argparse
+import contextlib
+import os
+import sys
+import time
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosbag
+import rosgraph
+import rosnode
+import rospy
+import rostest
+
+from rosoclingo.nodes.scenario_run import find_scenario, run_scenario
+from rosoclingo.oclingo import parse_atom, parse_update
+from rosoclingo.oclingo.progression import Statement
+
+OPTIONS = argparse.Namespace()
+PATIENCE = 60.0
+GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
+
+
+def wait_for(condition):
+    """Wait until ``condition`` holds, at most PATIENCE seconds of wall time; tell whether it does."""
+    end = time.monotonic() + PATIENCE
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
+    return condition()
+
+
+def recording():
+    """Whether the recorder is connected to the topics that are compared."""
+    with contextlib.suppress(OSError, rosgraph.MasterException):
+        uri = rosgraph.Master("/test_scenario").lookupNode("/record")
+        topics = {connection[4] for connection in ServerProxy(uri).getBusInfo("/test_scenario")[2]}
+        return {"/rosoclingo/updates", "/rosoclingo/result", "/out_rosoclingo", "/in_rosoclingo"} <= topics
+    return False
+
+
+class Bag:
+    """What a bag tells: updates, actions and returns as atoms, and the end of each goal."""
+
+    def __init__(self, path):
+        self.updates, self.actions, self.returns, self.ends = [], [], [], {}
+        with rosbag.Bag(path) as bag:
+            for topic, message, _ in bag.read_messages():
+                self.take(topic.strip("/"), message)
+
+    def take(self, topic, message):
+        if topic == "rosoclingo/updates":
+            self.updates.append(parse_update(message.data))
+        elif topic == "out_rosoclingo":
+            self.actions += [parse_atom(fact) for fact in message.facts]
+        elif topic == "in_rosoclingo":
+            self.returns += [parse_atom(fact) for fact in message.facts]
+        elif topic == "rosoclingo/result":
+            self.ends[message.status.goal_id.id] = GOAL_STATES[message.status.status]
+
+
+class ScenarioTest(unittest.TestCase):
+    """One scenario."""
+
+    def test_it_ends_as_expected_and_the_bag_tells_the_same(self):
+        scenario = find_scenario(OPTIONS.scenario)
+        lines = []
+        outcome = run_scenario(
+            scenario,
+            ["move_base", "pickup", "deliver"],
+            lines.append,
+            PATIENCE,
+            ready=lambda: self.assertTrue(wait_for(recording), "the recorder is not connected"),
+        )
+        self.assertEqual(outcome.faults, [], "\n".join(lines))
+        self.compare(self.read_bag(), scenario)
+
+    def read_bag(self):
+        rosnode.kill_nodes(["/record"])
+        self.assertTrue(wait_for(lambda: os.path.exists(OPTIONS.bag)), "the bag was not closed")
+        self.addCleanup(os.remove, OPTIONS.bag)
+        return Bag(OPTIONS.bag)
+
+    def compare(self, bag, scenario):
+        self.assertEqual(sorted(bag.ends.values()), sorted(scenario.expect["goals"]))
+        if "actions" in scenario.expect:
+            self.assertEqual([str(action) for action in bag.actions], scenario.expect["actions"])
+        self.assertEqual([update.step for update in bag.updates], list(range(1, len(bag.updates) + 1)))
+        statements = [item for update in bag.updates for item in update.items if isinstance(item, Statement)]
+        committed = [one.body[0].atom for one in statements if one.head is None]
+        returned = [one.head for one in statements if one.head is not None and one.head.name == "_return"]
+        self.assertEqual(committed, bag.actions[: len(committed)])
+        self.assertEqual(len(committed), len(bag.actions))
+        self.assertEqual(returned, bag.returns)
+        for action, value in zip(bag.actions, bag.returns):
+            self.assertEqual(action.arguments[0::2], value.arguments[0::2])
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--scenario", required=True)
+    parser.add_argument("--bag", required=True)
+    OPTIONS, _ = parser.parse_known_args(rospy.myargv()[1:])
+    rospy.init_node("test_scenario")
+    rostest.rosrun("rosoclingo", f"scenario_{OPTIONS.scenario}", ScenarioTest, sys.argv)
