@@ -69,7 +69,7 @@ class CoreNode:
         program = load_program(self._parameters)
         self._core = Core(
             program,
-            lambda: ReactiveSolver(program, shortest=True),
+            lambda: ReactiveSolver(program, shortest=True, oclingo_strings=False),
             self._observe,
             self._parameters.settings,
             self._limited_search,
@@ -93,7 +93,7 @@ class CoreNode:
         self._updates = rospy.Publisher("~updates", String, queue_size=100)
         self._worker.put(self._core.start)
         self._server = ActionServer("rosoclingo", ROSoClingoAction, self._on_goal, self._on_cancel, auto_start=False)
-        rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000)
+        rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
         self._worker.start()
@@ -165,9 +165,9 @@ class CoreNode:
 
     def _plan_made(self, event: PlanMade) -> None:
         message = TaskPlan(cycle=event.cycle, horizon=event.horizon, actions=[str(one.atom) for one in event.actions])
+        message.ground_time, message.solve_time = event.ground, event.solve
         message.header.stamp = rospy.Time.now()
         self._task_plan.publish(message)
-        rospy.logdebug("cycle %d: ground %.4f s, solve %.4f s", event.cycle, event.ground, event.solve)
 
     def _actions_dispatched(self, event: ActionsDispatched) -> None:
         self._under_way = messages = _messages(event.actions)
