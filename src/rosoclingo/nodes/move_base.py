@@ -180,7 +180,7 @@ class MoveBaseNode:
         assert navigator is not None
         period = self._settings.controller_period
         laser_age = self._sensing.laser_age(now)
-        if located.pose is None:
+        if located.pose is None or located.fault:
             tick = navigator.blind(now, Outcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault)
         elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
             text = f"The laser is lost: no scan on {self._settings.frames.scan_topic} for {laser_age:.1f} s"

@@ -17,7 +17,7 @@ from rosoclingo.nodes.worker import Worker
 
 
 class Located(NamedTuple):
-    """Where the robot is, or (``pose`` None) why that is not known."""
+    """Where the robot is; ``fault``: why that is not known (``pose`` None), or too old to drive by."""
 
     pose: Optional[Pose2D]
     fault: str = ""
@@ -68,14 +68,13 @@ class Sensing:
 
     def locate(self, now: float) -> Located:
         """Return where the robot is in the map, now (s)."""
+        pose = self._pose_in_map(self._frames.base, rospy.Time(0))
         for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
             stamp = self._newest(parent, child)
             if stamp is None:
                 return Located(None, f"there is no transform from {parent} to {child}")
             if stamp > 0.0 and now - stamp > self._frames.tolerance:
-                age = now - stamp
-                return Located(None, f"the transform from {parent} to {child} is {age:.1f} s old")
-        pose = self._pose_in_map(self._frames.base, rospy.Time(0))
+                return Located(pose, f"the transform from {parent} to {child} is {now - stamp:.1f} s old")
         return Located(pose, "" if pose else f"there is no transform from {self._frames.map} to the robot")
 
     def laser_age(self, now: float) -> float:

@@ -33,6 +33,9 @@ from rosoclingo.srv import (
 
 # Behind by more than that (s of wall time), the simulator stops trying to catch up with its pace.
 LATE = 0.5
+# Free running, a step that would leave a commanded robot to its watchdog waits so long (s of wall time) for a command;
+# commanded is who has been commanded within the last ACTIVE simulated s.
+HEED, ACTIVE = 0.02, 0.5
 
 
 class SimulatorNode:
@@ -44,7 +47,7 @@ class SimulatorNode:
     ----------
         ~world (string): the world file (YAML).
         ~map (string, ""): a map file (YAML of map_server) instead of the one that the world file names.
-        ~speed (float, 1.0): simulated seconds per second; 0: as fast as it goes.
+        ~speed (float, 1.0): simulated seconds per second; 0: as fast as it goes and those who command can follow.
         ~base_watchdog_timeout (float, 0.2): a robot without a command for that long (simulated s) stops.
         ~paused (bool, false): start paused.
         ~use_model_names (bool, false): several robots: prefix with their names in the world file.
@@ -87,6 +90,7 @@ class SimulatorNode:
             if self._simulation.robots[name].laser:
                 self._simulation.scan(name)  # compiled before the first client waits for it
         self._services = self._serve()
+        self._commanded_at, self._stepped_at = -float("inf"), 0.0  # in simulated and in wall time
         self._origin = (0.0, 0.0)  # wall and simulated time from which the pace counts
         self._thread = threading.Thread(target=self._run, name="simulation", daemon=True)
 
@@ -98,7 +102,7 @@ class SimulatorNode:
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
 
     def _commander(self, name: str) -> Callable[[float, float], None]:
-        return lambda v, w: self._jobs.put(lambda: self._simulation.command(name, v, w))
+        return lambda v, w: self._jobs.put(lambda: self._command(name, v, w))
 
     def _scanner(self, name: str) -> Callable[[], Any]:
         return lambda: self._simulation.scan(name)
@@ -169,12 +173,22 @@ class SimulatorNode:
     def _until_next(self) -> float:
         """Return how long (s of wall time) the next step has to wait."""
         if self._speed <= 0.0:
-            return 0.0
+            return self._until_heeded()
         wall, simulated = self._origin
         wait = wall + (self._simulation.time - simulated) / self._speed - time.monotonic()
         if wait < -LATE:
             self._restart_pace()
         return wait
+
+    def _until_heeded(self) -> float:
+        """Return how long (s of wall time) a free running simulation waits for who commands its robots."""
+        age = self._simulation.time - self._commanded_at
+        starved = self._simulation.watchdog - self._simulation.spec.interval - 1e-6 < age < ACTIVE
+        return HEED - (time.monotonic() - self._stepped_at) if starved else 0.0
+
+    def _command(self, name: str, v: float, w: float) -> None:
+        self._simulation.command(name, v, w)
+        self._commanded_at = self._simulation.time
 
     def _restart_pace(self) -> None:
         self._origin = (time.monotonic(), self._simulation.time)
@@ -196,6 +210,7 @@ class SimulatorNode:
             rospy.logwarn(text)
             self._collisions.publish(text)
         self._publish()
+        self._stepped_at = time.monotonic()
 
     def _publish(self) -> None:
         now = self._simulation.time
