@@ -7,23 +7,8 @@ from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused
 from rosoclingo.reasoning.journal import Journal
 
-#: One errand per goal ``do(What,Id)``: run What with Id until it returns Id. No statuses. "never" cannot be done.
-ERRANDS = """
-#external _request/2. #external _return/3. #external _seen/1.
-asked(W,I,C) :- _request(do(W,I),C).
-#program cumulative(t).
-{ _action_lib(W,I,t) : asked(W,I,C), C <= t+1, W != never } 1.
-:- _action_lib(W,I,t), done(I,t-1).
-failed(I,t) :- _action_lib(W,I,t), _return(W,V,t), V != I.
-done(I,t) :- _action_lib(W,I,t), not failed(I,t).
-done(I,t) :- done(I,t-1).
-done(I,t) :- _request(cancel(I),t).
-#program volatile(t).
-:- asked(W,I,C), not done(I,t).
-#program base.
-#show _action_lib/3. #show _status/3.
-#defined _status/3.
-"""
+#: One errand per goal ``do(What,Id)``; see the file.
+ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()
 
 
 class Driver:

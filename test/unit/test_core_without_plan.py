@@ -44,6 +44,24 @@ def test_only_the_goal_at_fault_ends():
     assert driver.states("a")[-1] == driver.states("c")[-1] == "succeeded"
 
 
+def test_recovery_after_cycles_of_every_kind():
+    driver = Driver().goal("a", "do(walk,1)").cancel("a").succeed()
+    driver.goal("b", "do(walk,2)").facts("_return(walk,failed,3)", "_seen(ball)").finish()
+    driver.goal("c", "do(run,3)").finish().goal("bad", "do(never,4)")
+    assert driver.states("bad")[-1] == "aborted"
+    assert driver.journal.problems == []
+    assert driver.goal("d", "do(walk,5)").finish().states("d")[-1] == "succeeded"
+    assert driver.goal("worse", "do(never,6)").states("worse")[-1] == "aborted"
+    assert driver.goal("e", "do(walk,7)").finish().states("e")[-1] == "succeeded"
+
+
+def test_goal_that_cannot_be_met_while_another_is_under_way():
+    driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").goal("bad", "do(never,3)")
+    driver.facts("_return(walk,failed,1)").finish()
+    assert driver.states("bad")[-1] == "aborted"
+    assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
+
+
 def test_newer_goal_gives_way():
     driver = Driver(EXCLUSIVE).goal("a", "do(walk,1)").goal("b", "do(open,2)").goal("c", "do(lock,3)").finish()
     assert driver.states("c")[-1] == "aborted"

@@ -17,7 +17,7 @@ class CoreParameters:
     constants: Dict[str, str]
     labels: Tuple[str, ...]
     settings: CoreSettings
-    search_timeout: float = 30.0
+    search_timeout: float = 10.0
 
 
 def core_parameters(values: Mapping[str, Any]) -> CoreParameters:

@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import time
+from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Callable, Dict, List, Optional
@@ -51,7 +52,8 @@ class DemoSystem:
                 command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
             )
         try:
-            self.wait_for(rosgraph.is_master_online, "roslaunch")
+            self.wait_for(rosgraph.is_master_online, "the master")
+            self.wait_for(lambda: bool(_node_uri("/rosoclingo")), "the core")  # by then all parameters are set
         except BaseException:
             self.__exit__()
             raise
@@ -69,6 +71,11 @@ class DemoSystem:
                 continue
         _signal_group(self._process.pid, signal.SIGKILL)
 
+    def check(self) -> None:
+        """Raises DemoError when the system has ended."""
+        if self._process is not None and self._process.poll() is not None:
+            raise DemoError(f"the system ended by itself; its log is {self.log}{self._tail()}")
+
     def wait_for(self, condition: Callable[[], bool], what: str) -> None:
         """Wait until ``condition`` holds; raises DemoError when the system ended or START_TIME passed."""
         end = time.monotonic() + START_TIME
@@ -82,9 +89,8 @@ class DemoSystem:
     def recording(self) -> bool:
         """Whether the recorder is connected to what is to be recorded."""
         try:
-            recorder = ServerProxy(rosgraph.Master("/demo").lookupNode("/record"))
-            connections = recorder.getBusInfo("/demo")[2]
-        except (rosgraph.MasterException, OSError):
+            connections = ServerProxy(_node_uri("/record")).getBusInfo("/demo")[2]
+        except OSError:
             return False
         return set(RECORDED) <= {connection[4] for connection in connections}
 
@@ -100,7 +106,12 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
     with DemoSystem(folder, arguments) as system:
         rospy.init_node("demo", disable_signals=True)
         outcome = run_scenario(
-            scenario, list(SERVERS), say, START_TIME, lambda: system.wait_for(system.recording, "the recorder")
+            scenario,
+            list(SERVERS),
+            say,
+            START_TIME,
+            check=system.check,
+            ready=lambda: system.wait_for(system.recording, "the recorder"),
         )
         rospy.signal_shutdown("the scenario is over")
     say("")
@@ -120,6 +131,14 @@ def run_folder(name: str) -> Path:
     return home / "rosoclingo" / f"{Path(name).stem}-{stamp}-{os.getpid()}"
 
 
+def _node_uri(name: str) -> str:
+    """Where a node is, by the master; empty when it is not there yet."""
+    try:
+        return rosgraph.Master("/demo").lookupNode(name)
+    except rosgraph.MasterException:
+        return ""
+
+
 def _free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -135,7 +154,5 @@ def _environment(port: int, folder: Path) -> Dict[str, str]:
 
 
 def _signal_group(leader: int, number: int) -> None:
-    try:
+    with suppress(ProcessLookupError):
         os.killpg(leader, number)
-    except ProcessLookupError:
-        pass

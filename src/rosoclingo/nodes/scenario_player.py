@@ -1,6 +1,7 @@
 """Plays a scenario: real goals by actionlib, cancels, facts; waits for the end of all goals."""
 
 import threading
+import time
 from typing import Callable, Dict, List, Optional
 
 import rospy
@@ -15,6 +16,9 @@ from rosoclingo.srv import PutPackage
 
 #: Seconds of wall time between two looks at the clock.
 _TURN = 0.02
+
+#: Seconds of wall time for which ROS time may stand still.
+STILL = 60.0
 
 
 class PlayError(RuntimeError):
@@ -35,9 +39,17 @@ class ScenarioPlayer:
         rosoclingo (rosoclingo/ROSoClingo), with a client of its own for each client of the scenario.
     """
 
-    def __init__(self, scenario: Scenario, wait_for: List[str], say: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        wait_for: List[str],
+        say: Callable[[str], None],
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Connect. ``check`` is called now and then and may raise when there is nothing to wait for any more."""
         self._scenario = scenario
         self._say = say
+        self._check = check
         self._news = threading.Condition()
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
@@ -78,8 +90,12 @@ class ScenarioPlayer:
             for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
                 waiting.remove(event)
                 self._do(event)
-            with self._news:
-                self._news.wait(_TURN)
+            self._turn()
+
+    def _turn(self) -> None:
+        self._check()
+        with self._news:
+            self._news.wait(_TURN)
 
     def _elapsed_cycles(self) -> Dict[int, float]:
         start = self._start or 0.0
@@ -125,14 +141,27 @@ class ScenarioPlayer:
             turns -= 1
             if turns < 0 or rospy.is_shutdown():
                 raise PlayError(f"{missing()} within {timeout:g} s")
-            with self._news:
-                self._news.wait(_TURN)
+            self._turn()
 
     def _on_plan(self, message: TaskPlan) -> None:
         self._begun.setdefault(message.cycle, rospy.get_time())
 
     def _on_status(self, _message: GoalStatusArray, name: str) -> None:
         self._missing.discard(name)
+
+
+class _Clock:
+    """Tells when ROS time has not moved for STILL seconds of wall time: whoever makes it is gone."""
+
+    def __init__(self, now: float) -> None:
+        self._last = now
+        self._seen = time.monotonic()
+
+    def stands_still(self, now: float) -> bool:
+        """Whether time stands still, ``now`` in seconds of ROS time."""
+        if now != self._last:
+            self._last, self._seen = now, time.monotonic()
+        return time.monotonic() - self._seen > STILL
 
 
 def _identifier(text: str) -> str:

@@ -32,14 +32,20 @@ def find_scenario(name: str) -> Scenario:
 
 
 def run_scenario(
-    scenario: Scenario, wait_for: List[str], say: Callable[[str], None], timeout: float, ready: Callable[[], None]
+    scenario: Scenario,
+    wait_for: List[str],
+    say: Callable[[str], None],
+    timeout: float,
+    check: Callable[[], None] = lambda: None,
+    ready: Callable[[], None] = lambda: None,
 ) -> ScenarioOutcome:
     """Play a scenario and tell the account line by line.
 
-    ``wait_for`` names the action servers that have to be there within ``timeout`` seconds of wall time. ``ready`` is
-    called before the first event. Labels are those of the office node.
+    ``wait_for`` names the action servers that have to be there within ``timeout`` seconds of wall time. ``check`` is
+    called now and then and may raise to end the scenario; ``ready`` is called before the first event. Labels are those
+    of the office node.
     """
-    player = ScenarioPlayer(scenario, wait_for, say)
+    player = ScenarioPlayer(scenario, wait_for, say, check)
     faults: List[str] = []
     account: Optional[AccountNode] = None
     try:

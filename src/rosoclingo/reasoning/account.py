@@ -110,7 +110,7 @@ class Account:
         if goal is None or goal.status == word:
             return
         goal.status, goal.message = word, message
-        self._line(time, "goal", f"{goal.text}: {word}{_because(word, message)}")
+        self._line(time, "goal", f"{goal.text}: {word}{_because(goal)}")
 
     def update(self, time: float, text: str) -> None:
         """The core fed a stream update."""
@@ -178,8 +178,8 @@ class Account:
     def _print(self, line: _Line) -> None:
         if line.kind == "update":
             self._cycle += 1
-        elapsed = line.time - (self._start or 0.0)
-        self._say(f"{elapsed:7.1f} s  cycle {self._cycle:<3d} {line.kind:8s} {line.text}")
+        self._now = max(self._now, line.time - (self._start or 0.0))
+        self._say(f"{self._now:7.1f} s  cycle {max(1, self._cycle):<3d} {line.kind:8s} {line.text}")
 
 
 def _because(goal: GoalAccount) -> str:

@@ -26,18 +26,24 @@ class Recovery(NamedTuple):
     dropped: Tuple[Goal, ...]
     forgotten: bool = False
 
+    @property
+    def met(self) -> bool:
+        """Whether there is a plan for the goals that are kept."""
+        return self.result.outcome is SolveOutcome.SATISFIABLE
+
 
 def recover(planner: Planner, step: int, goals: Sequence[Goal], suspects: Sequence[Goal]) -> Optional[Recovery]:
     """Find the goals to drop at ``step``, out of the live ``goals`` that were fed, oldest first.
 
     First the ``suspects`` go, then all goals; of these, every goal is kept that can be met with the ones kept before
-    it. None when there is no plan even without any goal.
+    it, until a search takes so long that it is interrupted. None when there is no plan even without any goal.
     """
     for dropped in _distinct(suspects, goals):
         found = _attempt(planner, step, dropped)
-        if found is not None:
+        if found.met:
             return _keep_what_can_be_met(planner, step, found)
-    return _attempt(planner, step, tuple(goals), forgotten=True)
+    found = _attempt(planner, step, tuple(goals), forgotten=True)
+    return found if found.met else None
 
 
 def _distinct(suspects: Sequence[Goal], goals: Sequence[Goal]) -> List[Tuple[Goal, ...]]:
@@ -49,19 +55,19 @@ def _keep_what_can_be_met(planner: Planner, step: int, found: Recovery) -> Recov
     for goal in found.dropped:
         fewer = tuple(other for other in found.dropped if other is not goal)
         if fewer:
-            found = _attempt(planner, step, fewer) or found
+            tried = _attempt(planner, step, fewer)
+            if tried.result.outcome is SolveOutcome.INTERRUPTED:
+                return found
+            found = tried if tried.met else found
     return found
 
 
-def _attempt(planner: Planner, step: int, dropped: Tuple[Goal, ...], forgotten: bool = False) -> Optional[Recovery]:
+def _attempt(planner: Planner, step: int, dropped: Tuple[Goal, ...], forgotten: bool = False) -> Recovery:
     cancels = () if forgotten else tuple(Statement(cancellation(goal.identifier, step)) for goal in dropped)
     update = StreamUpdate(step=step, items=cancels)
     fresh = planner.restarted(frozenset(_requests(dropped)) if forgotten else frozenset())
     fresh.end_cycle(step - 1, ())
-    result = fresh.update(update)
-    if result.outcome is not SolveOutcome.SATISFIABLE:
-        return None
-    return Recovery(fresh, update, result, dropped, forgotten)
+    return Recovery(fresh, update, fresh.update(update), dropped, forgotten)
 
 
 def _requests(goals: Sequence[Goal]) -> List[Symbol]:
