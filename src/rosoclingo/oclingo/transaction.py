@@ -133,7 +133,7 @@ class Transaction:
             new = [atom for atom in fresh if not self.engine.atoms.knows(atom)]
             if any(self.program.may_see(atom, self.engine.horizon) for atom in new):
                 self.engine = None
-            else:
+            elif new:
                 self.engine.declare(new)
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
