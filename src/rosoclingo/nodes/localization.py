@@ -1,6 +1,7 @@
 """Localisation from the ground truth, as the package fake_localization has it."""
 
-from typing import Any, Optional
+from collections import deque
+from typing import Any, Deque, Optional
 
 import rospy
 import tf2_ros
@@ -63,7 +64,8 @@ class FakeLocalizationNode:
         self._pose = rospy.Publisher("amcl_pose", PoseWithCovarianceStamped, queue_size=10)
         self._cloud = rospy.Publisher("particlecloud", PoseArray, queue_size=10)
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
-        self._waiting: Optional[Odometry] = None
+        # When tf lags behind, the newest truth is not the one to use; so some are kept.
+        self._waiting: Deque[Odometry] = deque(maxlen=200)
         self._truth: Optional[Pose2D] = None
         self._worker = Worker(settle=self._settle)
         self._worker.start()
@@ -80,7 +82,7 @@ class FakeLocalizationNode:
         self._worker.put(lambda: self._move_map(message))
 
     def _take(self, message: Odometry) -> None:
-        self._waiting = message
+        self._waiting.append(message)
 
     def _move_map(self, message: PoseWithCovarianceStamped) -> None:
         pose = to_pose2d(message.pose.pose)
@@ -91,16 +93,18 @@ class FakeLocalizationNode:
         self._world_in_map = pose.compose(self._truth.inverse())
 
     def _settle(self) -> None:
-        """Publish where the newest truth puts the robot, once odometry of that time is known."""
-        message = self._waiting
-        if message is None:
+        """Publish where the newest truth puts the robot for whose time odometry is known."""
+        for message in reversed(self._waiting):
+            stamp = message.header.stamp
+            try:
+                odometry = from_transform(self._buffer.lookup_transform_core(self._odom, self._base, stamp).transform)
+                break
+            except tf2_ros.TransformException:
+                continue
+        else:
             return
-        stamp = message.header.stamp
-        try:
-            odometry = from_transform(self._buffer.lookup_transform(self._odom, self._base, stamp).transform)
-        except tf2_ros.TransformException:
-            return
-        self._waiting = None
+        while self._waiting and self._waiting.popleft() is not message:
+            pass
         truth = to_pose2d(message.pose.pose)
         if truth is None:
             return
