@@ -16,6 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
+import rosgraph
+
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = "  - {{pose: [{x}, {y}, 0], radius: 0.18, laser: {{range: 6.0, angle: 270.25, beams: 1081}}}}\n"
 
@@ -33,9 +35,13 @@ class Run:
 
     def __init__(self, world: Path, navigation: bool) -> None:
         command = ["roslaunch", "rosoclingo", "simulation.launch", f"world:={world}", "speed:=0"]
-        self.processes = [self.start(command)]
+        self.processes = [self.start(["roscore", "-p", os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]])]
+        deadline = time.monotonic() + 60.0
+        while not rosgraph.is_master_online() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        self.processes.append(self.start([*command, "--wait"]))
         if navigation:
-            self.processes.append(self.start(["roslaunch", "rosoclingo", "navigation.launch"]))
+            self.processes.append(self.start(["roslaunch", "rosoclingo", "navigation.launch", "--wait"]))
 
     @staticmethod
     def start(command):
@@ -75,7 +81,7 @@ def watch(subscribed: bool, navigating: bool, seconds: float) -> None:
     while clock[0] == 0.0:
         time.sleep(0.05)
     if subscribed:
-        for name in ("odom", "base_pose_ground_truth", "base_scan", "/tf"):
+        for name in ("odom", "base_scan", "/tf", *([] if navigating else ["base_pose_ground_truth"])):
             rospy.Subscriber(name, rospy.AnyMsg, lambda _: None)
     if navigating:
         client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
