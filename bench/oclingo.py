@@ -30,8 +30,8 @@ from rosoclingo.oclingo import (  # noqa: E402
 
 def floor(offices: int) -> str:
     """Return an instance of ``offices`` in a row."""
-    rows = ["office(office{}).".format(i) for i in range(1, offices + 1)]
-    rows += ["corridor(office{},office{}).".format(i, i + 1) for i in range(1, offices)]
+    rows = [f"office(office{i})." for i in range(1, offices + 1)]
+    rows += [f"corridor(office{i},office{i + 1})." for i in range(1, offices)]
     return "#program base.\nstart(office1).\n" + "\n".join(rows) + "\n"
 
 

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -91,6 +91,7 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
     best = 12.0
     for x, y, radius in discs:
         roots = np.roots([1.0, -2.0 * (x * dx + y * dy), x * x + y * y - radius * radius])
+        assume(abs(abs(x * dy - y * dx) - radius) > 1e-3)  # whether a ray hits what it touches is a matter of rounding
         real = [root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0]
         if math.hypot(x, y) <= radius:
             best = 0.0

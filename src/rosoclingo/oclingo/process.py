@@ -169,7 +169,7 @@ class SolverProcess:
             self._respawn()
             raise DroppedError(f"{error}; what it was asked for was dropped") from None
         except BaseException:  # a reply may still be on its way
-            self._respawn()
+            self._discard()
             raise
         if "refused" in reply:
             raise SolverError(reply["refused"])
@@ -210,7 +210,7 @@ class SolverProcess:
                 deadline = time.monotonic() + self._patience
                 self._child.send({"do": "interrupt"})
             elif deadline is not None and time.monotonic() > deadline:
-                raise DroppedError("stopped while grounding; what the solver was asked for was dropped")
+                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
 
     def _spawn(self) -> None:
         self._loaded, self._current = False, not self._log

@@ -9,7 +9,7 @@ _TOKEN = re.compile(
     r"""
       (?P<space>[ \t\r\n\f\v]+ | %(?!\*)[^\n]*)
     | (?P<block>%\*)
-    | (?P<string>"(?:[^"\\\n]|\\["\\n])*")
+    | (?P<string>"(?:[^"\\\n\0\ud800-\udfff]|\\["\\n])*")
     | (?P<number>[0-9]+)
     | (?P<name>[_']*[a-z][A-Za-z0-9_']*)
     | (?P<directive>\#end[ \t\r\n]+step\b | \#[a-z]+)
@@ -18,6 +18,7 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _VARIABLE = re.compile(r"[_']*[A-Z][A-Za-z0-9_']*|_")
+_ODD_STRING = re.compile(r'"(?:[^"\\\n]|\\["\\n])*"')
 _BLOCK_EDGE = re.compile(r"%\*|\*%")
 
 
@@ -54,6 +55,8 @@ def _end_of_block(text: str, start: int) -> int:
 
 
 def _complaint(text: str, offset: int) -> str:
+    if _ODD_STRING.match(text, offset):
+        return "string with a character that is no text (NUL or half of a surrogate pair)"
     if text[offset] == '"':
         return 'string without end; close it with " on the same line (escapes are \\", \\\\ and \\n)'
     variable = _VARIABLE.match(text, offset)

@@ -1,0 +1,74 @@
+"""Answers as tables over time: a row for each atom without its time, a column for each time step."""
+
+from typing import Dict, Iterable, List, Optional, Set, Tuple
+
+import clingo
+
+Row = Tuple[str, Set[int]]
+
+
+def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) -> str:
+    """Return ``answer`` as a table of lines, at most ``width`` characters wide where that can be.
+
+    An atom's time is its last argument, if that is an integer in 0..``last`` in all atoms of its predicate; ``t``
+    stands in its place, ``x`` in the columns of the times at which it holds. Atoms without time come first. Too many
+    columns are put below each other.
+    """
+    timeless, rows = _sort(answer, last)
+    lines = _wrap(timeless, width)
+    if rows:
+        margin = max(len(stem) for stem, _ in rows)
+        times = sorted(set().union(*(held for _, held in rows)))
+        cell = len(str(times[-1])) + 1
+        for block in _blocks(range(times[0], times[-1] + 1), max((width - margin - 2) // cell, 10)):
+            lines += _block_lines(rows, block, margin, cell)
+    return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def _sort(answer: Iterable[clingo.Symbol], last: int) -> Tuple[List[str], List[Row]]:
+    """Part the atoms into those without time and rows; rows in order of predicate and first time."""
+    atoms = [(atom, _signature(atom), _time(atom, last)) for atom in answer]
+    without_time = {signature for _, signature, time in atoms if time is None}
+    held: Dict[Tuple[str, int, str], Set[int]] = {}
+    for atom, signature, time in atoms:
+        if time is not None and signature not in without_time:
+            stem = str(clingo.Function(atom.name, [*atom.arguments[:-1], clingo.Function("t")], atom.positive))
+            held.setdefault((*signature, stem), set()).add(time)
+    timeless = [str(atom) for atom, signature, _ in atoms if signature in without_time]
+    order = sorted(held, key=lambda key: (key[0], key[1], min(held[key]), key[2]))
+    return sorted(timeless), [(key[2], held[key]) for key in order]
+
+
+def _signature(atom: clingo.Symbol) -> Tuple[str, int]:
+    return (atom.name, len(atom.arguments)) if atom.type == clingo.SymbolType.Function else ("", 0)
+
+
+def _time(atom: clingo.Symbol, last: int) -> Optional[int]:
+    if atom.type != clingo.SymbolType.Function or not atom.name or not atom.arguments:
+        return None
+    time = atom.arguments[-1]
+    return time.number if time.type == clingo.SymbolType.Number and 0 <= time.number <= last else None
+
+
+def _wrap(words: List[str], width: int) -> List[str]:
+    lines: List[str] = []
+    for word in words:
+        if lines and len(lines[-1]) + 2 + len(word) <= width:
+            lines[-1] += "  " + word
+        else:
+            lines.append(word)
+    return lines
+
+
+def _blocks(times: range, size: int) -> Iterable[range]:
+    for start in range(0, len(times), size):
+        yield times[start : start + size]
+
+
+def _block_lines(rows: List[Row], times: range, margin: int, cell: int) -> List[str]:
+    """Return header and rows for some of the columns; rows without a mark in them are left out."""
+    lines = [" " * (margin + 1) + "".join(f"{time:>{cell}}" for time in times)]
+    for stem, held in rows:
+        if held.intersection(times):
+            lines.append(f"{stem:<{margin}} " + "".join(("x" if time in held else ".").rjust(cell) for time in times))
+    return lines
