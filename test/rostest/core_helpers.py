@@ -1,0 +1,115 @@
+"""What the tests of the core share: an interface layer by hand, and clients that note what becomes of their goals."""
+
+import queue
+import threading
+
+import rospy
+from actionlib import ActionClient
+from actionlib.action_client import CommState
+from interface_helpers import PATIENCE, wait_until
+from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
+from std_msgs.msg import String
+
+
+class Hands:
+    """The interface layer by hand: takes the core's commands and answers them when the test says so, or at once."""
+
+    def __init__(self):
+        self._commands = queue.Queue()
+        self._open = []
+        self.seen = []
+        self.at_once = False
+        self._publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
+        self._subscriber = rospy.Subscriber("out_rosoclingo", InterfaceIO, self._note)
+
+    def wait_for(self, core):
+        """Wait until the core hears and is heard."""
+        wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
+        wait_until(lambda: self._subscriber.get_num_connections() > 0, "the core to be heard")
+
+    def _note(self, message):
+        for fact in message.facts:
+            self.seen.append(fact)
+            if self.at_once:
+                self.succeed(fact)
+            else:
+                self._commands.put(fact)
+
+    def take(self):
+        """The next command."""
+        command = self._commands.get(timeout=PATIENCE)
+        self._open.append(command)
+        return command
+
+    def clear(self):
+        """Answer the commands that were not, so that the next test begins afresh; which of them nobody took."""
+        left = [self._commands.get() for _ in range(self._commands.qsize())]
+        for command in self._open + left:
+            self.succeed(command)
+        return left
+
+    def succeed(self, command):
+        """Answer a command with success."""
+        self._open = [other for other in self._open if other != command]
+        self.tell(command.replace("_action_lib", "_return"))
+
+    def fail(self, command, reason="failed"):
+        """Answer a command with a reason."""
+        self._open.remove(command)
+        interface, _, cycle = command[len("_action_lib(") : -1].split(",")
+        self.tell(f"_return({interface},{reason},{cycle})")
+
+    def tell(self, *facts, origin="hands"):
+        """Send facts."""
+        self._publisher.publish(InterfaceIO(origin, list(facts)))
+
+
+class Client:
+    """A client with any number of goals."""
+
+    def __init__(self, server="rosoclingo"):
+        self.raw = ActionClient(server, ROSoClingoAction)
+        self.raw.wait_for_server()
+
+    def send(self, text):
+        """Send a goal."""
+        return SentGoal(self.raw, text)
+
+
+class SentGoal:
+    """A goal and what it went through."""
+
+    def __init__(self, client, text):
+        self.states = []
+        self.feedback = []
+        self._done = threading.Event()
+        self.handle = client.send_goal(ROSoClingoGoal(text), self._changed, lambda _, one: self.feedback.append(one))
+
+    def _changed(self, handle):
+        self.states.append(handle.get_comm_state())
+        if handle.get_comm_state() == CommState.DONE:
+            self._done.set()
+
+    def wait(self):
+        """Status and result at the end."""
+        assert self._done.wait(PATIENCE), f"the goal has not ended: {self.states}"
+        return self.handle.get_terminal_state(), self.handle.get_result()
+
+    def ends_as(self, status):
+        """Wait for the end, check the status, return the message."""
+        found, result = self.wait()
+        assert found == status, f"ended as {found} with {result}"
+        return result.message
+
+    def arrived(self):
+        """Wait until the server has it."""
+        wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
+
+
+class Updates:
+    """All stream updates from now on."""
+
+    def __init__(self, core="rosoclingo"):
+        self.texts = []
+        self._subscriber = rospy.Subscriber(core + "/updates", String, lambda message: self.texts.append(message.data))
+        wait_until(lambda: self._subscriber.get_num_connections() > 0, "the updates")
