@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Times the reactive solver on the mailbot program: offices in a row, requests between random ones, 60 cycles each.
 
-Prints for each number of offices and requests the seconds of the first plan and, in milliseconds, the median and the worst
-update, and the median of the first and the last ten cycles. Every cycle commits the action of the cycle before and returns it;
-new requests come when the ones before are done.
+Prints for each number of offices and requests the seconds of the first plan and, in milliseconds, the median and the
+worst update, and the median of the first and the last ten cycles. Every cycle commits the action of the cycle before
+and returns it; new requests come when the ones before are done.
 """
 
 import argparse
