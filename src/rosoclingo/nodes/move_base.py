@@ -1,7 +1,7 @@
 """Navigation as a ROS node, with move_base's action, topics, services and parameters."""
 
 import queue
-from typing import Any, Optional
+from typing import Any, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -15,18 +15,18 @@ from move_base_msgs.msg import (
     RecoveryStatus,
 )
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
-from nav_msgs.srv import GetPlan, GetPlanResponse
 from std_srvs.srv import Empty, EmptyResponse
 
-from rosoclingo.navigation import Costmap, Navigator, OccupancyGrid, Outcome, PlanOutcome, Pose2D, Result, Velocity
+from rosoclingo.navigation import Costmap, Navigator, OccupancyGrid, Outcome, Pose2D, Result, Velocity
 from rosoclingo.nodes.localization import fill_pose, to_pose2d
-from rosoclingo.nodes.move_base_display import Display, path_message
+from rosoclingo.nodes.move_base_display import Display
 from rosoclingo.nodes.move_base_parameters import (
     make_global_planner,
     make_local_planner,
     make_recoveries,
     read_settings,
 )
+from rosoclingo.nodes.move_base_planning import PlanService
 from rosoclingo.nodes.move_base_sensing import Located, Sensing
 from rosoclingo.nodes.worker import Worker
 
@@ -81,7 +81,7 @@ class MoveBaseNode:
             rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1),
         )
         self._services = (
-            rospy.Service("~make_plan", GetPlan, self._on_make_plan),
+            PlanService(self._worker, self._sensing, self._planner, self._place).service,
             rospy.Service("~clear_costmaps", Empty, self._on_clear),
         )
         self._worker.start()
@@ -97,14 +97,6 @@ class MoveBaseNode:
         goal.header.stamp = rospy.Time.now()
         goal.goal.target_pose = message
         self._goals.publish(goal)
-
-    def _on_make_plan(self, request: Any) -> GetPlanResponse:
-        answer: queue.Queue[GetPlanResponse] = queue.Queue(1)
-        self._worker.put(lambda: answer.put(self._make_plan(request)))
-        try:
-            return answer.get(timeout=30.0)
-        except queue.Empty as error:
-            raise rospy.ServiceException("move_base does not answer") from error
 
     def _on_clear(self, _: Any) -> EmptyResponse:
         done: queue.Queue[None] = queue.Queue(1)
@@ -266,28 +258,9 @@ class MoveBaseNode:
         message.recovery_behavior_name = behavior.name
         self._recovery.publish(message)
 
-    def _make_plan(self, request: Any) -> GetPlanResponse:
-        """Plan for a service client; an empty path where there is none."""
-        response = GetPlanResponse()
-        response.plan.header.frame_id = self._settings.frames.map
-        goal = self._in_map(request.goal)
-        start = self._in_map(request.start) if request.start.header.frame_id else self._pose
-        if self._navigator is None or goal is None or start is None:
-            rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
-            return response
-        plan = self._planner.plan(self._navigator.costmap, start, goal, request.tolerance)
-        if plan.outcome is PlanOutcome.FOUND:
-            response.plan = path_message(plan.points, self._settings.frames.map, rospy.Time.now(), goal.yaw)
-        else:
-            rospy.logwarn("make_plan: %s", plan.outcome.value)
-        return response
-
-    def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
-        """Return a pose in the map; a missing orientation is fine, only a position is asked for."""
-        position = message.pose.position
-        pose = to_pose2d(message.pose) or Pose2D(position.x, position.y, 0.0)
-        frame = self._sensing.to_map(message.header.frame_id, message.header.stamp)
-        return frame.compose(pose) if frame else None
+    def _place(self) -> Tuple[Optional[Costmap], Optional[Pose2D]]:
+        """Return the costmap and where the robot is, as far as they are known."""
+        return (self._navigator.costmap if self._navigator else None), self._pose
 
     def _clear(self) -> None:
         if self._navigator is not None and self._pose is not None:

@@ -32,6 +32,7 @@ class Sensing:
 
     def __init__(self, frames: Frames, worker: Worker, obstacles: bool) -> None:
         self._frames = frames
+        self.map_frame = frames.map
         self._worker = worker
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)

@@ -1,0 +1,65 @@
+"""The service of the move_base node that plans without driving."""
+
+import queue
+from typing import Any, Callable, Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.srv import GetPlan, GetPlanResponse
+
+from rosoclingo.navigation import Costmap, GlobalPlanner, PlanOutcome, Pose2D
+from rosoclingo.nodes.localization import to_pose2d
+from rosoclingo.nodes.move_base_display import path_message
+from rosoclingo.nodes.move_base_sensing import Sensing
+from rosoclingo.nodes.worker import Worker
+
+
+class PlanService:
+    """Plans in the worker's thread; the answer is an empty path where there is none.
+
+    ``place`` tells the costmap and the robot's pose, None for what is not known yet.
+
+    Services:
+        ~make_plan (nav_msgs/GetPlan): from a start, or where the robot is if the start names no frame, to a goal.
+    """
+
+    def __init__(
+        self,
+        worker: Worker,
+        sensing: Sensing,
+        planner: GlobalPlanner,
+        place: Callable[[], Tuple[Optional[Costmap], Optional[Pose2D]]],
+    ) -> None:
+        self._worker, self._sensing, self._planner, self._place = worker, sensing, planner, place
+        self.service = rospy.Service("~make_plan", GetPlan, self._on_request)
+
+    def _on_request(self, request: Any) -> GetPlanResponse:
+        answer: queue.Queue[GetPlanResponse] = queue.Queue(1)
+        self._worker.put(lambda: answer.put(self._plan(request)))
+        try:
+            return answer.get(timeout=30.0)
+        except queue.Empty as error:
+            raise rospy.ServiceException("move_base does not answer") from error
+
+    def _plan(self, request: Any) -> GetPlanResponse:
+        response = GetPlanResponse()
+        response.plan.header.frame_id = self._sensing.map_frame
+        costmap, pose = self._place()
+        goal = self._in_map(request.goal)
+        start = self._in_map(request.start) if request.start.header.frame_id else pose
+        if costmap is None or goal is None or start is None:
+            rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
+            return response
+        plan = self._planner.plan(costmap, start, goal, request.tolerance)
+        if plan.outcome is PlanOutcome.FOUND:
+            response.plan = path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), goal.yaw)
+        else:
+            rospy.logwarn("make_plan: %s", plan.outcome.value)
+        return response
+
+    def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
+        """Return a pose in the map; a missing orientation is fine, only a position is asked for."""
+        position = message.pose.position
+        pose = to_pose2d(message.pose) or Pose2D(position.x, position.y, 0.0)
+        frame = self._sensing.to_map(message.header.frame_id, message.header.stamp)
+        return frame.compose(pose) if frame else None
