@@ -69,10 +69,10 @@ class Core(unittest.TestCase):
         dropped.handle.cancel()
         dropped.ends_as(RECALLED)
         self.hands.succeed(first)
-        blocking.ends_as(SUCCEEDED)
         second = self.hands.take()
         self.assertIn("run", second)
         self.hands.succeed(second)
+        blocking.ends_as(SUCCEEDED)
         kept.ends_as(SUCCEEDED)
 
     def test_goals_that_cannot_be_taken(self):
