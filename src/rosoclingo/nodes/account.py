@@ -26,6 +26,9 @@ TOPICS = {
     "base_pose_ground_truth": Odometry,
 }
 
+#: Statuses of goals that have ended.
+ENDS = ("succeeded", "canceled", "rejected", "aborted")
+
 #: Those of them that the core publishes.
 CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "rosoclingo/updates", "rosoclingo/task_plan")
 
@@ -57,6 +60,12 @@ class TopicAccount:
         """Enter a message of one of TOPICS; callable from any thread."""
         with self._lock:
             self._readers[topic](time, message)
+
+    def ended(self, goals: int) -> bool:
+        """Whether the account has heard of so many goals, and of the end of each."""
+        with self._lock:
+            heard = [one.status in ENDS for one in self.account.summary.goals]
+            return len(heard) >= goals and all(heard)
 
     def finish(self) -> Summary:
         """The end: say what was held back, and sum up."""

@@ -54,6 +54,8 @@ def run_scenario(
         player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
         ready()
         player.play()
+        # the account hears of an end by the status topic, which may come later than the result
+        player.wait_until(lambda: account.ended(len(player.goals)), timeout, lambda: "no status of every goal")
     except PlayError as error:
         faults.append(str(error))
     summary = account.finish() if account is not None else Summary()
