@@ -3,7 +3,14 @@
 import pytest
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
+from rosoclingo.oclingo import (
+    ReactiveProgram,
+    ReactiveSolver,
+    SolveOutcome,
+    SolverError,
+    SolveResult,
+    parse_atom,
+)
 from rosoclingo.reasoning import Core, CoreSettings, GoalProgress, Problem
 from rosoclingo.reasoning.journal import Journal
 
@@ -109,6 +116,51 @@ def test_plan_that_is_put_off_for_ever_is_given_up():
     assert journal.states_of("a")[-1] == "aborted"
     core.receive("interface", ["_seen(ball)"])
     assert core.advance(1.0)
+
+
+class Picky(ReactiveSolver):
+    """Refuses what ``refused`` says of an update."""
+
+    refused = staticmethod(lambda _text: False)
+
+    def update(self, update, stopped=None):
+        if self.refused(str(update)):
+            raise SolverError("not this one")
+        return super().update(update, stopped)
+
+
+def picky_core(journal):
+    program = ReactiveProgram.from_text(ERRANDS)
+    core = Core(program, lambda: Picky(program, shortest=True), journal, CoreSettings(horizon_limit=8))
+    core.start()
+    return core
+
+
+def test_refused_update_costs_the_new_goals_and_no_other(monkeypatch):
+    journal = Journal()
+    core = picky_core(journal)
+    monkeypatch.setattr(Picky, "refused", staticmethod(lambda text: "fly" in text))
+    core.add_goal("good", "do(walk,1)")
+    assert core.advance(1.0)
+    core.add_goal("bad", "do(fly,2)")
+    core.receive("interface", ["_return(walk,1,1)"])
+    assert core.advance(2.0)
+    assert journal.states_of("bad") == ["rejected"]
+    assert "not this one" in journal.problems[0]
+    assert [str(action.atom) for action in core.plan.actions] == ["_action_lib(walk,1,1)"]
+    assert journal.states_of("good")[-1] == "succeeded"
+
+
+def test_solver_that_takes_nothing_any_more_ends_every_goal(monkeypatch):
+    journal = Journal()
+    core = picky_core(journal)
+    core.add_goal("good", "do(walk,1)")
+    assert core.advance(1.0)
+    monkeypatch.setattr(Picky, "refused", staticmethod(lambda _text: True))
+    core.receive("interface", ["_return(walk,1,1)"])
+    assert core.advance(2.0)
+    assert journal.states_of("good")[-1] == "aborted"
+    assert not core.advance(3.0)
 
 
 def test_the_past_is_closed():

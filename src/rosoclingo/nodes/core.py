@@ -2,7 +2,6 @@
 
 import threading
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Type
 
 import rospy
@@ -10,11 +9,10 @@ from actionlib import ActionServer, ServerGoalHandle
 from std_msgs.msg import String
 
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, TaskPlan
-from rosoclingo.nodes.core_parameters import CoreParameters, core_parameters
+from rosoclingo.nodes.core_parameters import core_parameters, load_program
 from rosoclingo.nodes.goal_handles import GoalHandles
 from rosoclingo.nodes.worker import Worker
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
-from rosoclingo.oclingo.sources import Source
+from rosoclingo.oclingo import ReactiveSolver
 from rosoclingo.reasoning import (
     Action,
     ActionsDispatched,
@@ -189,13 +187,6 @@ class _Newcomers(rospy.SubscribeListener):
         """Called by rospy when a subscriber has connected."""
         for message in self._under_way():
             publish(message)
-
-
-def load_program(parameters: CoreParameters) -> ReactiveProgram:
-    """The reactive program of the parameters; raises ProgramError with all its faults."""
-    sources = [Source.from_file(Path(name)) for name in parameters.program_files]
-    labels = "".join(f"label({label}).\n" for label in parameters.labels)
-    return ReactiveProgram([*sources, Source("~labels", labels)], parameters.constants)
 
 
 def _messages(actions: Sequence[Action]) -> Tuple[InterfaceIO, ...]:

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Tuple
 
 from rosoclingo.nodes.parameters import ParameterError
-from rosoclingo.oclingo import ProgressionError, parse_term
+from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_term
+from rosoclingo.oclingo.sources import Source
 from rosoclingo.reasoning import CoreSettings
 
 
@@ -34,6 +35,13 @@ def core_parameters(values: Mapping[str, Any]) -> CoreParameters:
         settings=settings,
         search_timeout=_seconds(values, "search_timeout", CoreParameters.search_timeout),
     )
+
+
+def load_program(parameters: CoreParameters) -> ReactiveProgram:
+    """The reactive program of the parameters; raises ProgramError with all its faults."""
+    sources = [Source.from_file(Path(name)) for name in parameters.program_files]
+    labels = "".join(f"label({label}).\n" for label in parameters.labels)
+    return ReactiveProgram([*sources, Source("~labels", labels)], parameters.constants)
 
 
 def _files(values: Mapping[str, Any]) -> Tuple[str, ...]:

@@ -22,6 +22,9 @@ STATUS_WORDS = (
     "lost",
 )
 
+#: The words that end a goal.
+ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
+
 #: Seconds of the run's clock for which a line waits for one that belongs before it: topics overtake each other.
 PATIENCE = 1.0
 
@@ -107,7 +110,7 @@ class Account:
         """A goal's status, as often as it is published."""
         goal = self._goals.get(key)
         word = STATUS_WORDS[number]
-        if goal is None or goal.status == word:
+        if goal is None or goal.status == word or goal.status in ENDED:
             return
         goal.status, goal.message = word, message
         self._line(time, "goal", f"{goal.text}: {word}{_because(goal)}")

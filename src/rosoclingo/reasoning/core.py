@@ -166,14 +166,18 @@ class Core:
         self._solve(batch, now)
 
     def _solve(self, batch: Batch, now: float) -> None:
-        try:
-            result = self._planner.update(batch.update)
-        except SolverError as error:
-            self._plan = TaskPlan()
-            self._problem(f"update {self._step} is refused by the solver: {error}")
-            self._desk.end(batch.goals, Outcome.REJECTED, f"is refused by the solver: {error}")
-        else:
-            self._answered(result, batch.goals, now)
+        """Feed the update; of one that the solver refuses, at least the commitments, so that the plan goes on."""
+        for update in (batch.update, batch.commitments):
+            try:
+                result = self._planner.update(update)
+            except SolverError as error:
+                self._problem(f"update {self._step} is refused by the solver: {error}")
+                self._desk.end(batch.goals, Outcome.REJECTED, f"is refused by the solver: {error}")
+            else:
+                self._answered(result, batch.goals, now)
+                return
+        self._plan = TaskPlan()
+        self._desk.end(self._desk.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
 
     def _answered(self, result: SolveResult, fresh: Sequence[Goal], now: float) -> None:
         for warning in result.warnings:

@@ -15,6 +15,12 @@ class Batch(NamedTuple):
     update: StreamUpdate
     goals: Tuple[Goal, ...]
 
+    @property
+    def commitments(self) -> StreamUpdate:
+        """The same update with nothing but the commitments."""
+        kept = tuple(item for item in self.update.items if isinstance(item, Statement) and item.head is None)
+        return StreamUpdate(step=self.update.step, items=kept)
+
 
 class InputFeeder:
     """Collects requests, cancellations, returns and other facts in order of arrival, until the next update takes them.

@@ -1,0 +1,78 @@
+import re
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.nodes import core_parameters as module
+from rosoclingo.nodes.core_parameters import CoreParameters, core_parameters, load_program
+from rosoclingo.nodes.parameters import ParameterError
+from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.reasoning import CoreSettings
+
+
+@pytest.fixture
+def program(tmp_path):
+    path = tmp_path / "program.lp"
+    path.write_text("#const n = 1.\n#program cumulative(t).\nat(n,t).\n")
+    return str(path)
+
+
+def test_defaults(program):
+    found = core_parameters({"program_files": [program]})
+    assert found == CoreParameters((program,), {}, (), CoreSettings())
+
+
+def test_all_parameters(program):
+    values = {
+        "program_files": program,
+        "constants": {"n": 4},
+        "labels": {"office1": {"x": 1.0, "y": 2.0}},
+        "horizon_limit": 7,
+        "action_timeout": 5,
+        "search_timeout": 0,
+    }
+    found = core_parameters(values)
+    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "mend"),
+    [
+        ("program_files", [], "give a list of paths"),
+        ("program_files", [3], "give a list of paths"),
+        ("program_files", ["/no/such/file.lp"], "there is no file '/no/such/file.lp'"),
+        ("constants", [1], "give a map"),
+        ("constants", {"n": "X"}, "no ASP term"),
+        ("labels", 3, "give a map"),
+        ("labels", {"Office One": {}}, "no ASP term"),
+        ("horizon_limit", 0, "whole number from 1"),
+        ("horizon_limit", 1.5, "whole number from 1"),
+        ("horizon_limit", True, "whole number from 1"),
+        ("action_timeout", -1, "give seconds"),
+        ("action_timeout", "long", "give seconds"),
+        ("search_timeout", float("inf"), "give seconds"),
+    ],
+)
+def test_bad_parameters_name_themselves_and_the_mend(program, name, value, mend):
+    with pytest.raises(ParameterError, match=re.escape(mend)) as error:
+        core_parameters({"program_files": [program], name: value})
+    assert f"~{name}" in str(error.value)
+
+
+def test_no_program():
+    with pytest.raises(ParameterError, match="program_files"):
+        core_parameters({})
+
+
+def test_constants_and_labels_reach_the_program(program):
+    loaded = load_program(core_parameters({"program_files": [program], "constants": {"n": 3}, "labels": ["kitchen"]}))
+    answer = {str(atom) for atom in ReactiveSolver(loaded).solve().answers[0]}
+    assert answer == {"at(3,1)", "label(kitchen)"}
+
+
+def test_documented_defaults_are_the_real_ones():
+    node = Path(module.__file__).with_name("core.py").read_text()
+    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+)\)", node))
+    real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
+    real["search_timeout"] = CoreParameters.search_timeout
+    assert {name: float(value) for name, value in documented.items()} == real
