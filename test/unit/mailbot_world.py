@@ -67,8 +67,8 @@ def program(count, corridors, start, capacity):
     """Return the reactive program of a floor with offices o1 .. o``count``; corridors are pairs of numbers."""
     key = (count, corridors, start, capacity)
     if key not in _PROGRAMS:
-        facts = ["office(o{}).".format(number) for number in range(1, count + 1)]
-        facts += ["corridor(o{},o{}).".format(a, b) for a, b in corridors] + ["start(o{}).".format(start)]
+        facts = [f"office(o{number})." for number in range(1, count + 1)]
+        facts += [f"corridor(o{a},o{b})." for a, b in corridors] + [f"start(o{start})."]
         sources = [Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", "#program base. " + " ".join(facts))]
         _PROGRAMS.clear()
         _PROGRAMS[key] = ReactiveProgram(sources, {"capacity": str(capacity)})
@@ -86,8 +86,8 @@ class Mailbot:
     """
 
     def __init__(self, count, corridors, start=1, capacity=3):
-        self.graph = neighbours([("o{}".format(a), "o{}".format(b)) for a, b in corridors])
-        self.capacity, self.office = capacity, "o{}".format(start)
+        self.graph = neighbours([(f"o{a}", f"o{b}") for a, b in corridors])
+        self.capacity, self.office = capacity, f"o{start}"
         self.places, self.origins, self.ends, self.cancelled = {}, {}, {}, set()
         self.cycle, self._items, self._done = 0, [], None
         self.solver = ReactiveSolver(program(count, corridors, start, capacity), horizon_limit=300, shortest=True)
@@ -95,7 +95,7 @@ class Mailbot:
 
     def request(self, identifier, source, target):
         """A new request, told with the next update."""
-        source, target = "o{}".format(source), "o{}".format(target)
+        source, target = f"o{source}", f"o{target}"
         self._items.append(atom("_request(goal({},{},{}),{})", source, target, identifier, self.cycle + 2))
         self.places[identifier], self.origins[identifier] = ("waits", source, target), source
         self.ends.pop(identifier, None)

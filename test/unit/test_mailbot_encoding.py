@@ -163,7 +163,7 @@ def test_bounds_change_no_plan(tmp_path: Path):
 
 
 def test_the_search_that_plans_are_compared_with():
-    graph = neighbours([("o{}".format(a), "o{}".format(b)) for a, b in ROW])
+    graph = neighbours([(f"o{a}", f"o{b}") for a, b in ROW])
     assert fewest_steps(graph, 3, "o1", [("waits", "o3", "o2")]) == 5
     assert fewest_steps(graph, 1, "o1", [("waits", "o1", "o2"), ("waits", "o1", "o2")]) == 7
     assert fewest_steps(graph, 2, "o1", [("waits", "o1", "o2"), ("waits", "o1", "o2")]) == 5
