@@ -26,6 +26,7 @@ from rosoclingo.oclingo import (  # noqa: E402
     fact,
     parse_term,
 )
+from rosoclingo.oclingo.sources import Source  # noqa: E402
 
 
 def floor(offices: int) -> str:
@@ -43,8 +44,9 @@ class Robot:
     """Plays the core and a robot that never fails: one update a cycle."""
 
     def __init__(self, offices: int, requests: int, seed: int) -> None:
-        text = floor(offices) + (ROOT / "encodings" / "mailbot.lp").read_text(encoding="utf-8")
-        program = ReactiveProgram.from_text(text, "mailbot")
+        program = ReactiveProgram(
+            [Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source("floor", floor(offices))]
+        )
         self.solver = ReactiveSolver(program, shortest=True, horizon_limit=1000)
         self.random = random.Random(seed)
         self.offices, self.requests, self.ids = offices, requests, 0
@@ -72,9 +74,9 @@ class Robot:
         if before is not None:
             name, what, cycle = before.arguments
             items.append(atom("_return({},{},{})", name, what, cycle))
+        start = time.perf_counter()
         if self.cycle > 1:
             self.solver.close_cycle(self.cycle - 1, [] if before is None else [before])
-        start = time.perf_counter()
         result = self.solver.update(StreamUpdate(self.cycle, None, tuple(items)))
         seconds = time.perf_counter() - start
         assert result.outcome is SolveOutcome.SATISFIABLE, result
