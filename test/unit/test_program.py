@@ -117,3 +117,9 @@ def test_bad_files(tmp_path):
         ReactiveProgram.from_files([tmp_path / "bytes.lp"])
     with pytest.raises(ProgramError, match="can't be read"):
         ReactiveProgram.from_files([tmp_path / "none.lp"])
+
+
+def test_a_trial_grounding_has_an_end():
+    """The look for redefinitions gives up what only a real grounding could tell."""
+    text = STEPS + "#program cumulative(t).\nn(0) :- t > 1.\nn(X+1) :- n(X), X < 2000000000.\n"
+    assert ReactiveProgram.from_text(text).parts

@@ -22,6 +22,7 @@ KEYWORDS = {
 """The predicates by which a program talks to rosoclingo."""
 
 _TRIAL_STEPS = 3
+_TRIAL_RULES = 50_000  # a fraction of a second of grounding
 
 
 class Place(NamedTuple):
@@ -141,13 +142,21 @@ def _arguments(place: Place) -> Sequence[AST]:
     return list(term.arguments) if term.ast_type == ASTType.Function else []
 
 
+class _TrialTooLargeError(Exception):
+    """A trial grounding has come to its bound."""
+
+
 class _Heads(Observer):
-    """Notes which atoms rules define."""
+    """Notes which atoms rules define; ends a grounding of too many rules, which may have no end."""
 
     def __init__(self) -> None:
         self.fresh: Set[int] = set()
+        self._left = _TRIAL_RULES
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        self._left -= 1
+        if self._left < 0:
+            raise _TrialTooLargeError
         self.fresh.update(head)
 
 
@@ -164,16 +173,23 @@ def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol])
 
 
 def redefinitions(control: clingo.Control, parts: Sequence[Part], first: int) -> List[Fault]:
-    """Ground a few steps on ``control``, which has the program loaded, and return the heads that two steps define."""
+    """Ground a few steps on ``control``, which has the program loaded, and return the heads that two steps define.
+
+    What is too large for a trial is not judged: a real grounding tells.
+    """
     observer = _Heads()
     control.register_observer(observer)
-    control.ground([("base", [])])
-    defined, twice = set(observer.fresh), set()
-    for step in range(first, first + _TRIAL_STEPS):
-        observer.fresh.clear()
-        control.ground([(name, [clingo.Number(step)]) for name in ("cumulative", "volatile")])
-        twice |= observer.fresh & defined
-        defined |= observer.fresh
+    twice: Set[int] = set()
+    try:
+        control.ground([("base", [])])
+        defined = set(observer.fresh)
+        for step in range(first, first + _TRIAL_STEPS):
+            observer.fresh.clear()
+            control.ground([(name, [clingo.Number(step)]) for name in ("cumulative", "volatile")])
+            twice |= observer.fresh & defined
+            defined |= observer.fresh
+    except _TrialTooLargeError:
+        return []
     names: Dict[Signature, str] = {}
     for one in control.symbolic_atoms:
         if one.literal in twice:
