@@ -96,12 +96,12 @@ class Service:
 
     def _pump(self, timeout: Optional[float]) -> None:
         """Read and write what can be, accept who comes, close what is done; wait up to ``timeout`` for any of it."""
-        self._watch(self._listener, selectors.EVENT_READ if len(self._clients) < CLIENT_LIMIT else 0, None)
         for client in list(self._clients):
             if client.done and client is not self._served:
                 self._drop(client)
             else:
                 self._watch_client(client, client.reads)
+        self._watch(self._listener, selectors.EVENT_READ if len(self._clients) < CLIENT_LIMIT else 0, None)
         for key, events in self._selector.select(timeout):
             if key.data is None:
                 self._accept()
@@ -152,7 +152,7 @@ class Service:
 
     def _solve(self, client: Client, update: StreamUpdate) -> None:
         bounded = self._bounded if update.step is None else update.bound is not None
-        search = _Search(self._clock(), bounded, self._time_limit)
+        search = SearchWatch(self._clock(), bounded, self._time_limit)
 
         def stopped() -> bool:
             self._pump(0)
@@ -194,7 +194,7 @@ class Service:
                     key.data.write()
 
 
-class _Search:
+class SearchWatch:
     """Decides when a search must end.
 
     Attributes:
