@@ -74,7 +74,7 @@ class PackageSpec(NamedTuple):
 
 
 class WorldSpec(NamedTuple):
-    """A whole world. ``interval`` is the length of a step in s."""
+    """A whole world. ``interval`` is the length of a step in s, ``map_file`` names the map's YAML file, if any."""
 
     grid: OccupancyGrid
     robots: Tuple[RobotSpec, ...]
@@ -83,3 +83,4 @@ class WorldSpec(NamedTuple):
     packages: Tuple[PackageSpec, ...] = ()
     interval: float = 0.1
     seed: int = 0
+    map_file: str = ""

@@ -29,7 +29,8 @@ def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
 
 def _world(reader: WorldReader, folder: Path, map_file: str) -> WorldSpec:
     named = folder / reader.text("map", map_file or MISSING)
-    grid = load_map(map_file or named)
+    chosen = map_file or str(named)
+    grid = load_map(chosen)
     spec = WorldSpec(
         grid,
         tuple(_robot(item, f"robot_{i}") for i, item in enumerate(reader.each("robots"))),
@@ -38,6 +39,7 @@ def _world(reader: WorldReader, folder: Path, map_file: str) -> WorldSpec:
         tuple(_package(item) for item in reader.each("packages")),
         float(reader.number("interval", 0.1, low=0.001)),
         reader.number("seed", 0, low=0, whole=True),
+        chosen,
     )
     reader.finish()
     if not spec.robots:
