@@ -1,0 +1,176 @@
+"""The launch arguments that put the real stage_ros, move_base, map_server, or a user's own robot in their place."""
+
+import itertools
+from pathlib import Path
+
+import pytest
+import yaml
+
+roslaunch = pytest.importorskip("roslaunch")
+from roslaunch.config import ROSLaunchConfig  # noqa: E402
+from roslaunch.xmlloader import XmlLoader  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+SIM = {"rosoclingo": ("rosoclingo", "simulator"), "stage": ("stage_ros", "stageros"), "none": None}
+NAV = {"rosoclingo": ("rosoclingo", "move_base"), "move_base": ("move_base", "move_base"), "none": None}
+MAP = {"rosoclingo": ("rosoclingo", "map_server"), "map_server": ("map_server", "map_server"), "none": None}
+LOCALIZATION = {
+    "rosoclingo": ("rosoclingo", "fake_localization"),
+    "fake": ("fake_localization", "fake_localization"),
+    "amcl": ("amcl", "amcl"),
+    "none": None,
+}
+OWN = {("rosoclingo", name) for name in ("core", "office", "move_base_interface", "pickup_interface")}
+
+# What move_base, costmap_2d and the two planners read on noetic; other names would be dead letters.
+KNOWN = {
+    "": {"base_global_planner", "base_local_planner", "controller_frequency", "planner_frequency"},
+    "NavfnROS": {"allow_unknown", "default_tolerance"},
+    "DWAPlannerROS": {
+        "max_vel_trans", "min_vel_trans", "max_vel_x", "min_vel_x", "max_vel_y", "min_vel_y", "max_vel_theta",
+        "min_vel_theta", "acc_lim_x", "acc_lim_y", "acc_lim_theta", "acc_lim_trans", "xy_goal_tolerance",
+        "yaw_goal_tolerance", "sim_time", "vx_samples", "vy_samples", "vth_samples",
+    },
+    "costmap": {
+        "global_frame", "robot_base_frame", "robot_radius", "update_frequency", "publish_frequency", "plugins",
+        "rolling_window", "width", "height", "transform_tolerance",
+    },
+    "layer": {"observation_sources", "obstacle_range", "raytrace_range", "inflation_radius", "cost_scaling_factor"},
+    "source": {"topic", "data_type", "marking", "clearing", "expected_update_rate"},
+}  # fmt: skip
+
+
+def load(name, **arguments):
+    """The configuration that roslaunch makes of a launch file and its arguments."""
+    words = [f"{key}:={value}" for key, value in arguments.items()]
+    config = ROSLaunchConfig()
+    XmlLoader(resolve_anon=False).load(str(ROOT / "launch" / name), config, argv=words, verbose=False)
+    return config
+
+
+def nodes(config):
+    return {(node.package, node.type) for node in config.nodes}
+
+
+def node(config, name):
+    return next(node for node in config.nodes if node.name == name)
+
+
+def parameters(config, prefix):
+    return {key[len(prefix) :]: value.value for key, value in config.params.items() if key.startswith(prefix)}
+
+
+@pytest.mark.parametrize("sim", SIM)
+def test_the_simulation(sim):
+    config = load("simulation.launch", sim=sim)
+    assert nodes(config) == ({SIM[sim]} - {None})
+    assert ("/use_sim_time" in config.params) == (sim != "none")
+
+
+@pytest.mark.parametrize(("nav", "server", "localization"), list(itertools.product(NAV, MAP, LOCALIZATION)))
+def test_navigation(nav, server, localization):
+    config = load("navigation.launch", nav=nav, map_server=server, localization=localization)
+    assert nodes(config) == {NAV[nav], MAP[server], LOCALIZATION[localization]} - {None}
+    assert {node.namespace for node in config.nodes} <= {"/"}
+
+
+@pytest.mark.parametrize(("sim", "nav"), list(itertools.product(SIM, NAV)))
+def test_the_mailbot_passes_its_arguments_through(sim, nav):
+    server, localization = ("map_server", "fake") if nav == "move_base" else ("none", "none")
+    config = load("mailbot.launch", sim=sim, nav=nav, map_server=server, localization=localization)
+    found = nodes(config)
+    assert found >= OWN | ({SIM[sim], NAV[nav], MAP[server], LOCALIZATION[localization]} - {None})
+    others = [SIM, NAV, MAP, LOCALIZATION]
+    unwanted = {pair for table in others for pair in table.values() if pair}
+    assert found & unwanted == {SIM[sim], NAV[nav], MAP[server], LOCALIZATION[localization]} - {None}
+
+
+@pytest.mark.parametrize(
+    ("file", "argument"),
+    [
+        ("simulation.launch", "sim"),
+        ("navigation.launch", "nav"),
+        ("navigation.launch", "map_server"),
+        ("navigation.launch", "localization"),
+        ("mailbot.launch", "sim"),
+        ("mailbot.launch", "nav"),
+    ],
+)
+def test_an_unknown_word_is_refused_with_those_that_are_known(file, argument):
+    with pytest.raises(roslaunch.xmlloader.XmlParseException) as caught:
+        load(file, **{argument: "gazebo"})
+    assert "gazebo" in str(caught.value)
+    assert argument in str(caught.value)
+    assert "rosoclingo" in str(caught.value)
+
+
+def test_what_stage_is_told():
+    config = load("simulation.launch", sim="stage", base_watchdog_timeout="0.5")
+    stage = node(config, "stageros")
+    switch, world = stage.args.split()
+    assert switch == "-g"
+    assert Path(world).resolve() == ROOT / "worlds" / "office.world"
+    assert parameters(config, "/stageros/") == {"base_watchdog_timeout": 0.5}
+    assert not stage.remap_args
+
+
+def test_what_amcl_is_told():
+    config = load("navigation.launch", localization="amcl", initial_pose="1 -2 0.5")
+    found = parameters(config, "/amcl/")
+    assert (found["initial_pose_x"], found["initial_pose_y"], found["initial_pose_a"]) == (1.0, -2.0, 0.5)
+    assert (found["odom_frame_id"], found["base_frame_id"]) == ("odom", "base_link")
+    assert [tuple(pair) for pair in node(config, "amcl").remap_args] == [("scan", "base_scan")]
+
+
+@pytest.mark.parametrize("server", ["rosoclingo", "map_server"])
+def test_the_map_server_gets_the_map(server):
+    config = load("navigation.launch", map_server=server, map="/some/where.yaml")
+    assert node(config, "map_server").args == "/some/where.yaml"
+
+
+@pytest.mark.parametrize("nav", ["rosoclingo", "move_base"])
+@pytest.mark.parametrize("localization", ["rosoclingo", "fake", "amcl"])
+def test_one_of_several_robots(nav, localization):
+    config = load("navigation.launch", nav=nav, localization=localization, frame_prefix="robot_1/")
+    name = "amcl" if localization == "amcl" else "fake_localization"
+    found = parameters(config, f"/{name}/")
+    assert (found["odom_frame_id"], found["base_frame_id"]) == ("robot_1/odom", "robot_1/base_link")
+    found = parameters(config, "/move_base/")
+    assert found["global_costmap/global_frame"] == "map"
+    assert found["global_costmap/robot_base_frame"] == "robot_1/base_link"
+    assert found["local_costmap/global_frame"] == "robot_1/odom"
+
+
+def test_a_configuration_of_ones_own_keeps_its_frames(tmp_path):
+    (tmp_path / "own.yaml").write_text("global_costmap: {robot_base_frame: base_footprint}")
+    for nav, argument in (("rosoclingo", "navigation_config"), ("move_base", "move_base_config")):
+        config = load("navigation.launch", nav=nav, **{argument: tmp_path / "own.yaml"})
+        assert parameters(config, "/move_base/") == {"global_costmap/robot_base_frame": "base_footprint"}
+
+
+def test_the_real_move_base_reads_every_parameter_of_its_file():
+    values = yaml.safe_load((ROOT / "config" / "real_move_base.yaml").read_text())
+    for key, value in values.items():
+        if not key.endswith("_costmap"):
+            names, known = ({key}, KNOWN[""]) if not isinstance(value, dict) else (set(value), KNOWN[key])
+            assert names <= known
+            continue
+        layers = {plugin["name"] for plugin in value["plugins"]}
+        assert set(value) - layers <= KNOWN["costmap"]
+        # clear_costmap_recovery clears the layer "obstacles" unless told otherwise.
+        assert "obstacles" in layers
+        for layer in layers & set(value):
+            sources = set(value[layer].get("observation_sources", "").split())
+            assert set(value[layer]) - sources <= KNOWN["layer"]
+            assert all(set(value[layer][source]) <= KNOWN["source"] for source in sources)
+
+
+def test_both_configurations_are_for_the_same_robot():
+    own, real = (
+        yaml.safe_load((ROOT / "config" / name).read_text()) for name in ("navigation.yaml", "real_move_base.yaml")
+    )
+    world = yaml.safe_load((ROOT / "worlds" / "office_world.yaml").read_text())["robots"][0]
+    assert own["global_costmap"]["robot_radius"] == world["radius"]
+    assert {real[name]["robot_radius"] for name in ("global_costmap", "local_costmap")} == {world["radius"]}
+    assert real["DWAPlannerROS"]["max_vel_x"] <= world["max_speed"]
+    assert own["RolloutFollower"]["max_vel_x"] <= world["max_speed"]
