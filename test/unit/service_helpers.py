@@ -94,11 +94,11 @@ class Client:
 class Running:
     """A service that runs in a thread."""
 
-    def __init__(self, solver, **options):
-        self.solver = solver
+    def __init__(self, process, **options):
+        self.process = process
         listener = listen("127.0.0.1", 0)
         self.port = listener.getsockname()[1]
-        self.service = Service(solver, listener, **options)
+        self.service = Service(process.solver(), listener, **options)
         self._clients = []
         self._thread = threading.Thread(target=self.service.run, daemon=True)
         self._thread.start()
@@ -125,8 +125,9 @@ class Running:
 @contextlib.contextmanager
 def running(text, models=0, horizon_limit=None, **options):
     """Serve the program ``text`` by a solver process."""
-    with SolverProcess(ReactiveProgram.from_text(text), models, horizon_limit=horizon_limit) as solver:
-        service = Running(solver, **options)
+    with SolverProcess(ReactiveProgram.from_text(text), models, horizon_limit=horizon_limit) as process:
+        process.start()
+        service = Running(process, **options)
         try:
             yield service
         finally:

@@ -53,7 +53,7 @@ _action_lib(wake,up,t) :- t = 2.
 class Procrastinator:
     """A solver whose plan always begins in the cycle after this one."""
 
-    def update(self, update):
+    def update(self, update, stopped=None):
         later = parse_atom(f"_action_lib(go,1,{update.step + 1})")
         seconds = {"ground": 0.0, "solve": 0.0}
         return SolveResult(

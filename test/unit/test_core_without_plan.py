@@ -1,11 +1,9 @@
 """What the core does when the solver finds no plan: it ends goals with the reason, as few as possible, and goes on."""
 
-from contextlib import contextmanager
-
 from core_driver import ERRANDS, Driver
 
 from rosoclingo.oclingo import ReactiveSolver
-from rosoclingo.reasoning import Core, CoreSettings
+from rosoclingo.reasoning import Core, CoreSettings, Halt
 from rosoclingo.reasoning.journal import Journal
 
 #: ``lock`` and ``open`` exclude each other.
@@ -100,21 +98,22 @@ def test_program_without_any_answer_from_the_start():
 def test_interrupted_search_ends_the_goal_with_that_reason():
     driver = Driver()
 
-    @contextmanager
-    def interrupted(solver):
-        original = solver.update
-        solver.update = lambda update: original(
-            update, stopped=lambda: "never" in str(update) and "cancel" not in str(update)
-        )
-        yield
-        del solver.update
+    ended = []
+
+    def watch():
+        """End the first search of an update that speaks of a goal that is never met."""
+        updates = driver.journal.updates[-1:]
+        if updates == ended or not any("never" in text for text in updates):
+            return lambda: None
+        ended[:] = updates
+        return lambda: Halt("the test ends it")
 
     journal = Journal()
     program = driver.program
-    driver.core = Core(program, lambda: ReactiveSolver(program), journal, CoreSettings(horizon_limit=8), interrupted)
+    driver.core = Core(program, lambda: ReactiveSolver(program), journal, CoreSettings(horizon_limit=8), watch)
     driver.journal = journal
     driver.core.start()
     driver.goal("a", "do(never,1)")
     assert driver.states("a")[-1] == "aborted"
-    assert "the search was ended before it found a plan" in driver.message("a")
+    assert "the search was ended before it found a plan: the test ends it" in driver.message("a")
     assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"

@@ -1,8 +1,7 @@
 """The node ``rosoclingo``: the pure core on topics, parameters and an action server."""
 
-import threading
-from contextlib import contextmanager
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Type
+import time
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, Type
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
@@ -12,7 +11,8 @@ from rosoclingo.msg import InterfaceIO, ROSoClingoAction, TaskPlan
 from rosoclingo.nodes.core_parameters import core_parameters, load_program
 from rosoclingo.nodes.goal_handles import GoalHandles
 from rosoclingo.nodes.worker import Worker
-from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.oclingo import DroppedError
+from rosoclingo.oclingo.process import SolverProcess
 from rosoclingo.reasoning import (
     Action,
     ActionsDispatched,
@@ -21,6 +21,7 @@ from rosoclingo.reasoning import (
     GoalChanged,
     GoalProgress,
     GoalRefused,
+    Halt,
     PlanMade,
     Problem,
     ReturnTaken,
@@ -29,6 +30,9 @@ from rosoclingo.reasoning import (
 
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
 SHUTDOWN_TIME = 3.0
+
+#: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
+CANCEL_GRACE = 0.05
 
 
 class CoreNode:
@@ -59,19 +63,14 @@ class CoreNode:
 
     def __init__(self) -> None:
         self._parameters = core_parameters(rospy.get_param("~", {}))
-        self._searching: Optional[ReactiveSolver] = None
         self._ending = False
+        self._cancels: Set[str] = set()  # keys of goals whose cancel waits
         self._last_time = 0.0
         self._handles = GoalHandles()
         self._under_way: Tuple[InterfaceIO, ...] = ()
         program = load_program(self._parameters)
-        self._core = Core(
-            program,
-            lambda: ReactiveSolver(program, shortest=True, oclingo_strings=False),
-            self._observe,
-            self._parameters.settings,
-            self._limited_search,
-        )
+        self._solvers = SolverProcess(program, shortest=True, oclingo_strings=False)
+        self._core = Core(program, self._solvers.solver, self._observe, self._parameters.settings, self._watch_search)
         self._worker = Worker(self._settle)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
             UpdateSent: self._update_sent,
@@ -89,7 +88,7 @@ class CoreNode:
         self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, _Newcomers(lambda: self._under_way), queue_size=100)
         self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
         self._updates = rospy.Publisher("~updates", String, queue_size=100)
-        self._worker.put(self._core.start)
+        self._worker.put(self._start)
         self._server = ActionServer("rosoclingo", ROSoClingoAction, self._on_goal, self._on_cancel, auto_start=False)
         rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
         rospy.on_shutdown(self._shut_down)
@@ -104,16 +103,29 @@ class CoreNode:
 
     def _on_cancel(self, handle: ServerGoalHandle) -> None:
         key = handle.get_goal_id().id
-        self._worker.put(lambda: self._core.cancel_goal(key))
+        self._cancels.add(key)
+        self._worker.put(lambda: self._cancel_came(key))
 
     def _on_facts(self, message: InterfaceIO) -> None:
         self._worker.put(lambda: self._core.receive(message.interface, message.facts))
 
     # -- the worker's side
 
+    def _start(self) -> None:
+        """Wait for the solver's process, which is no part of the first search's time."""
+        try:
+            self._solvers.start(lambda: self._ending)
+        except DroppedError as error:
+            rospy.logwarn("%s", error)
+        self._core.start()
+
     def _goal_came(self, key: str, text: str, handle: ServerGoalHandle) -> None:
         self._handles.add(key, handle)
         self._core.add_goal(key, text)
+
+    def _cancel_came(self, key: str) -> None:
+        self._cancels.discard(key)
+        self._core.cancel_goal(key)
 
     def _settle(self) -> None:
         now = rospy.get_time()
@@ -128,27 +140,24 @@ class CoreNode:
         while not self._ending and not self._worker.waiting and self._core.advance(now):
             now = rospy.get_time()
 
-    @contextmanager
-    def _limited_search(self, solver: ReactiveSolver) -> Iterator[None]:
-        """Interrupt a search that takes too long, or that a shutdown waits for."""
-        limit = 0.01 if self._ending else self._parameters.search_timeout
-        timer = threading.Timer(limit, solver.interrupt)
-        timer.daemon = True
-        if limit > 0:
-            timer.start()
-        self._searching = solver
-        try:
-            yield
-        finally:
-            self._searching = None
-            timer.cancel()
+    def _watch_search(self) -> Callable[[], Optional[Halt]]:
+        """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
+        start, limit = time.monotonic(), self._parameters.search_timeout
+
+        def look() -> Optional[Halt]:
+            elapsed = time.monotonic() - start
+            if self._ending:
+                return Halt("the core shuts down", disturbed=True)
+            if self._cancels and elapsed >= CANCEL_GRACE:
+                return Halt("a goal was cancelled", disturbed=True)
+            return Halt(f"it took longer than {limit:g} s") if 0 < limit <= elapsed else None
+
+        return look
 
     def _shut_down(self) -> None:
         self._ending = True
-        searching = self._searching
-        if searching is not None:
-            searching.interrupt()
         self._worker.put(lambda: self._core.abandon("is given up: the core shuts down"))
+        self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)
 
     # -- what the core tells

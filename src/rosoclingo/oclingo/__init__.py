@@ -4,7 +4,7 @@ A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :clas
 :class:`StreamUpdate` and answers each. Pure Python on clingo; no ROS, no threads.
 """
 
-from rosoclingo.oclingo.errors import Fault, OclingoError, ProgramError, ProgressionError, SolverError
+from rosoclingo.oclingo.errors import DroppedError, Fault, OclingoError, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import (
     Assert,
@@ -22,12 +22,14 @@ from rosoclingo.oclingo.progression import (
 )
 from rosoclingo.oclingo.progression_parser import parse_update, parse_updates
 from rosoclingo.oclingo.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
+from rosoclingo.oclingo.stream_solver import StreamSolver
 from rosoclingo.oclingo.terms import parse_atom, parse_term
 
 __all__ = [
     "Answer",
     "Assert",
     "Cumulative",
+    "DroppedError",
     "Fault",
     "Forget",
     "Literal",
@@ -43,6 +45,7 @@ __all__ = [
     "SolverError",
     "Statement",
     "Stop",
+    "StreamSolver",
     "StreamUpdate",
     "Volatile",
     "commitment",

@@ -18,6 +18,7 @@ from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service import Service, listen
 from rosoclingo.oclingo.sources import Source
+from rosoclingo.oclingo.stream_solver import StreamSolver
 
 DEFAULT_HOST = "127.0.0.1"
 
@@ -92,9 +93,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         program = ReactiveProgram([_source(file) for file in files], constants)
         for text in program.warnings:
             _say(f"warning: {text}")
-        with SolverProcess(program, models, horizon_limit=options.imax) as solver:
-            solver.start()
-            return _run(solver, options)
+        with SolverProcess(program, models, horizon_limit=options.imax) as process:
+            process.start()
+            return _run(process.solver(), options)
     except (ProgramError, SolverError) as error:
         _say(str(error))
         return 1
@@ -108,7 +109,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return 130
 
 
-def _run(solver: SolverProcess, options: argparse.Namespace) -> int:
+def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
     if options.stream is None and not options.interactive:
         return _serve(solver, options)
     session = Session(solver, _output(options), options.time_limit)
@@ -124,7 +125,7 @@ def _run(solver: SolverProcess, options: argparse.Namespace) -> int:
     return int(session.failed)
 
 
-def _serve(solver: SolverProcess, options: argparse.Namespace) -> int:
+def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
     host = DEFAULT_HOST if options.host is None else options.host
     port = DEFAULT_PORT if options.port is None else options.port
     try:

@@ -9,10 +9,10 @@ from typing import Iterable, Iterator, List, Optional, Union
 
 from rosoclingo.oclingo.command_output import JsonOutput, TextOutput
 from rosoclingo.oclingo.errors import ProgressionError, SolverError
-from rosoclingo.oclingo.process import SolverProcess
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.progression_parser import iterate_updates
 from rosoclingo.oclingo.protocol import Request
+from rosoclingo.oclingo.stream_solver import StreamSolver
 
 _MAY_END = re.compile(r"#(end|stop)")
 _ENDS = re.compile(r"#(end|stop)[^.]*\.")
@@ -77,7 +77,7 @@ class Session:
 
     """
 
-    def __init__(self, solver: SolverProcess, output: Output, time_limit: Optional[float] = None) -> None:
+    def __init__(self, solver: StreamSolver, output: Output, time_limit: Optional[float] = None) -> None:
         """Play to ``solver``; a search ends after ``time_limit`` seconds."""
         self._solver, self._output, self._time_limit = solver, output, time_limit
         self._interrupted = False

@@ -45,3 +45,7 @@ class ProgressionError(OclingoError):
 
 class SolverError(OclingoError):
     """An update was refused as a whole; the solver keeps the state that it had before."""
+
+
+class DroppedError(SolverError):
+    """What was asked for was dropped, since the solver had to be ended or ended by itself; its state is kept."""

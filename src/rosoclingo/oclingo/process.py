@@ -1,29 +1,21 @@
-"""A reactive solver in a process of its own, so that it can be ended whatever it does.
+"""Reactive solvers in a process of their own, so that they can be ended whatever they do.
 
-clingo can't be interrupted while it grounds, and a program may need more memory than there is. A
-:class:`SolverProcess` answers as a :class:`~rosoclingo.oclingo.solver.ReactiveSolver` does; where its process does
-not heed a stop, or crashes, the process is replaced by one that takes all accepted updates again, without searching.
+clingo can't be interrupted while it grounds, and a program may need more memory than there is. The solvers of a
+:class:`SolverProcess` answer as a :class:`~rosoclingo.oclingo.solver.ReactiveSolver` does; where their process does
+not heed a stop, or crashes, it is replaced by one that takes all accepted updates again, without searching.
 """
 
 import time
+import weakref
+from collections import deque
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import Any, Callable, Iterable, List, Optional, Tuple, Type
+from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Sequence, Type
 
-import clingo
-
-from rosoclingo.oclingo.errors import ProgramError, SolverError
+from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
 from rosoclingo.oclingo.process_child import WorkerLostError, WorkerProcess
-from rosoclingo.oclingo.process_wire import (
-    Message,
-    faults_from_message,
-    program_to_message,
-    result_from_message,
-    symbols_to_text,
-)
+from rosoclingo.oclingo.process_solver import Place, ProcessSolver
+from rosoclingo.oclingo.process_wire import Message, faults_from_message, program_to_message
 from rosoclingo.oclingo.program import ReactiveProgram
-from rosoclingo.oclingo.progression import StreamUpdate
-from rosoclingo.oclingo.solver import SolveResult
 
 POLL = 0.02
 """Seconds of wall time between two looks at the stop request."""
@@ -34,28 +26,15 @@ PATIENCE = 0.5
 Stopped = Callable[[], bool]
 
 
-class DroppedError(SolverError):
-    """What was asked for was dropped, since the process had to be ended or ended by itself; the state is kept."""
-
-
-@dataclass(frozen=True)
-class ProcessSnapshot:
-    """State of a :class:`SolverProcess`: all that it took, with step and horizon."""
-
-    log: Tuple[Message, ...]
-    step: int
-    horizon: int
-
-
 class SolverProcess:
-    """Solves a reactive logic program under a stream of updates, in a child process.
+    """A child process with solvers of one reactive logic program.
 
-    The methods are those of :class:`~rosoclingo.oclingo.solver.ReactiveSolver`. Not thread-safe, but for
-    :meth:`interrupt`. A child is running from the start on; :meth:`close` or the end of this process ends it.
+    Not thread-safe. A child is running from the start on; :meth:`close` or the end of this process ends it.
 
     A stop request ends a search with outcome INTERRUPTED, the update stays in force. Where the child does not heed it
     (it grounds), it is killed after ``patience`` seconds, the update is dropped as a whole and DroppedError raised.
-    The same holds where the child crashes.
+    The same holds where the child crashes. Another child then takes the updates again; a stop meanwhile raises
+    DroppedError and lets it go on with that.
     """
 
     def __init__(self, program: ReactiveProgram, models: int = 1, patience: float = PATIENCE, **options: Any) -> None:
@@ -68,31 +47,19 @@ class SolverProcess:
             options: what else :class:`~rosoclingo.oclingo.solver.ReactiveSolver` takes; plain values.
 
         """
-        self.program = program
-        self.models = models
         self._patience = patience
-        self._load: Message = {
+        self._program: Message = {
             "do": "load",
             "program": program_to_message(program),
             "options": dict(options, models=models),
         }
-        self._log: List[Message] = []
-        self._step, self._horizon = 1, 1
-        self._stop = False
-        self._loaded = self._current = False
+        self._numbers: Iterator[int] = iter(range(2**62))
+        self._left: List[int] = []
+        self._taken: Dict[int, int] = {}  # how much of each solver's log the child has taken, or will have
+        self._owed: Deque[Optional[int]] = deque()  # what the child is preparing: the program (None) or a solver
         self._child: Optional[WorkerProcess] = None
         self._closed = False
         self._respawn()
-
-    @property
-    def horizon(self) -> int:
-        """N, the last grounded step."""
-        return self._horizon
-
-    @property
-    def step(self) -> int:
-        """k, the step of the last update."""
-        return self._step
 
     @property
     def pid(self) -> Optional[int]:
@@ -107,124 +74,121 @@ class SolverProcess:
 
     def start(self, stopped: Optional[Stopped] = None) -> None:
         """Wait until the child can solve; raises DroppedError where ``stopped`` or a crash came first."""
-        self._call(None, stopped)
+        self._guarded(lambda: self._prepare(stopped), ())
+
+    def solver(self) -> ProcessSolver:
+        """Return a solver to which nothing has been fed; the child forgets it when it is no longer referred to."""
+        return ProcessSolver(self)
 
     def close(self) -> None:
         """End the child; nothing can be asked any more."""
         self._closed = True
         self._discard()
 
-    def interrupt(self) -> None:
-        """End the running search, if there is one; may be called from any thread."""
-        self._stop = True
+    def place(self) -> Place:
+        """Return a place for a solver in the child, free again when it is no longer referred to."""
+        place = Place(next(self._numbers))
+        weakref.finalize(place, self._left.append, place.number).atexit = False
+        return place
 
-    def snapshot(self) -> ProcessSnapshot:
-        """Return the present state, for :meth:`restore`."""
-        return ProcessSnapshot(tuple(self._log), self._step, self._horizon)
+    def ask(self, place: Place, log: Sequence[Message], command: Message, stopped: Optional[Stopped]) -> Message:
+        """Have the solver at ``place``, whose state is that after ``log``, do a command; return the child's reply."""
 
-    def restore(self, state: ProcessSnapshot) -> None:
-        """Go back to a state that :meth:`snapshot` gave; the child takes what led there at the next call."""
-        self._log, self._step, self._horizon = list(state.log), state.step, state.horizon
-        self._current = False
+        def ask() -> Message:
+            self._prepare(stopped, place.number, log)
+            assert self._child is not None
+            missing = list(log[self._taken[place.number] :])
+            self._child.send(dict(command, solver=place.number, log=missing, left=self._take_left()))
+            return self._wait(stopped)
 
-    def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:
-        """Search without an update."""
-        return self._search({"do": "solve"}, stopped)
+        reply = self._guarded(ask, (place.number, log))
+        if "refused" in reply:
+            self._taken[place.number] = len(log)
+            raise SolverError(reply["refused"])
+        self._taken[place.number] = len(log) + 1
+        return reply
 
-    def update(self, update: StreamUpdate, stopped: Optional[Stopped] = None) -> SolveResult:
-        """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
-
-        Raises SolverError where the update as a whole can't be taken, DroppedError where the child had to be ended;
-        the state is then as it was before. An interrupted search leaves the update in force.
-        """
-        result = self._search({"do": "update", "update": str(update)}, stopped)
-        return replace(result, warnings=update.warnings + result.warnings)
-
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to those in ``executed``."""
-        command = {"do": "close", "cycle": cycle, "executed": symbols_to_text(executed)}
-        self._call(command, None)
-        self._log.append(command)
-
-    def _search(self, command: Message, stopped: Optional[Stopped]) -> SolveResult:
-        result = result_from_message(self._call(command, stopped))
-        self._log.append(dict(command, horizon=result.horizon))
-        self._step, self._horizon = result.step, result.horizon
-        return result
-
-    def _call(self, command: Optional[Message], stopped: Optional[Stopped]) -> Message:
-        """Have the child ready, send ``command`` and wait for the reply."""
+    def _guarded(self, action: Callable[[], Message], rebuilt: Sequence[Any]) -> Message:
+        """Do ``action``; where the child is lost have another one under way, which takes what it is to know again."""
         if self._closed:
             raise SolverError("the solver process has been closed")
-        self._stop = False
-
-        def halt() -> bool:
-            return self._stop or (stopped is not None and stopped())
-
         try:
-            reply: Message = self._prepare(halt)
-            if command is not None:
-                reply = self._ask(command, halt)
+            return action()
         except WorkerLostError as error:
-            self._respawn()
+            self._respawn(*rebuilt)
             raise DroppedError(f"{error}; what it was asked for was dropped") from None
+        except SolverError:
+            raise
         except BaseException:  # a reply may still be on its way
             self._discard()
             raise
-        if "refused" in reply:
-            raise SolverError(reply["refused"])
-        return reply
 
-    def _prepare(self, halt: Stopped) -> Message:
-        """Bring the child to the state of the log."""
+    def _prepare(self, stopped: Optional[Stopped], number: int = -1, log: Sequence[Message] = ()) -> Message:
+        """Wait until the child has the program, and the solver ``number`` in the state after ``log``."""
         if self._child is None or not self._child.alive:
             self._discard()
             self._spawn()
+        if number >= 0 and number not in self._taken:
+            self._rebuild(number, log)
         reply: Message = {}
-        if not self._loaded:
-            reply = self._wait(halt)
+        while self._owed:
+            reply = self._wait(stopped, kills=False)
+            prepared = self._owed.popleft()
             if "faults" in reply:
                 raise ProgramError(faults_from_message(reply))
-            self._loaded = True
-        if not self._current:
-            reply = self._ask({"do": "replay", "log": self._log}, halt)
-            if "refused" in reply:
-                raise SolverError(f"the solver can't be rebuilt: {reply['refused']}")
-            self._current = True
+            if "refused" in reply and prepared is not None:
+                del self._taken[prepared]
+                if prepared == number:
+                    raise SolverError(f"the solver can't be rebuilt: {reply['refused']}")
         return reply
 
-    def _ask(self, command: Message, halt: Stopped) -> Message:
+    def _rebuild(self, number: int, log: Sequence[Message]) -> None:
         assert self._child is not None
-        self._child.send(command)
-        return self._wait(halt)
+        self._child.send({"do": "rebuild", "solver": number, "log": list(log), "left": self._take_left()})
+        self._taken[number] = len(log)
+        self._owed.append(number)
 
-    def _wait(self, halt: Stopped) -> Message:
-        """Wait for the child's reply; on ``halt`` ask it to stop, and after some patience give it up."""
+    def _take_left(self) -> List[int]:
+        left: List[int] = []
+        while self._left:
+            left.append(self._left.pop())
+            self._taken.pop(left[-1], None)
+        return left
+
+    def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:
+        """Wait for the child's reply; on a stop ask it to heed that, and after some patience give it up."""
         assert self._child is not None
         deadline: Optional[float] = None
         while True:
             reply = self._child.receive(POLL)
             if reply is not None:
                 return reply
-            if halt() and deadline is None:
+            if deadline is not None:
+                if time.monotonic() > deadline:
+                    raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
+            elif stopped is not None and stopped():
+                if not kills:
+                    raise DroppedError("the solver takes what led here again, which is not done yet; ask again")
                 deadline = time.monotonic() + self._patience
                 self._child.send({"do": "interrupt"})
-            elif deadline is not None and time.monotonic() > deadline:
-                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
 
     def _spawn(self) -> None:
-        self._loaded, self._current = False, not self._log
+        self._taken.clear()
+        self._owed.clear()
         try:
             self._child = WorkerProcess()
         except OSError as error:
             raise WorkerLostError(f"no solver process can be started: {error}") from None
-        self._child.send(self._load)
+        self._child.send(self._program)
+        self._owed.append(None)
 
-    def _respawn(self) -> None:
+    def _respawn(self, number: int = -1, log: Sequence[Message] = ()) -> None:
         """Have another child under way for the next call; where that fails, the next call tries again."""
         self._discard()
         with suppress(WorkerLostError):
             self._spawn()
+            if number >= 0:
+                self._rebuild(number, log)
 
     def _discard(self) -> None:
         child, self._child = self._child, None

@@ -4,8 +4,8 @@
 back.
 """
 
-from dataclasses import dataclass, field
-from typing import Iterator, Optional, Tuple, Union
+from dataclasses import dataclass, field, replace
+from typing import FrozenSet, Iterator, Optional, Tuple, Union
 
 import clingo
 
@@ -138,6 +138,11 @@ class StreamUpdate:
                 section = item
             elif isinstance(item, Statement):
                 yield section, item
+
+    def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
+        """Return the update without the facts and rules that define one of ``facts``."""
+        kept = (item for item in self.items if not (isinstance(item, Statement) and item.head in facts))
+        return replace(self, items=tuple(kept))
 
     def __str__(self) -> str:
         lines = [str(item) for item in self.items]

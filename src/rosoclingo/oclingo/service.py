@@ -12,10 +12,10 @@ from typing import Callable, Dict, List, Optional
 
 from rosoclingo.oclingo import protocol
 from rosoclingo.oclingo.errors import ProgressionError, SolverError
-from rosoclingo.oclingo.process import SolverProcess
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.service_client import Client
 from rosoclingo.oclingo.solver import SolveOutcome
+from rosoclingo.oclingo.stream_solver import StreamSolver
 
 GRACE = 0.5
 """Seconds that a search without bound has before an update that waits ends it."""
@@ -44,7 +44,7 @@ class Service:
 
     def __init__(
         self,
-        solver: SolverProcess,
+        solver: StreamSolver,
         listener: socket.socket,
         time_limit: Optional[float] = None,
         clock: Callable[[], float] = time.monotonic,

@@ -1,7 +1,7 @@
 """What the solver knows of its stream: enough to build the grounding anew at any time."""
 
 from dataclasses import dataclass, field, replace
-from typing import Dict, FrozenSet, List, Optional, Set, Union
+from typing import Dict, FrozenSet, List, Optional, Set, Tuple, Union
 
 import clingo
 
@@ -46,6 +46,24 @@ class Entry:
     guard: Optional[int] = None
 
 
+@dataclass(frozen=True)
+class Past:
+    """The steps of a stream that are over and no longer ground (see :mod:`~rosoclingo.oclingo.retiring`).
+
+    Attributes:
+        first: the first step that is still ground.
+        facts: what later steps may see of those before.
+        opens: the same of open signatures, which base may see as well.
+        shown: what answers show of those steps, each with its step.
+
+    """
+
+    first: int
+    facts: FrozenSet[clingo.Symbol]
+    opens: FrozenSet[clingo.Symbol]
+    shown: Tuple[Tuple[int, clingo.Symbol], ...] = ()
+
+
 @dataclass
 class StreamState:
     """State of a stream between two updates.
@@ -61,9 +79,10 @@ class StreamState:
         forgotten: externals closed by ``#forget``.
         forgets_done: last step at which the program's own ``#forget`` was carried out.
         closed_cycles: the actions that were executed in each cycle that has been closed.
+        keep_from: steps before it may be retired.
+        past: the steps that have been retired, None for none.
         cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for
-            each
-            search, since clingo looks for loops only among the rules that come between two searches.
+            each search, since clingo looks for loops only among the rules that come between two searches.
 
     """
 
@@ -77,6 +96,8 @@ class StreamState:
     forgotten: Set[clingo.Symbol] = field(default_factory=set)
     forgets_done: int = 0
     closed_cycles: Dict[int, FrozenSet[clingo.Symbol]] = field(default_factory=dict)
+    keep_from: int = 0
+    past: Optional[Past] = None
     cyclic: bool = False
 
     def copy(self) -> "StreamState":
@@ -90,3 +111,11 @@ class StreamState:
             forgotten=set(self.forgotten),
             closed_cycles=dict(self.closed_cycles),
         )
+
+    def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
+        """Return the state that would be, had none of ``facts`` been told."""
+        less = self.copy()
+        less.permanent = [statement for statement in less.permanent if statement.head not in facts]
+        less.lapsing = [entry for entry in less.lapsing if entry.statement.head not in facts]
+        less.waiting = [entry for entry in less.waiting if entry.statement.head not in facts]
+        return less

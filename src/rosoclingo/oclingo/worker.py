@@ -10,7 +10,7 @@ import os
 import select
 import signal
 import sys
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List
 
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.process_wire import (
@@ -63,20 +63,21 @@ class Worker:
 
     def __init__(self, commands: Commands) -> None:
         self._commands = commands
-        self._make: Optional[Callable[[], ReactiveSolver]] = None
-        self._solver: ReactiveSolver
+        self._make: Callable[[], ReactiveSolver]
+        self._solvers: Dict[int, ReactiveSolver] = {}
         self._handlers: Dict[str, Callable[[Message], Message]] = {
             "load": self._load,
-            "replay": self._replay,
+            "rebuild": self._rebuild,
             "solve": self._solve,
             "update": self._update,
-            "close": self._close,
         }
 
     def run(self, answer: Callable[[Message], None]) -> None:
         """Serve until the parent closes its end."""
         while True:
             command = self._commands.next()
+            for number in command.get("left", ()):
+                self._solvers.pop(number, None)
             try:
                 reply = self._handlers[command["do"]](command)
             except SolverError as error:
@@ -89,30 +90,31 @@ class Worker:
         except ProgramError as error:
             return faults_to_message(error.faults)
         self._make = lambda: ReactiveSolver(program, **command["options"])
-        self._solver = self._make()
         return {}
 
-    def _replay(self, command: Message) -> Message:
-        """Start anew and take the ``log`` again."""
-        assert self._make is not None, "nothing has been loaded"
-        self._solver = self._make()
-        for entry in command["log"]:
-            if entry["do"] == "close":
-                self._close(entry)
-            else:
-                text = entry.get("update")
-                self._solver.replay(None if text is None else parse_update(text), entry["horizon"])
+    def _rebuild(self, command: Message) -> Message:
+        """Make a solver that takes the whole log."""
+        self._solvers[command["solver"]] = self._make()
+        self._solver_of(command)
         return {}
 
     def _solve(self, command: Message) -> Message:
-        return result_to_message(self._solver.solve(self._commands.interrupted))
+        return result_to_message(self._solver_of(command).solve(self._commands.interrupted))
 
     def _update(self, command: Message) -> Message:
-        return result_to_message(self._solver.update(parse_update(command["update"]), self._commands.interrupted))
+        solver, update = self._solver_of(command), parse_update(command["update"])
+        return result_to_message(solver.update(update, self._commands.interrupted))
 
-    def _close(self, command: Message) -> Message:
-        self._solver.close_cycle(command["cycle"], symbols_from_text(command["executed"]))
-        return {}
+    def _solver_of(self, command: Message) -> ReactiveSolver:
+        """Return the solver of a command, which takes what is new in its log, without searching."""
+        solver = self._solvers[command["solver"]]
+        for entry in command["log"]:
+            if entry["do"] == "close":
+                solver.close_cycle(entry["cycle"], symbols_from_text(entry["executed"]))
+            else:
+                text = entry.get("update")
+                solver.replay(None if text is None else parse_update(text), entry["horizon"])
+        return solver
 
 
 def end_with(lifeline: int) -> None:

@@ -27,6 +27,7 @@ from rosoclingo.reasoning.goals import (
     read_goal,
 )
 from rosoclingo.reasoning.keywords import Action, KeywordError, Return
+from rosoclingo.reasoning.planner import Halt
 
 __all__ = [
     "TERMINAL",
@@ -44,6 +45,7 @@ __all__ = [
     "GoalProgress",
     "GoalRefused",
     "GoalState",
+    "Halt",
     "KeywordError",
     "Observer",
     "Outcome",

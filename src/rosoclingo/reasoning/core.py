@@ -1,5 +1,6 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import List, Optional, Sequence, Tuple
 
@@ -17,13 +18,14 @@ from rosoclingo.reasoning.events import (
     UpdateSent,
 )
 from rosoclingo.reasoning.facts import FactError, check_fact, take_return
+from rosoclingo.reasoning.feeding import feed
 from rosoclingo.reasoning.goal_desk import GoalDesk
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
 from rosoclingo.reasoning.judge import judge
 from rosoclingo.reasoning.keywords import TIMEOUT, Action, KeywordError, Return
-from rosoclingo.reasoning.planner import Planner, SearchGuard, SolverFactory, no_guard
-from rosoclingo.reasoning.recovery import Recovery, recover
+from rosoclingo.reasoning.planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
+from rosoclingo.reasoning.recovery import Recovery, recover, requests_of
 from rosoclingo.reasoning.statuses import Statuses
 
 
@@ -53,18 +55,20 @@ class Core:
         make_solver: SolverFactory,
         observer: Observer,
         settings: CoreSettings = CoreSettings(),
-        guard: SearchGuard = no_guard,
+        watch: SearchWatch = unwatched,
     ) -> None:
         self._program = program
         self._tell = observer
         self._settings = settings
-        self._planner = Planner(make_solver, settings.horizon_limit, guard)
+        self._planner = Planner(make_solver, settings.horizon_limit, watch)
         self._feeder = InputFeeder()
         self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle)
         self._step = 0
         self._plan = TaskPlan()
         self._dispatch: Optional[Dispatch] = None
         self._waits = 0
+        self._unanswered = False  # the search was left: there is to be another
+        self._untaken = False  # so was the update of the present step
 
     @property
     def cycle(self) -> int:
@@ -116,11 +120,18 @@ class Core:
 
     def start(self) -> None:
         """Solve once before any update; an empty plan leaves the core idle in cycle 1."""
-        result = self._planner.solve()
+        try:
+            result = self._planner.solve()
+        except DisturbedError:
+            self._unanswered = True
+            return
+        except SolverError as error:
+            self._problem(f"the program can't be solved before any request: {error}")
+            return
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._plan = extract_plan(result.answers[0])
         else:
-            self._problem(f"the program has no answer before any request: {self._why(result)}")
+            self._problem(f"the program has no answer before any request: {self._planner.why_none(result)}")
         self._tell_plan(result)
 
     def advance(self, now: float) -> bool:
@@ -145,8 +156,8 @@ class Core:
         self._feeder.add_fact(atom)
 
     def _due(self) -> bool:
-        """Whether something happened, an action has ended, or the plan has nothing now but something later."""
-        return bool(self._feeder.pending or self._dispatch or self._later())
+        """Whether something happened, an action has ended, a search was left, or the plan has something later only."""
+        return bool(self._feeder.pending or self._dispatch or self._unanswered or self._later())
 
     def _later(self) -> bool:
         unseen = any(goal.request_cycle is not None and goal.request_cycle > self._step for goal in self._desk.fed)
@@ -156,9 +167,10 @@ class Core:
         executed = self._dispatch.actions if self._dispatch else ()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._dispatch = None
-        if self._step:
+        if self._step and not self._untaken:
             self._planner.end_cycle(self._step, [action.atom for action in executed])
-        self._step += 1
+        self._step += 0 if self._untaken else 1
+        self._unanswered = self._untaken = False
         batch = self._feeder.next_update(self._step, executed)
         for goal in batch.goals:
             goal.request_cycle = self._step + 1
@@ -166,18 +178,33 @@ class Core:
         self._solve(batch, now)
 
     def _solve(self, batch: Batch, now: float) -> None:
-        """Feed the update; of one that the solver refuses, at least the commitments, so that the plan goes on."""
-        for update in (batch.update, batch.commitments):
-            try:
-                result = self._planner.update(update)
-            except SolverError as error:
-                self._problem(f"update {self._step} is refused by the solver: {error}")
-                self._desk.end(batch.goals, Outcome.REJECTED, f"is refused by the solver: {error}")
+        try:
+            result = feed(self._planner, batch, self._desk, self._problem)
+        except DisturbedError as disturbance:
+            self._leave(disturbance)
+            if not disturbance.kept:
+                self._untaken = True
+                self._feeder.put_back(batch)
+            return
+        try:
+            if result is None:
+                self._give_up()
             else:
                 self._answered(result, batch.goals, now)
-                return
-        self._plan = TaskPlan()
+        except DisturbedError as disturbance:
+            self._leave(disturbance)
+
+    def _leave(self, disturbance: DisturbedError) -> None:
+        """Leave the search: there is another as soon as what has come is taken."""
+        self._plan, self._unanswered = TaskPlan(), True
+        self._problem(str(disturbance))
+
+    def _give_up(self) -> None:
+        """Go back to a short horizon, without the goals' requests."""
+        self._plan, requests = TaskPlan(), requests_of(self._desk.fed)
         self._desk.end(self._desk.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
+        with suppress(SolverError):
+            self._planner = self._planner.restarted(requests)
 
     def _answered(self, result: SolveResult, fresh: Sequence[Goal], now: float) -> None:
         for warning in result.warnings:
@@ -188,7 +215,7 @@ class Core:
             self._use(result, now)
         else:
             self._tell_plan(result)
-            self._recover(self._why(result), fresh, now)
+            self._recover(self._planner.why_none(result), fresh, now)
 
     def _use(self, result: SolveResult, now: float) -> None:
         answer = result.answers[0]
@@ -224,7 +251,8 @@ class Core:
             return
         self._problem(f"the program has no answer, whatever goals are given up: {why}")
         self._desk.end(goals, Outcome.ABORTED, f"cannot be met: {why}")
-        self._planner = self._planner.restarted()
+        with suppress(SolverError):
+            self._planner = self._planner.restarted()
 
     def _adopt(self, found: Recovery, why: str, now: float) -> None:
         if found.forgotten:
@@ -234,11 +262,6 @@ class Core:
         self._tell(UpdateSent(self._step, str(found.update)))
         self._desk.end(found.dropped, Outcome.ABORTED, f"cannot be met: {why}")
         self._answered(found.result, (), now)
-
-    def _why(self, result: SolveResult) -> str:
-        if result.outcome is SolveOutcome.INTERRUPTED:
-            return "the search was ended before it found a plan"
-        return f"there is no plan of at most {self._settings.horizon_limit} steps from here"
 
     def _tell_plan(self, result: SolveResult) -> None:
         seconds = result.statistics

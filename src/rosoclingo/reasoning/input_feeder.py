@@ -1,10 +1,11 @@
 """The input feeder of Fig. 4: it turns what happened into the next stream update."""
 
-from typing import Dict, Iterable, List, NamedTuple, Tuple, Union
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Tuple, Union
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import Literal, Statement, StreamUpdate
+from rosoclingo.oclingo.progression import Item
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action, cancellation, request
 
@@ -14,6 +15,18 @@ class Batch(NamedTuple):
 
     update: StreamUpdate
     goals: Tuple[Goal, ...]
+
+    @property
+    def requests(self) -> FrozenSet[Symbol]:
+        """The requests of the goals."""
+        return frozenset(
+            request(goal.term, goal.request_cycle) for goal in self.goals if goal.request_cycle is not None
+        )
+
+    @property
+    def without_goals(self) -> StreamUpdate:
+        """The same update without the goals' requests."""
+        return self.update.less(self.requests)
 
     @property
     def commitments(self) -> StreamUpdate:
@@ -32,11 +45,12 @@ class InputFeeder:
     def __init__(self) -> None:
         self._requests: List[Union[Goal, Symbol]] = []
         self._facts: Dict[Symbol, None] = {}
+        self._owed: Tuple[Item, ...] = ()
 
     @property
     def pending(self) -> bool:
         """Whether anything waits to be fed."""
-        return bool(self._requests or self._facts)
+        return bool(self._requests or self._facts or self._owed)
 
     def add_goal(self, goal: Goal) -> None:
         """A new goal arrived."""
@@ -54,13 +68,20 @@ class InputFeeder:
         """A return or another fact arrived; the same fact twice in an update is one."""
         self._facts[atom] = None
 
+    def put_back(self, batch: Batch) -> None:
+        """An update was not taken, so the next one brings what it held, but for the goals that have ended."""
+        self._owed = batch.without_goals.items
+        self._requests[:0] = [goal for goal in batch.goals if goal.live]
+        for goal in batch.goals:
+            goal.request_cycle = None
+
     def next_update(self, step: int, executed: Iterable[Action]) -> Batch:
         """The update that starts cycle ``step``, after ``executed`` in the one before; it empties the feeder."""
         goals = tuple(item for item in self._requests if isinstance(item, Goal))
-        statements = [Statement(None, (Literal(action.atom, False),)) for action in executed]
+        statements = [*self._owed, *(Statement(None, (Literal(action.atom, False),)) for action in executed)]
         statements += [Statement(self._request(item, step)) for item in self._requests]
         statements += [Statement(atom) for atom in self._facts]
-        self._requests, self._facts = [], {}
+        self._requests, self._facts, self._owed = [], {}, ()
         return Batch(StreamUpdate(step=step, items=tuple(statements)), goals)
 
     @staticmethod

@@ -4,11 +4,11 @@ Goals are given up in the next update, by the program's own means, ``_request(ca
 sent stays a true record. The search for them is done on fresh solvers beside the stream.
 """
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import SolveOutcome, SolveResult, Statement, StreamUpdate
+from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import cancellation, request
 from rosoclingo.reasoning.planner import Planner
@@ -65,10 +65,15 @@ def _keep_what_can_be_met(planner: Planner, step: int, found: Recovery) -> Recov
 def _attempt(planner: Planner, step: int, dropped: Tuple[Goal, ...], forgotten: bool = False) -> Recovery:
     cancels = () if forgotten else tuple(Statement(cancellation(goal.identifier, step)) for goal in dropped)
     update = StreamUpdate(step=step, items=cancels)
-    fresh = planner.restarted(frozenset(_requests(dropped)) if forgotten else frozenset())
-    fresh.end_cycle(step - 1, ())
-    return Recovery(fresh, update, fresh.update(update), dropped, forgotten)
+    try:
+        fresh = planner.restarted(requests_of(dropped) if forgotten else frozenset())
+        fresh.end_cycle(step - 1, ())
+        result = fresh.update(update)
+    except SolverError:  # what is left of the goals takes too long, or is refused, as well
+        fresh, result = planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
+    return Recovery(fresh, update, result, dropped, forgotten)
 
 
-def _requests(goals: Sequence[Goal]) -> List[Symbol]:
-    return [request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None]
+def requests_of(goals: Sequence[Goal]) -> FrozenSet[Symbol]:
+    """The requests of the goals that were fed."""
+    return frozenset(request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None)

@@ -1,0 +1,40 @@
+"""Feeding the solver an update that it may refuse: what can be taken of it is taken."""
+
+from typing import Callable, Optional, Sequence
+
+from rosoclingo.oclingo import DroppedError, SolverError, SolveResult
+from rosoclingo.reasoning.goal_desk import GoalDesk
+from rosoclingo.reasoning.goals import Goal, Outcome
+from rosoclingo.reasoning.input_feeder import Batch
+from rosoclingo.reasoning.planner import Planner
+
+
+def feed(planner: Planner, batch: Batch, desk: GoalDesk, problem: Callable[[str], None]) -> Optional[SolveResult]:
+    """Feed a batch and search; None where the solver takes nothing of it. Goals that are not taken end.
+
+    Of an update that is refused, the new goals are left out, then all but the commitments. One that was dropped since
+    its search would not end is first fed without looking ahead: then it is known, whatever the search does.
+    """
+
+    def refused(error: SolverError, goals: Sequence[Goal]) -> None:
+        dropped = isinstance(error, DroppedError)
+        why = ": ".join(filter(None, (planner.ended_by if dropped else "", str(error))))
+        problem(f"update {batch.update.step} is {'dropped' if dropped else 'refused by the solver'}: {why}")
+        text = f"cannot be met: {why}" if dropped else f"is refused by the solver: {why}"
+        desk.end(goals, Outcome.ABORTED if dropped else Outcome.REJECTED, text)
+
+    try:
+        return planner.update(batch.update)
+    except DroppedError as error:
+        refused(error, ())
+        take, fewer = planner.take, [batch.update, batch.without_goals, batch.commitments]
+    except SolverError as error:
+        refused(error, batch.goals)
+        take, fewer = planner.update, [batch.without_goals, batch.commitments]
+    for number, update in enumerate(fewer):
+        if update not in fewer[:number]:
+            try:
+                return take(update)
+            except SolverError as error:
+                refused(error, batch.goals if update is batch.update else ())
+    return None
