@@ -1,0 +1,232 @@
+"""Solvers in a process of their own: the same answers, whatever becomes of the process."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.oclingo import (
+    DroppedError,
+    ProgramError,
+    ReactiveProgram,
+    ReactiveSolver,
+    SolveOutcome,
+    SolverError,
+    parse_atom,
+    parse_update,
+)
+from rosoclingo.oclingo.process import SolverProcess
+
+DATA = Path(__file__).parents[1] / "data"
+CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
+
+ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n"
+ENDLESS = ECHO + "#volatile t.\n:- not c(t).\n"
+#: Grounding of step 2 has no end.
+EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
+#: Grounding a fact big(1) takes some tenths of a second, and every step of it can be seen by all.
+HEAVY = "#external big/1.\nn(1..300000,B) :- big(B).\n#show big/1.\n"
+
+
+@pytest.fixture(scope="module")
+def echo():
+    with SolverProcess(ReactiveProgram.from_text(ECHO), models=0) as process:
+        process.start()
+        yield process
+
+
+def process_of(text, **options):
+    return SolverProcess(ReactiveProgram.from_text(text), **options)
+
+
+def atoms(result):
+    return [sorted(map(str, answer)) for answer in result.answers]
+
+
+def ended(pid):
+    """Whether a process has ended, waited for."""
+    for _ in range(1200):
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()[0]
+        except FileNotFoundError:
+            return True
+        if state == "Z":
+            return True
+        threading.Event().wait(0.05)
+    return False
+
+
+def kill(process):
+    """Kill the child while it has nothing to do."""
+    pid = process.pid
+    os.kill(pid, signal.SIGKILL)
+    assert ended(pid)
+
+
+def at_look(number):
+    """A stop request from the look of that number on."""
+    looks = []
+
+    def stopped():
+        looks.append(None)
+        return len(looks) >= number
+
+    return stopped
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if len(case["updates"]) > 2], ids=lambda case: case["name"])
+def test_answers_are_those_of_a_solver_in_this_process(case):
+    program = ReactiveProgram.from_text(case["program"])
+    here = ReactiveSolver(program, models=0)
+    with SolverProcess(program, models=0) as process:
+        there = process.solver()
+        for update in case["updates"]:
+            expected, found = here.update(parse_update(update["update"])), there.update(parse_update(update["update"]))
+            assert sorted(atoms(found)) == sorted(atoms(expected))
+            assert (found.outcome, found.horizon, found.step) == (expected.outcome, expected.horizon, expected.step)
+            assert (found.warnings, found.permanent) == (expected.warnings, expected.permanent)
+            assert (there.horizon, there.step) == (here.horizon, here.step)
+
+
+def test_a_solver_that_is_killed_starts_again_where_it_was(echo):
+    solver = echo.solver()
+    solver.update(parse_update("#step 1. e(1). #endstep."))
+    solver.close_cycle(1, [])
+    kill(echo)
+    result = solver.update(parse_update("#step 2. e(2). #endstep."))
+    assert atoms(result) == [["c(1)", "c(2)", "e(1)", "e(2)"]]
+
+
+def test_what_is_asked_for_when_the_process_dies_is_dropped():
+    with process_of(ENDLESS) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1 : 0. e(1). #endstep."))
+
+        def stopped():
+            kill(process)
+            return False
+
+        with pytest.raises(DroppedError, match="ended by signal SIGKILL; what it was asked for was dropped"):
+            solver.update(parse_update("#step 2. #endstep."), stopped)
+        assert atoms(solver.update(parse_update("#step 1 : 0. #endstep."))) == [["c(1)", "e(1)"]]
+
+
+def test_a_stop_ends_a_search_and_leaves_the_update_in_force():
+    with process_of(ENDLESS) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1 : 0. #endstep."))
+        pid = process.pid
+        result = solver.update(parse_update("#step 1. #endstep."), at_look(5))
+        assert result.outcome is SolveOutcome.INTERRUPTED
+        assert process.pid == pid, "it heeded the stop"
+        assert result.horizon == solver.horizon > 1
+        late = solver.update(parse_update(f"#step {result.horizon} : 0. e({result.horizon}). #endstep."))
+        assert late.outcome is SolveOutcome.SATISFIABLE
+
+
+def test_a_stop_ends_grounding_and_drops_the_update():
+    with process_of(EXPLODING, patience=0.1) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1. e(1). #endstep."))
+        pid = process.pid
+        with pytest.raises(DroppedError, match="did not heed a stop, since it was grounding"):
+            solver.update(parse_update("#step 2. e(2). #endstep."), lambda: True)
+        assert process.pid != pid
+        assert (solver.step, solver.horizon) == (1, 1)
+        assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
+
+
+def test_a_stop_while_the_process_is_rebuilt_lets_it_go_on():
+    with process_of(HEAVY) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1. big(1). #endstep."))
+        kill(process)
+        with pytest.raises(DroppedError, match="takes what led here again"):
+            solver.update(parse_update("#step 2. #endstep."), lambda: True)
+        pid = process.pid
+        with suppress(DroppedError):
+            solver.update(parse_update("#step 2. #endstep."), at_look(3))
+        assert atoms(solver.update(parse_update("#step 2. #endstep."))) == [["big(1)"]]
+        assert process.pid == pid, "a stop did not begin it anew"
+
+
+def test_solvers_share_a_process_and_nothing_else(echo):
+    one, other = echo.solver(), echo.solver()
+    one.update(parse_update("#step 1. e(1). #endstep."))
+    assert atoms(other.update(parse_update("#step 1. #endstep."))) == [[]]
+    assert atoms(one.update(parse_update("#step 2. #endstep."))) == [["c(1)", "e(1)"]]
+
+
+def test_the_child_forgets_solvers_that_nobody_refers_to(echo):
+    echo.start()
+    first = echo.solver()
+    for _ in range(3):
+        echo.solver().update(parse_update("#step 1. #endstep."))
+    first.update(parse_update("#step 1. #endstep."))
+    assert len(echo._taken) <= 2, "the last one goes with the next command"
+
+
+def test_going_back(echo):
+    solver = echo.solver()
+    solver.update(parse_update("#step 1. e(1). #endstep."))
+    before = solver.snapshot()
+    solver.update(parse_update("#step 3. e(2). #endstep."))
+    solver.restore(before)
+    assert (solver.step, solver.horizon) == (1, 1)
+    assert atoms(solver.update(parse_update("#step 2. #endstep."))) == [["c(1)", "e(1)"]]
+    other = echo.solver()
+    other.restore(before.less(frozenset([parse_atom("e(1)")])))
+    assert atoms(other.update(parse_update("#step 2. #endstep."))) == [[]]
+
+
+def test_a_refused_update_changes_nothing():
+    with process_of(ECHO, horizon_limit=3) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1. e(1). #endstep."))
+        with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
+            solver.update(parse_update("#step 4. #endstep."))
+        solver.close_cycle(1, [])
+        assert atoms(solver.update(parse_update("#step 2. #endstep."))) == [["c(1)", "e(1)"]]
+
+
+def test_a_program_whose_faults_show_in_the_child_only(tmp_path):
+    file = tmp_path / "part.lp"
+    file.write_text("#program base.\na.\n", encoding="utf-8")
+    program = ReactiveProgram.from_text(f'#include "{file}".\n' + ECHO)
+    file.unlink()
+    with SolverProcess(program) as process, pytest.raises(ProgramError, match=r"part\.lp"):
+        process.start()
+
+
+def test_a_closed_process_is_told():
+    process = process_of(ECHO)
+    process.close()
+    with pytest.raises(SolverError, match="has been closed"):
+        process.solver().solve()
+
+
+def test_a_stop_at_the_start():
+    with process_of(ECHO) as process:
+        with pytest.raises(DroppedError):
+            process.start(lambda: True)
+        assert process.solver().solve().outcome is SolveOutcome.SATISFIABLE
+
+
+def test_a_child_ends_with_its_parent_even_while_it_grounds():
+    code = (
+        "import sys\nfrom rosoclingo.oclingo import *\nfrom rosoclingo.oclingo.process import SolverProcess\n"
+        f"process = SolverProcess(ReactiveProgram.from_text({EXPLODING!r}))\nprocess.start()\n"
+        "looks = []\n"
+        "def stopped():\n    looks.append(0)\n    len(looks) == 9 and print(process.pid, flush=True)\n"
+        "process.solver().update(parse_update('#step 2. #endstep.'), stopped)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as parent:
+        child = int(parent.stdout.readline())
+        parent.kill()
+    assert ended(child), "the child outlived its parent"
