@@ -1,5 +1,8 @@
 """A map server, as the package map_server has it."""
 
+import math
+
+import numpy as np
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapRequest, LoadMapResponse
@@ -19,6 +22,20 @@ def grid_message(occupancy: grid.OccupancyGrid, frame: str, stamp: rospy.Time) -
     message.info.origin.orientation.w = 1.0
     message.data = occupancy.cells.ravel().tolist()
     return message
+
+
+def grid_from_message(message: OccupancyGrid) -> grid.OccupancyGrid:
+    """Return a message as a grid. Raises MapError for one that contradicts itself, and for a turned one."""
+    info, rotation = message.info, message.info.origin.orientation
+    if abs(rotation.z) > 1e-6:
+        raise grid.MapError("its origin is turned against its frame (yaw), which is not supported")
+    numbers = (info.resolution, info.origin.position.x, info.origin.position.y)
+    if not all(map(math.isfinite, numbers)) or info.resolution <= 0.0:
+        raise grid.MapError(f"resolution and origin must be finite, the resolution more than 0; they are {numbers}")
+    if not message.data or info.width * info.height != len(message.data):
+        raise grid.MapError(f"it has {len(message.data)} cells for {info.width} x {info.height}")
+    cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
+    return grid.OccupancyGrid(cells, info.resolution, info.origin.position.x, info.origin.position.y)
 
 
 class MapServerNode:

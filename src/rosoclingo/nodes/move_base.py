@@ -1,7 +1,9 @@
 """Navigation as a ROS node, with move_base's action, topics, services and parameters."""
 
+import math
 import queue
-from typing import Any, Optional, Tuple
+import traceback
+from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -12,21 +14,18 @@ from move_base_msgs.msg import (
     MoveBaseActionGoal,
     MoveBaseFeedback,
     MoveBaseResult,
-    RecoveryStatus,
 )
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from std_srvs.srv import Empty, EmptyResponse
 
-from rosoclingo.navigation import Costmap, Navigator, OccupancyGrid, Outcome, Pose2D, Result, Velocity
-from rosoclingo.nodes.localization import fill_pose, to_pose2d
-from rosoclingo.nodes.move_base_display import Display
-from rosoclingo.nodes.move_base_parameters import (
-    make_global_planner,
-    make_local_planner,
-    make_recoveries,
-    read_settings,
-)
+from rosoclingo.navigation import Costmap, MapError, Navigator, Outcome, Pose2D, Result, Velocity
+from rosoclingo.nodes.localization import to_pose2d
+from rosoclingo.nodes.map_server import grid_from_message
+from rosoclingo.nodes.move_base_display import Display, View
+from rosoclingo.nodes.move_base_parameters import read_settings
 from rosoclingo.nodes.move_base_planning import PlanService
+from rosoclingo.nodes.move_base_plugins import make_global_planner, make_local_planner, make_recoveries
+from rosoclingo.nodes.move_base_reports import Reports, stamped_pose
 from rosoclingo.nodes.move_base_sensing import Located, Sensing
 from rosoclingo.nodes.worker import Worker
 
@@ -48,9 +47,9 @@ class MoveBaseNode:
         cmd_vel (geometry_msgs/Twist)
         ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
         ~GridPlanner/plan, ~RolloutFollower/global_plan, ~RolloutFollower/local_plan (nav_msgs/Path)
-        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid, latched) and their footprint
+        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid), their costmap_updates and footprint
     Services:
-        ~make_plan (nav_msgs/GetPlan), ~clear_costmaps (std_srvs/Empty)
+        ~make_plan, ~GridPlanner/make_plan (nav_msgs/GetPlan), ~clear_costmaps (std_srvs/Empty)
     Actions served:
         move_base (move_base_msgs/MoveBaseAction)
 
@@ -59,19 +58,17 @@ class MoveBaseNode:
     def __init__(self) -> None:
         self._settings = read_settings()
         self._planner = make_global_planner()
-        self._follower = make_local_planner(self._settings)
+        self._follower = make_local_planner(self._settings.costmap.robot_radius, self._settings.footprint)
         self._recoveries = make_recoveries()
         self._navigator: Optional[Navigator] = None
         self._ready = False
         self._last_tick = -float("inf")
         self._pose: Optional[Pose2D] = None
-        self._commanded = Velocity()
         self._worker = Worker(settle=self._settle, period=0.02)
         self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
-        self._display = Display(self._settings)
+        self._display = Display(self._settings, self._worker)
+        self._reports = Reports(self._settings.frames.map)
         self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
-        self._current_goal = rospy.Publisher("~current_goal", PoseStamped, queue_size=1)
-        self._recovery = rospy.Publisher("~recovery_status", RecoveryStatus, queue_size=5)
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
         self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
@@ -81,7 +78,7 @@ class MoveBaseNode:
             rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1),
         )
         self._services = (
-            PlanService(self._worker, self._sensing, self._planner, self._place).service,
+            *PlanService(self._worker, self._sensing, self._planner, self._place).services,
             rospy.Service("~clear_costmaps", Empty, self._on_clear),
         )
         self._worker.start()
@@ -111,24 +108,23 @@ class MoveBaseNode:
     # ---- the worker -----------------------------------------------------------------------------------------------
 
     def _take_map(self, message: OccupancyGridMessage) -> None:
-        info, rotation = message.info, message.info.origin.orientation
-        if abs(rotation.z) > 1e-6:
-            rospy.logerr("the map is turned against its frame; such maps are not supported")
+        try:
+            grid = grid_from_message(message)
+        except MapError as error:
+            rospy.logerr("the map is not taken: %s", error)
             return
-        cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
-        grid = OccupancyGrid(cells, info.resolution, info.origin.position.x, info.origin.position.y)
         costmap = Costmap(grid, self._settings.costmap)
         if self._navigator is None:
             limits = self._settings.navigator
             self._navigator = Navigator(costmap, self._planner, self._follower, self._recoveries, limits)
             self._navigator.on_plan = lambda points: self._display.plan(points, self._goal_yaw())
-            self._navigator.on_recovery = self._tell_recovery
+            self._navigator.on_recovery = self._reports.recovery
             self._navigator.on_log = rospy.logwarn
-            self._warm_up(costmap)
+            self._guarded(lambda: self._warm_up(costmap))
         else:
             self._navigator.costmap = costmap
             self._navigator.obstacles_changed()
-        self._display.costmaps(costmap, self._pose or Pose2D(0.0, 0.0), rospy.get_time(), fresh=True)
+        self._display.new_map(costmap)
 
     def _warm_up(self, costmap: Costmap) -> None:
         """Have what numba compiles compiled before the first goal."""
@@ -151,6 +147,10 @@ class MoveBaseNode:
             return
         if now < self._last_tick:
             self._sensing.time_went_back(now)
+            with (
+                self._server.action_server.lock
+            ):  # else goals would be cancelled that come before the last cancel's time
+                self._server.action_server.last_cancel = rospy.Time()
         elif now - self._last_tick < self._settings.controller_period - 1e-6:
             return
         self._last_tick = now
@@ -160,11 +160,24 @@ class MoveBaseNode:
             if not self._ready:
                 self._ready = True
                 self._server.start()
-            if self._sensing.observe(self._navigator.costmap):
-                self._navigator.obstacles_changed()
-            self._display.costmaps(self._navigator.costmap, located.pose, now)
+            if self._navigator.active or not self._settings.rest_when_idle:
+                if self._sensing.observe(self._navigator.costmap):
+                    self._navigator.obstacles_changed()
+                frame = self._sensing.local_frame(self._settings.local_frame)
+                self._display.costmaps(View(self._navigator.costmap, located.pose, *frame), now)
         if self._navigator.active:
-            self._control(now, located)
+            fault = self._guarded(lambda: self._control(now, located))
+            if fault:
+                self._abort(f"A planner or recovery plugin failed: {fault}")
+
+    def _guarded(self, work: Callable[[], None]) -> str:
+        """Do what calls plugins, which may be anybody's; return what one of them raised, empty for nothing."""
+        try:
+            work()
+        except Exception as error:  # noqa: BLE001 a plugin may raise anything, and costs its goal only
+            rospy.logerr("a plugin failed:\n%s", traceback.format_exc())
+            return repr(error)
+        return ""
 
     def _control(self, now: float, located: Located) -> None:
         """Give the command of this control period, and the goal's end when it has come."""
@@ -186,24 +199,21 @@ class MoveBaseNode:
             self._end(tick.result)
 
     def _drive(self, velocity: Velocity) -> None:
+        if not all(map(math.isfinite, velocity)):
+            raise ValueError(f"the velocity is not finite: {tuple(velocity)}")
         message = Twist()
         message.linear.x, message.angular.z = velocity
         self._cmd_vel.publish(message)
 
     def _feed_back(self, pose: Pose2D, velocity: Velocity) -> None:
-        feedback = MoveBaseFeedback()
-        feedback.base_position.header.frame_id = self._settings.frames.map
-        feedback.base_position.header.stamp = rospy.Time.now()
-        fill_pose(feedback.base_position.pose, pose)
-        self._server.publish_feedback(feedback)
+        self._server.publish_feedback(MoveBaseFeedback(stamped_pose(pose, self._settings.frames.map)))
         self._display.trajectory(self._follower.trajectory(pose, velocity))
 
     def _end(self, result: Result) -> None:
         if result.outcome is Outcome.REACHED:
             self._server.set_succeeded(MoveBaseResult(), result.message)
         else:
-            rospy.logerr("%s", result.message)
-            self._server.set_aborted(MoveBaseResult(), result.message)
+            self._abort(result.message)
 
     def _take_goal(self) -> None:
         """Accept the newest goal, which ends the one before."""
@@ -215,9 +225,15 @@ class MoveBaseNode:
             return
         fault = self._drive_to(target)
         if fault:
-            self._navigator.cancel()
-            self._drive(Velocity())
-            rospy.logerr("%s", fault)
+            self._abort(fault)
+
+    def _abort(self, fault: str) -> None:
+        """Stop, and end the goal."""
+        assert self._navigator is not None
+        self._navigator.cancel()
+        self._drive(Velocity())
+        rospy.logerr("%s", fault)
+        if self._server.is_active():
             self._server.set_aborted(MoveBaseResult(), fault)
 
     def _drive_to(self, target: PoseStamped) -> str:
@@ -234,10 +250,7 @@ class MoveBaseNode:
             return f"Aborting on goal because its frame {name!r} is unknown to tf, or not connected to {known}"
         goal = frame.compose(pose)
         self._navigator.set_goal(rospy.get_time(), goal)
-        shown = PoseStamped()
-        shown.header.frame_id, shown.header.stamp = self._settings.frames.map, rospy.Time.now()
-        fill_pose(shown.pose, goal)
-        self._current_goal.publish(shown)
+        self._reports.goal(goal)
         return ""
 
     def _take_preempt(self) -> None:
@@ -248,15 +261,6 @@ class MoveBaseNode:
             self._navigator.cancel()
             self._drive(Velocity())
             self._server.set_preempted(MoveBaseResult(), "The goal was cancelled.")
-
-    def _tell_recovery(self, behavior: Any, number: int, total: int, pose: Pose2D) -> None:
-        message = RecoveryStatus()
-        message.pose_stamped.header.frame_id = self._settings.frames.map
-        message.pose_stamped.header.stamp = rospy.Time.now()
-        fill_pose(message.pose_stamped.pose, pose)
-        message.current_recovery_number, message.total_number_of_recoveries = number, total
-        message.recovery_behavior_name = behavior.name
-        self._recovery.publish(message)
 
     def _place(self) -> Tuple[Optional[Costmap], Optional[Pose2D]]:
         """Return the costmap and where the robot is, as far as they are known."""

@@ -1,16 +1,21 @@
 """What the move_base node shows: plans, costmaps, footprints."""
 
 import math
-from typing import Optional, Tuple
+from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped
-from nav_msgs.msg import OccupancyGrid, Path
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
 
 from rosoclingo.navigation import Costmap, Pose2D
+from rosoclingo.nodes.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
 from rosoclingo.nodes.localization import fill_pose
-from rosoclingo.nodes.move_base_parameters import DEFAULT_GLOBAL, DEFAULT_LOCAL, Settings, plugin_namespace
+from rosoclingo.nodes.move_base_parameters import Settings
+from rosoclingo.nodes.move_base_plugins import global_planner_namespace, local_planner_namespace
+from rosoclingo.nodes.worker import Worker
+
+GLOBAL, LOCAL = 0, 1
 
 
 def path_message(points: np.ndarray, frame: str, stamp: rospy.Time, final_yaw: float = 0.0) -> Path:
@@ -26,80 +31,94 @@ def path_message(points: np.ndarray, frame: str, stamp: rospy.Time, final_yaw: f
     return message
 
 
-class Display:
-    """The publishers of plans, costmaps and footprints; nothing is built that nobody listens to."""
+class View(NamedTuple):
+    """What there is to show: the costmap, the robot's pose (m) in the map, and the local frame with its pose there."""
 
-    def __init__(self, settings: Settings) -> None:
-        self._settings = settings
+    costmap: Costmap
+    pose: Pose2D
+    local_frame: str
+    local_in_map: Pose2D
+
+
+class Display:
+    """The publishers of plans, costmaps and footprints; nothing is built that nobody listens to.
+
+    The local planner's paths and the local costmap are shown in the local frame, odometry's, all else in the map's.
+    """
+
+    def __init__(self, settings: Settings, worker: Worker) -> None:
+        self._settings, self._worker = settings, worker
         self._frame = settings.frames.map
-        planner = "~" + plugin_namespace("~base_global_planner", DEFAULT_GLOBAL)
-        follower = "~" + plugin_namespace("~base_local_planner", DEFAULT_LOCAL)
+        planner, follower = "~" + global_planner_namespace(), "~" + local_planner_namespace()
         self._plan = rospy.Publisher(planner + "/plan", Path, queue_size=1)
         self._global_plan = rospy.Publisher(follower + "/global_plan", Path, queue_size=1)
         self._local_plan = rospy.Publisher(follower + "/local_plan", Path, queue_size=1)
-        self._costmaps = tuple(
-            rospy.Publisher(f"~{name}_costmap/costmap", OccupancyGrid, queue_size=1, latch=True)
-            for name in ("global", "local")
+        self._costmaps = (
+            CostmapTopics("global_costmap", settings.send_full[GLOBAL], lambda send: self._greet(GLOBAL, send)),
+            CostmapTopics("local_costmap", settings.send_full[LOCAL], lambda send: self._greet(LOCAL, send)),
         )
-        self._footprints = tuple(
-            rospy.Publisher(f"~{name}_costmap/footprint", PolygonStamped, queue_size=1) for name in ("global", "local")
-        )
-        self._shown = [-math.inf, -math.inf]
+        self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
+        self._costmap: Optional[Costmap] = None
+        self._view: Optional[View] = None
 
     def plan(self, points: np.ndarray, final_yaw: float) -> None:
-        """Show a new path."""
-        if self._plan.get_num_connections() or self._global_plan.get_num_connections():
-            message = path_message(points, self._frame, rospy.Time.now(), final_yaw)
-            self._plan.publish(message)
-            self._global_plan.publish(message)
+        """Show a new path (m; in the map)."""
+        if self._plan.get_num_connections():
+            self._plan.publish(path_message(points, self._frame, rospy.Time.now(), final_yaw))
+        if self._global_plan.get_num_connections():
+            self._global_plan.publish(self._in_local_frame(points, final_yaw))
 
     def trajectory(self, points: np.ndarray) -> None:
-        """Show where the present command leads."""
+        """Show where the present command leads (m; in the map)."""
         if self._local_plan.get_num_connections():
-            self._local_plan.publish(path_message(points, self._frame, rospy.Time.now()))
+            self._local_plan.publish(self._in_local_frame(points, 0.0))
 
-    def costmaps(self, costmap: Costmap, pose: Pose2D, now: float, fresh: bool = False) -> None:
-        """Show the costmaps that are due; ``fresh``: the map is new, show all of it."""
-        if now < max(self._shown):
-            self._shown = [-math.inf, -math.inf]
-        for i, publisher in enumerate(self._costmaps):
-            due = now - self._shown[i] >= self._settings.publish_periods[i] - 1e-6
-            if fresh or (due and publisher.get_num_connections()):
-                self._shown[i] = now
-                publisher.publish(self._grid(costmap, self._window(costmap, pose) if i else None))
-                self._footprint(i, pose)
+    def new_map(self, costmap: Costmap) -> None:
+        """Show a costmap as soon as there is a map, even if nobody knows where the robot is."""
+        self._costmap, self._view = costmap, None
+        self._costmaps[GLOBAL].show(whole_map(costmap, self._frame))
 
-    def _footprint(self, index: int, pose: Pose2D) -> None:
-        publisher = self._footprints[index]
-        if not publisher.get_num_connections():
-            return
+    def costmaps(self, view: View, now: float) -> None:
+        """Show what is due at a time (s)."""
+        self._view = view
+        if now < max(self._shown + self._outlined):
+            self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
+        for which, topics in enumerate(self._costmaps):
+            if topics.wanted and now - self._shown[which] >= self._settings.publish_periods[which] - 1e-6:
+                self._shown[which] = now
+                topics.show(self._picture(which, view))
+            if now - self._outlined[which] >= self._settings.update_periods[which] - 1e-6:
+                self._outlined[which] = now
+                topics.footprint(*self._outline(which, view))
+
+    def _greet(self, which: int, send: Callable[[Any], None]) -> None:
+        """Have a new subscriber sent the whole costmap."""
+        self._worker.put(lambda: self._send(which, send))
+
+    def _send(self, which: int, send: Callable[[Any], None]) -> None:
+        if self._view is not None:
+            send(whole_message(self._picture(which, self._view)))
+        elif which == GLOBAL and self._costmap is not None:
+            send(whole_message(whole_map(self._costmap, self._frame)))
+
+    def _picture(self, which: int, view: View) -> Picture:
+        if which == GLOBAL:
+            return whole_map(view.costmap, self._frame)
+        in_frame = view.local_in_map.inverse().compose(view.pose)
+        return window(view.costmap, view.local_frame, in_frame, view.local_in_map, self._settings.local_size)
+
+    def _outline(self, which: int, view: View) -> Tuple[str, Pose2D, Any]:
         radius = self._settings.costmap.robot_radius
         ring = [(radius * math.cos(a), radius * math.sin(a)) for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
-        message = PolygonStamped()
-        message.header.frame_id, message.header.stamp = self._frame, rospy.Time.now()
-        corners = [pose.compose(Pose2D(x, y)) for x, y in (self._settings.footprint or ring)]
-        message.polygon.points = [Point32(c.x, c.y, 0.0) for c in corners]
-        publisher.publish(message)
+        corners = self._settings.footprint or ring
+        if which == GLOBAL:
+            return self._frame, view.pose, corners
+        return view.local_frame, view.local_in_map.inverse().compose(view.pose), corners
 
-    def _window(self, costmap: Costmap, pose: Pose2D) -> Tuple[int, int, int, int]:
-        """Return the part of the map around the robot that the local costmap shows."""
-        width, height = (size / 2.0 for size in self._settings.local_size)
-        low = costmap.grid.cell(pose.x - width, pose.y - height)
-        high = costmap.grid.cell(pose.x + width, pose.y + height)
-        rows, columns = costmap.grid.shape
-        return (
-            min(rows, max(0, low[0])), min(rows, max(0, high[0])),
-            min(columns, max(0, low[1])), min(columns, max(0, high[1])),
-        )  # fmt: skip
-
-    def _grid(self, costmap: Costmap, window: Optional[Tuple[int, int, int, int]]) -> OccupancyGrid:
-        row0, row1, column0, column1 = window or (0, costmap.grid.shape[0], 0, costmap.grid.shape[1])
-        message = OccupancyGrid()
-        message.header.frame_id, message.header.stamp = self._frame, rospy.Time.now()
-        message.info.resolution = costmap.resolution
-        message.info.height, message.info.width = row1 - row0, column1 - column0
-        message.info.origin.position.x = costmap.grid.origin_x + column0 * costmap.resolution
-        message.info.origin.position.y = costmap.grid.origin_y + row0 * costmap.resolution
-        message.info.origin.orientation.w = 1.0
-        message.data = costmap.costs((row0, row1, column0, column1)).ravel().tolist()
-        return message
+    def _in_local_frame(self, points: np.ndarray, final_yaw: float) -> Path:
+        if self._view is None:
+            return path_message(points, self._frame, rospy.Time.now(), final_yaw)
+        back = self._view.local_in_map.inverse()
+        c, s = math.cos(back.yaw), math.sin(back.yaw)
+        turned = points @ np.array([[c, s], [-s, c]]) + (back.x, back.y)
+        return path_message(turned, self._view.local_frame, rospy.Time.now(), final_yaw + back.yaw)

@@ -1,38 +1,22 @@
 """The parameters of the move_base node: read, checked, and turned into planners and settings."""
 
-import importlib
 import math
-from typing import Any, Dict, List, NamedTuple, Tuple, Type
+from typing import Any, Dict, NamedTuple, Tuple
 
 import rospy
 import yaml
 
-from rosoclingo.navigation import (
-    ClearCostmap,
-    CostmapLimits,
-    FollowerLimits,
-    GlobalPlanner,
-    GridPlannerLimits,
-    LocalPlanner,
-    NavigatorLimits,
-    RecoveryBehavior,
-    default_recoveries,
-)
+from rosoclingo.navigation import CostmapLimits, NavigatorLimits
 from rosoclingo.navigation.local_planner import inscribed_radius
+from rosoclingo.nodes.move_base_plugins import global_planner_namespace
 from rosoclingo.nodes.parameters import ParameterError, not_negative, parameter
 
-# Plugins of the C++ navigation stack that configurations name, and what stands in for them here.
-STANDINS = {
-    "navfn/NavfnROS": "rosoclingo.navigation.planner.GridPlanner",
-    "global_planner/GlobalPlanner": "rosoclingo.navigation.planner.GridPlanner",
-    "carrot_planner/CarrotPlanner": "rosoclingo.navigation.planner.GridPlanner",
-    "base_local_planner/TrajectoryPlannerROS": "rosoclingo.navigation.follower.RolloutFollower",
-    "dwa_local_planner/DWAPlannerROS": "rosoclingo.navigation.follower.RolloutFollower",
-    "clear_costmap_recovery/ClearCostmapRecovery": "rosoclingo.navigation.recovery.ClearCostmap",
-    "rotate_recovery/RotateRecovery": "rosoclingo.navigation.recovery.RotateRecovery",
+# The layers' usual names, and what the type of each ends with where ``plugins`` lists layers of other names.
+LAYERS = {
+    "static_layer": ("StaticLayer",),
+    "obstacle_layer": ("ObstacleLayer", "VoxelLayer"),
+    "inflation_layer": ("InflationLayer",),
 }
-DEFAULT_GLOBAL = "rosoclingo.navigation.planner.GridPlanner"
-DEFAULT_LOCAL = "rosoclingo.navigation.follower.RolloutFollower"
 
 
 class Frames(NamedTuple):
@@ -46,7 +30,10 @@ class Frames(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """All that the node is told by parameters."""
+    """All that the node is told by parameters.
+
+    Pairs are for the global and the local costmap. ``local_frame`` is empty for that of odometry.
+    """
 
     frames: Frames
     costmap: CostmapLimits
@@ -56,127 +43,78 @@ class Settings(NamedTuple):
     map_topic: str
     obstacles: bool
     publish_periods: Tuple[float, float]
+    update_periods: Tuple[float, float]
+    send_full: Tuple[bool, bool]
     local_size: Tuple[float, float]
-    shutdown_clears: bool
+    local_frame: str
+    rest_when_idle: bool
 
 
 def read_settings() -> Settings:
     """Read the node's parameters. Raises ParameterError."""
     radius, footprint = _body()
-    layer = "~global_costmap/obstacle_layer/"
-    sources = parameter(layer + "observation_sources", str, "base_scan").split()
-    source = layer + (sources[0] if sources else "base_scan") + "/"
+    sources = parameter(_layer("obstacle_layer", "observation_sources"), str, "base_scan").split()
+    if len(sources) > 1:
+        rospy.logwarn("of the observation sources %s only the first one is read", ", ".join(sources))
+    source = sources[0] if sources else "base_scan"
+    kind = parameter(_layer("obstacle_layer", source + "/data_type"), str, "LaserScan")
+    if kind != "LaserScan":
+        raise ParameterError(f"the observation source {source!r} must have the data_type LaserScan, not {kind!r}")
     return Settings(
         Frames(
             parameter("~global_costmap/global_frame", str, "map").lstrip("/"),
             parameter("~global_costmap/robot_base_frame", str, "base_link").lstrip("/"),
             not_negative("~global_costmap/transform_tolerance", 0.5),
-            parameter(source + "topic", str, "base_scan"),
-            not_negative(source + "expected_update_rate", 1.0),
+            parameter(_layer("obstacle_layer", source + "/topic"), str, source),
+            not_negative(_layer("obstacle_layer", source + "/expected_update_rate"), 1.0),
         ),
-        _costmap(layer, radius),
+        _costmap(radius),
         _navigator(),
         1.0 / _positive("~controller_frequency", 20.0),
         footprint,
-        parameter("~global_costmap/static_layer/map_topic", str, "map"),
-        bool(sources) and parameter(layer + "enabled", bool, True),
-        tuple(_period(f"~{n}_costmap/publish_frequency", d) for n, d in (("global", 0.0), ("local", 2.0))),  # type: ignore[arg-type]
+        parameter(_layer("static_layer", "map_topic"), str, "map"),
+        bool(sources) and parameter(_layer("obstacle_layer", "enabled"), bool, True),
+        (_period("~global_costmap/publish_frequency", 0.0), _period("~local_costmap/publish_frequency", 2.0)),
+        (_period("~global_costmap/update_frequency", 5.0), _period("~local_costmap/update_frequency", 5.0)),
+        (
+            parameter("~global_costmap/always_send_full_costmap", bool, False),
+            parameter("~local_costmap/always_send_full_costmap", bool, False),
+        ),
         (_positive("~local_costmap/width", 6.0), _positive("~local_costmap/height", 6.0)),
+        parameter("~local_costmap/global_frame", str, "").lstrip("/"),
         parameter("~shutdown_costmaps", bool, False),
     )
 
 
-def make_global_planner() -> GlobalPlanner:
-    """Make the planner that ``~base_global_planner`` names. Raises ParameterError."""
-    kind, name, known = _plugin("~base_global_planner", DEFAULT_GLOBAL, GlobalPlanner)
-    return kind(_own_settings(name, GridPlannerLimits._fields, known))  # type: ignore[no-any-return]
+def _layer(usual: str, key: str) -> str:
+    """Return the name of a parameter of a layer, whatever ``plugins`` calls the layer.
+
+    What the layer's namespace lacks may be in the costmap's own, where configurations older than layers have it.
+    """
+    layer = usual
+    for plugin in parameter("~global_costmap/plugins", list, []):
+        fit = isinstance(plugin, dict) and str(plugin.get("type", "")).endswith(LAYERS[usual])
+        if fit and isinstance(plugin.get("name"), str):
+            layer = plugin["name"]
+    names = (f"~global_costmap/{layer}/{key}", f"~global_costmap/{key}")
+    return names[1] if not rospy.has_param(names[0]) and rospy.has_param(names[1]) else names[0]
 
 
-def make_local_planner(settings: Settings) -> LocalPlanner:
-    """Make the planner that ``~base_local_planner`` names. Raises ParameterError."""
-    kind, name, known = _plugin("~base_local_planner", DEFAULT_LOCAL, LocalPlanner)
-    own = _own_settings(name, FollowerLimits._fields, known)
-    return kind(own, settings.costmap.robot_radius, settings.footprint)  # type: ignore[no-any-return]
-
-
-def plugin_namespace(name: str, default: str) -> str:
-    """Return the namespace of a plugin's parameters and topics: the last part of its class path."""
-    return parameter(name, str, default).replace("/", ".").rsplit(".", 1)[-1]
-
-
-def make_recoveries() -> List[RecoveryBehavior]:
-    """Make the behaviours that ``~recovery_behaviors`` lists, else move_base's own. Raises ParameterError."""
-    listed = rospy.get_param("~recovery_behaviors", None)
-    if listed is None:
-        radius = not_negative("~local_costmap/robot_radius", 0.46)
-        return default_recoveries(
-            not_negative("~conservative_reset_dist", 3.0),
-            not_negative("~aggressive_reset/reset_distance", 4.0 * radius),
-            parameter("~clearing_rotation_allowed", bool, True),
-        )
-    if not isinstance(listed, list):
-        raise ParameterError("parameter {} must be a list".format(rospy.resolve_name("~recovery_behaviors")))
-    return [_recovery(item) for item in listed]
-
-
-def _recovery(item: Any) -> RecoveryBehavior:
-    if not isinstance(item, dict) or not isinstance(item.get("name"), str) or not isinstance(item.get("type"), str):
-        raise ParameterError(f"~recovery_behaviors: each entry needs a name and a type, not {item!r}")
-    kind = _load("~recovery_behaviors", item["type"], RecoveryBehavior)
-    own = parameter("~" + item["name"], dict, {})
-    if kind is ClearCostmap and not isinstance(own.get("reset_distance", 3.0), (int, float)):
-        raise ParameterError("~{}/reset_distance must be a number".format(item["name"]))
-    return kind(item["name"], own)  # type: ignore[no-any-return]
-
-
-def _plugin(name: str, default: str, base: type) -> Tuple[Type[Any], str, bool]:
-    """Return a plugin's class, the namespace of its parameters, and whether it stands in for another."""
-    path = parameter(name, str, default)
-    return _load(name, path, base), plugin_namespace(name, default), path in STANDINS
-
-
-def _load(name: str, path: str, base: type) -> Type[Any]:
-    """Return the class of a class path. Raises ParameterError."""
-    if path in STANDINS:
-        rospy.logwarn("%s: %s is a C++ plugin; %s stands in for it", rospy.resolve_name(name), path, STANDINS[path])
-        path = STANDINS[path]
-    module, _, attribute = path.rpartition(".")
-    try:
-        kind = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ParameterError(f"{rospy.resolve_name(name)}: no class {path!r}: {error}") from error
-    if not (isinstance(kind, type) and issubclass(kind, base)):
-        raise ParameterError(f"{rospy.resolve_name(name)}: {path} is no {base.__name__}")
-    return kind
-
-
-def _own_settings(namespace: str, fields: Tuple[str, ...], stands_in: bool) -> Dict[str, Any]:
-    """Return the parameters in a plugin's namespace; a stand-in takes those that it knows."""
-    own = parameter("~" + namespace, dict, {})
-    if stands_in:
-        return {key: value for key, value in own.items() if key in fields}
-    return own
-
-
-def _costmap(layer: str, radius: float) -> CostmapLimits:
+def _costmap(radius: float) -> CostmapLimits:
     base = CostmapLimits()
-    inflation = "~global_costmap/inflation_layer/"
-    return CostmapLimits(
-        robot_radius=radius,
-        inflation_radius=not_negative(inflation + "inflation_radius", base.inflation_radius),
-        cost_scaling_factor=not_negative(inflation + "cost_scaling_factor", base.cost_scaling_factor),
-        obstacle_range=not_negative(layer + "obstacle_range", base.obstacle_range),
-        raytrace_range=not_negative(layer + "raytrace_range", base.raytrace_range),
-        static_tolerance=not_negative(layer + "static_tolerance", base.static_tolerance),
-        lethal_threshold=int(
-            parameter("~global_costmap/static_layer/lethal_cost_threshold", int, base.lethal_threshold)
-        ),
-        allow_unknown=bool(parameter(f"~{_global_namespace()}/allow_unknown", bool, base.allow_unknown)),
-    )
-
-
-def _global_namespace() -> str:
-    return plugin_namespace("~base_global_planner", DEFAULT_GLOBAL)
+    lengths = {
+        key: not_negative(_layer(layer, key), getattr(base, key))
+        for layer, key in (
+            ("inflation_layer", "inflation_radius"),
+            ("inflation_layer", "cost_scaling_factor"),
+            ("obstacle_layer", "obstacle_range"),
+            ("obstacle_layer", "raytrace_range"),
+            ("obstacle_layer", "static_tolerance"),
+        )
+    }
+    threshold = parameter(_layer("static_layer", "lethal_cost_threshold"), int, base.lethal_threshold)
+    unknown = parameter(f"~{global_planner_namespace()}/allow_unknown", bool, base.allow_unknown)
+    return CostmapLimits(robot_radius=radius, lethal_threshold=threshold, allow_unknown=unknown, **lengths)
 
 
 def _navigator() -> NavigatorLimits:
@@ -195,6 +133,8 @@ def _body() -> Tuple[float, Tuple[Tuple[float, float], ...]]:
     try:
         corners = yaml.safe_load(text) if isinstance(text, str) else text
         footprint = tuple((float(x), float(y)) for x, y in (corners or []))
+        if not all(math.isfinite(x) and math.isfinite(y) for x, y in footprint):
+            raise ValueError("a corner is not finite")
     except (ValueError, TypeError, yaml.YAMLError) as error:
         raise ParameterError(f"~global_costmap/footprint must be a list of [x, y], is {text!r}") from error
     radius = _positive("~global_costmap/robot_radius", CostmapLimits().robot_radius)
@@ -202,7 +142,10 @@ def _body() -> Tuple[float, Tuple[Tuple[float, float], ...]]:
         return radius, ()
     if len(footprint) < 3:
         raise ParameterError("~global_costmap/footprint needs three corners or more")
-    return inscribed_radius(radius, footprint), footprint
+    inscribed = inscribed_radius(radius, footprint)
+    if inscribed < 0.01:
+        raise ParameterError("~global_costmap/footprint must have the robot's origin well within it")
+    return inscribed, footprint
 
 
 def _positive(name: str, default: float) -> float:

@@ -1,6 +1,7 @@
 """The service of the move_base node that plans without driving."""
 
 import queue
+import traceback
 from typing import Any, Callable, Optional, Tuple
 
 import rospy
@@ -10,6 +11,7 @@ from nav_msgs.srv import GetPlan, GetPlanResponse
 from rosoclingo.navigation import Costmap, GlobalPlanner, PlanOutcome, Pose2D
 from rosoclingo.nodes.localization import to_pose2d
 from rosoclingo.nodes.move_base_display import path_message
+from rosoclingo.nodes.move_base_plugins import global_planner_namespace
 from rosoclingo.nodes.move_base_sensing import Sensing
 from rosoclingo.nodes.worker import Worker
 
@@ -20,7 +22,8 @@ class PlanService:
     ``place`` tells the costmap and the robot's pose, None for what is not known yet.
 
     Services:
-        ~make_plan (nav_msgs/GetPlan): from a start, or where the robot is if the start names no frame, to a goal.
+        ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): from a start, or where the robot is if the start names no
+            frame, to a goal.
     """
 
     def __init__(
@@ -31,7 +34,10 @@ class PlanService:
         place: Callable[[], Tuple[Optional[Costmap], Optional[Pose2D]]],
     ) -> None:
         self._worker, self._sensing, self._planner, self._place = worker, sensing, planner, place
-        self.service = rospy.Service("~make_plan", GetPlan, self._on_request)
+        self.services = tuple(
+            rospy.Service(name, GetPlan, self._on_request)
+            for name in ("~make_plan", f"~{global_planner_namespace()}/make_plan")
+        )
 
     def _on_request(self, request: Any) -> GetPlanResponse:
         answer: queue.Queue[GetPlanResponse] = queue.Queue(1)
@@ -50,7 +56,11 @@ class PlanService:
         if costmap is None or goal is None or start is None:
             rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
             return response
-        plan = self._planner.plan(costmap, start, goal, request.tolerance)
+        try:
+            plan = self._planner.plan(costmap, start, goal, request.tolerance)
+        except Exception:  # noqa: BLE001 a user's planner may raise anything
+            rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
+            return response
         if plan.outcome is PlanOutcome.FOUND:
             response.plan = path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), goal.yaw)
         else:

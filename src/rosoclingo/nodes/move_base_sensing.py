@@ -61,9 +61,15 @@ class Sensing:
 
     def _take_odom(self, message: Odometry) -> None:
         self._odom_frame = message.header.frame_id.lstrip("/") or self._odom_frame
-        self.velocity = Velocity(message.twist.twist.linear.x, message.twist.twist.angular.z)
+        velocity = Velocity(message.twist.twist.linear.x, message.twist.twist.angular.z)
+        self.velocity = velocity if all(map(math.isfinite, velocity)) else Velocity()
 
     def _take_scan(self, message: LaserScan) -> None:
+        if not (
+            math.isfinite(message.angle_min) and math.isfinite(message.angle_increment) and message.range_max > 0.0
+        ):
+            rospy.logwarn_throttle(10.0, "a scan is left out: its angles or its range_max are no numbers")
+            return
         self._scan = message
         self.scanned_at = message.header.stamp.to_sec()
 
@@ -106,6 +112,12 @@ class Sensing:
         if frame in ("", self._frames.map):
             return Pose2D(0.0, 0.0, 0.0)
         return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, rospy.Time(0))
+
+    def local_frame(self, name: str) -> Tuple[str, Pose2D]:
+        """Return a frame (empty: odometry's) and its pose in the map; the map itself while that is unknown."""
+        frame = name or self._odom_frame
+        pose = self._lookup(self._frames.map, frame, rospy.Time(0))
+        return (frame, pose) if pose else (self._frames.map, Pose2D(0.0, 0.0, 0.0))
 
     def _beam_angles(self, scan: LaserScan) -> np.ndarray:
         key = (scan.angle_min, scan.angle_increment, len(scan.ranges))

@@ -1,0 +1,135 @@
+"""The topics of one costmap, as costmap_2d publishes them: the whole, what has changed, the robot's footprint."""
+
+import math
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point32, PolygonStamped
+from map_msgs.msg import OccupancyGridUpdate
+from nav_msgs.msg import OccupancyGrid
+
+from rosoclingo.navigation import Costmap, Pose2D
+
+
+class Picture(NamedTuple):
+    """A costmap at a time: ``costs`` (int8; height, width), its frame, resolution and lower left corner (m)."""
+
+    costs: np.ndarray
+    frame: str
+    resolution: float
+    origin: Tuple[float, float]
+
+    def same_place(self, other: Optional["Picture"]) -> bool:
+        """Tell whether two pictures differ by their costs only."""
+        return other is not None and self.costs.shape == other.costs.shape and self[1:] == other[1:]
+
+
+def whole_map(costmap: Costmap, frame: str) -> Picture:
+    """Return all of a costmap, in the map's frame."""
+    return Picture(costmap.costs(), frame, costmap.resolution, (costmap.grid.origin_x, costmap.grid.origin_y))
+
+
+def window(costmap: Costmap, frame: str, in_frame: Pose2D, frame_in_map: Pose2D, size: Tuple[float, float]) -> Picture:
+    """Return the part of a costmap around the robot, with the axes of another frame; -1 off the map.
+
+    ``in_frame`` is the robot's pose in that frame, ``frame_in_map`` the frame's pose in the map, ``size`` (width,
+    height) in m. The corner moves by whole cells only.
+    """
+    scale = costmap.resolution
+    columns, rows = (max(1, round(length / scale)) for length in size)
+    corner = [math.floor(v / scale - n / 2.0) * scale for v, n in zip(in_frame[:2], (columns, rows))]
+    x, y = np.meshgrid(
+        corner[0] + (np.arange(columns) + 0.5) * scale, corner[1] + (np.arange(rows) + 0.5) * scale
+    )  # fmt: skip
+    c, s = math.cos(frame_in_map.yaw), math.sin(frame_in_map.yaw)
+    column = np.floor((frame_in_map.x + c * x - s * y - costmap.grid.origin_x) / scale + 1e-6).astype(int)
+    row = np.floor((frame_in_map.y + s * x + c * y - costmap.grid.origin_y) / scale + 1e-6).astype(int)
+    inside = (row >= 0) & (row < costmap.grid.shape[0]) & (column >= 0) & (column < costmap.grid.shape[1])
+    costs = np.full((rows, columns), -1, dtype=np.int8)
+    if inside.any():
+        row, column = row[inside], column[inside]
+        low, left = int(row.min()), int(column.min())
+        part = costmap.costs((low, int(row.max()) + 1, left, int(column.max()) + 1))
+        costs[inside] = part[row - low, column - left]
+    return Picture(costs, frame, scale, (corner[0], corner[1]))
+
+
+class CostmapTopics:
+    """Publishes a costmap in the node's private namespace; nothing is built that nobody listens to.
+
+    Who subscribes gets the whole costmap at once. Afterwards the whole is published where its place has changed or
+    ``send_full`` is set, else only the rectangle that has changed.
+
+    Publishes:
+        ~NAME/costmap (nav_msgs/OccupancyGrid), ~NAME/costmap_updates (map_msgs/OccupancyGridUpdate)
+        ~NAME/footprint (geometry_msgs/PolygonStamped)
+    """
+
+    def __init__(self, name: str, send_full: bool, on_subscriber: Callable[[Callable[[Any], None]], None]) -> None:
+        """``on_subscriber`` is called, in any thread, with the function that sends a message to a new subscriber."""
+        self._send_full = send_full
+        self._last: Optional[Picture] = None
+        listener = _Listener(on_subscriber)
+        self._whole = rospy.Publisher(f"~{name}/costmap", OccupancyGrid, listener, queue_size=2)
+        self._updates = rospy.Publisher(f"~{name}/costmap_updates", OccupancyGridUpdate, queue_size=2)
+        self._outline = rospy.Publisher(f"~{name}/footprint", PolygonStamped, queue_size=1)
+
+    @property
+    def wanted(self) -> bool:
+        """Whether anybody listens to the costmap."""
+        return bool(self._whole.get_num_connections() or self._updates.get_num_connections())
+
+    def show(self, picture: Picture) -> None:
+        """Publish a costmap, or what has changed of it."""
+        last, self._last = self._last, picture
+        if self._send_full or not picture.same_place(last):
+            self._whole.publish(whole_message(picture))
+            return
+        assert last is not None
+        changed = np.argwhere(picture.costs != last.costs)
+        if len(changed):
+            self._updates.publish(_update_message(picture, changed))
+
+    def footprint(self, frame: str, pose: Pose2D, corners: Sequence[Tuple[float, float]]) -> None:
+        """Publish where the robot's corners (m) are at a pose in a frame."""
+        if not self._outline.get_num_connections():
+            return
+        message = PolygonStamped()
+        message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
+        placed = [pose.compose(Pose2D(x, y)) for x, y in corners]
+        message.polygon.points = [Point32(corner.x, corner.y, 0.0) for corner in placed]
+        self._outline.publish(message)
+
+
+class _Listener(rospy.SubscribeListener):  # type: ignore[misc]
+    def __init__(self, on_subscriber: Callable[[Callable[[Any], None]], None]) -> None:
+        super().__init__()
+        self._on_subscriber = on_subscriber
+
+    def peer_subscribe(self, _name: str, _publish: Any, peer_publish: Callable[[Any], None]) -> None:
+        self._on_subscriber(peer_publish)
+
+
+def whole_message(picture: Picture) -> OccupancyGrid:
+    """Return a picture as a message, stamped now."""
+    message = OccupancyGrid()
+    message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
+    message.info.map_load_time = message.header.stamp
+    message.info.resolution = picture.resolution
+    message.info.height, message.info.width = picture.costs.shape
+    message.info.origin.position.x, message.info.origin.position.y = picture.origin
+    message.info.origin.orientation.w = 1.0
+    message.data = picture.costs.ravel().tolist()
+    return message
+
+
+def _update_message(picture: Picture, changed: np.ndarray) -> OccupancyGridUpdate:
+    """Return the rectangle around changed cells (n, 2) as a message."""
+    low, high = changed.min(axis=0), changed.max(axis=0) + 1
+    message = OccupancyGridUpdate()
+    message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
+    message.x, message.y = int(low[1]), int(low[0])
+    message.width, message.height = int(high[1] - low[1]), int(high[0] - low[0])
+    message.data = picture.costs[low[0] : high[0], low[1] : high[1]].ravel().tolist()
+    return message

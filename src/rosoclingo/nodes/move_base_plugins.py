@@ -1,0 +1,163 @@
+"""The planners and recovery behaviours of the move_base node, which parameters name by class path."""
+
+import importlib
+from typing import Any, Dict, List, NamedTuple, Type
+
+import rospy
+
+from rosoclingo.navigation import (
+    ClearCostmap,
+    FollowerLimits,
+    GlobalPlanner,
+    GridPlanner,
+    GridPlannerLimits,
+    LocalPlanner,
+    RecoveryBehavior,
+    RolloutFollower,
+    RotateRecovery,
+    default_recoveries,
+)
+from rosoclingo.nodes.parameters import ParameterError, not_negative, parameter
+
+# Plugins of the C++ navigation stack that configurations name, and what stands in for them here.
+STANDINS = {
+    "navfn/NavfnROS": "rosoclingo.navigation.planner.GridPlanner",
+    "global_planner/GlobalPlanner": "rosoclingo.navigation.planner.GridPlanner",
+    "carrot_planner/CarrotPlanner": "rosoclingo.navigation.planner.GridPlanner",
+    "base_local_planner/TrajectoryPlannerROS": "rosoclingo.navigation.follower.RolloutFollower",
+    "dwa_local_planner/DWAPlannerROS": "rosoclingo.navigation.follower.RolloutFollower",
+    "clear_costmap_recovery/ClearCostmapRecovery": "rosoclingo.navigation.recovery.ClearCostmap",
+    "rotate_recovery/RotateRecovery": "rosoclingo.navigation.recovery.RotateRecovery",
+}
+DEFAULT_GLOBAL = "rosoclingo.navigation.planner.GridPlanner"
+DEFAULT_LOCAL = "rosoclingo.navigation.follower.RolloutFollower"
+# What this package's own plugins take: names and kinds of values. Any other plugin checks its parameters itself.
+OWN_SETTINGS: Dict[type, Dict[str, Any]] = {
+    GridPlanner: GridPlannerLimits()._asdict(),
+    RolloutFollower: FollowerLimits()._asdict(),
+    ClearCostmap: {"reset_distance": 3.0},
+    RotateRecovery: {"max_vel_theta": 1.0, "patience": 20.0},
+}
+# Read from a planner's namespace by the node itself, as the costmap needs to know.
+OF_THE_NODE = ("allow_unknown",)
+
+
+class _Plugin(NamedTuple):
+    """A plugin's class, where its parameters are, the parameters, and the parameter that names it."""
+
+    kind: Type[Any]
+    namespace: str
+    settings: Dict[str, Any]
+    named_by: str
+
+    def make(self, *arguments: Any) -> Any:
+        """Make the plugin. Raises ParameterError whatever goes wrong in it: it may be anybody's."""
+        try:
+            return self.kind(*arguments)
+        except Exception as error:  # noqa: BLE001 a user's class may raise anything
+            text = f"{self.named_by}: {self.kind.__module__}.{self.kind.__name__} cannot be made"
+            raise ParameterError(f"{text} with the parameters ~{self.namespace}: {error!r}") from error
+
+
+def make_global_planner() -> GlobalPlanner:
+    """Make the planner that ``~base_global_planner`` names. Raises ParameterError."""
+    plugin = _planner("~base_global_planner", DEFAULT_GLOBAL, GlobalPlanner)
+    return plugin.make(plugin.settings)  # type: ignore[no-any-return]
+
+
+def make_local_planner(radius: float, footprint: Any) -> LocalPlanner:
+    """Make the planner that ``~base_local_planner`` names, for a robot (m). Raises ParameterError."""
+    plugin = _planner("~base_local_planner", DEFAULT_LOCAL, LocalPlanner)
+    return plugin.make(plugin.settings, radius, footprint)  # type: ignore[no-any-return]
+
+
+def global_planner_namespace() -> str:
+    """Return where the global planner's parameters and topics are, below the node's own."""
+    return _namespace(parameter("~base_global_planner", str, DEFAULT_GLOBAL))
+
+
+def local_planner_namespace() -> str:
+    """Return where the local planner's parameters and topics are, below the node's own."""
+    return _namespace(parameter("~base_local_planner", str, DEFAULT_LOCAL))
+
+
+def make_recoveries() -> List[RecoveryBehavior]:
+    """Make the behaviours that ``~recovery_behaviors`` lists, else move_base's own. Raises ParameterError."""
+    listed = rospy.get_param("~recovery_behaviors", None)
+    if listed is None:
+        radius = not_negative("~local_costmap/robot_radius", 0.46)
+        return default_recoveries(
+            not_negative("~conservative_reset_dist", 3.0),
+            not_negative("~aggressive_reset/reset_distance", 4.0 * radius),
+            parameter("~clearing_rotation_allowed", bool, True),
+        )
+    where = rospy.resolve_name("~recovery_behaviors")
+    if not isinstance(listed, list):
+        raise ParameterError(f"parameter {where} must be a list of mappings with name and type, not {listed!r}")
+    made = [_recovery(where, item) for item in listed]
+    names = [behavior.name for behavior in made]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ParameterError(f"parameter {where}: the name {twice[0]!r} is there twice")
+    return made
+
+
+def _recovery(where: str, item: Any) -> RecoveryBehavior:
+    if not isinstance(item, dict) or not isinstance(item.get("name"), str) or not isinstance(item.get("type"), str):
+        raise ParameterError(f"parameter {where}: each entry needs a name and a type, not {item!r}")
+    plugin = _plugin(where, item["type"], item["name"], RecoveryBehavior)
+    return plugin.make(item["name"], plugin.settings)  # type: ignore[no-any-return]
+
+
+def _planner(name: str, default: str, base: type) -> _Plugin:
+    path = parameter(name, str, default)
+    return _plugin(rospy.resolve_name(name), path, _namespace(path), base)
+
+
+def _namespace(path: str) -> str:
+    """Return the last part of a class path."""
+    return path.replace("/", ".").rsplit(".", 1)[-1]
+
+
+def _plugin(named_by: str, path: str, namespace: str, base: type) -> _Plugin:
+    kind = _load(named_by, path, base)
+    given = {key: value for key, value in parameter("~" + namespace, dict, {}).items() if key not in OF_THE_NODE}
+    if kind not in OWN_SETTINGS:
+        return _Plugin(kind, namespace, given, named_by)
+    known = OWN_SETTINGS[kind]
+    if path in STANDINS:  # made for another plugin, which has parameters of its own
+        given = {key: value for key, value in given.items() if key in known}
+    return _Plugin(kind, namespace, _checked(namespace, given, known), named_by)
+
+
+def _checked(namespace: str, given: Dict[str, Any], known: Dict[str, Any]) -> Dict[str, Any]:
+    """Return parameters, each of the kind of its default. Raises ParameterError for others and for unknown ones."""
+    unknown = sorted(set(given) - set(known))
+    if unknown:
+        name = rospy.resolve_name(f"~{namespace}/{unknown[0]}")
+        raise ParameterError(f"parameter {name} is unknown; known are {', '.join(sorted(known))}")
+    checked: Dict[str, Any] = {}
+    for key in given:
+        name = f"~{namespace}/{key}"
+        if isinstance(known[key], float):
+            checked[key] = not_negative(name, known[key])
+        else:
+            checked[key] = parameter(name, type(known[key]), known[key])
+            if checked[key] < 1:
+                raise ParameterError(f"parameter {rospy.resolve_name(name)} must be 1 or more, not {checked[key]}")
+    return checked
+
+
+def _load(named_by: str, path: str, base: type) -> Type[Any]:
+    """Return the class of a class path. Raises ParameterError."""
+    if path in STANDINS:
+        rospy.logwarn("%s: %s is a C++ plugin; %s stands in for it", named_by, path, STANDINS[path])
+        path = STANDINS[path]
+    module, _, attribute = path.rpartition(".")
+    try:
+        kind = getattr(importlib.import_module(module), attribute)
+    except Exception as error:  # noqa: BLE001 a user's module may raise anything
+        raise ParameterError(f"{named_by}: no class {path!r}: {error}") from error
+    if not (isinstance(kind, type) and issubclass(kind, base)):
+        raise ParameterError(f"{named_by}: {path} is no subclass of {base.__module__}.{base.__name__}")
+    return kind
