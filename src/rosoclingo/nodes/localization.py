@@ -11,6 +11,7 @@ from tf2_msgs.msg import TFMessage
 
 from rosoclingo.navigation.geometry import Pose2D, quaternion_to_yaw, yaw_to_quaternion
 from rosoclingo.nodes.parameters import not_negative, parameter
+from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.worker import Worker
 
 
@@ -61,9 +62,9 @@ class FakeLocalizationNode:
         self._tolerance = rospy.Duration(not_negative("~transform_tolerance", 0.1))
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
-        self._pose = rospy.Publisher("amcl_pose", PoseWithCovarianceStamped, queue_size=10)
-        self._cloud = rospy.Publisher("particlecloud", PoseArray, queue_size=10)
-        self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
+        self._pose = prompt_publisher("amcl_pose", PoseWithCovarianceStamped, 10)
+        self._cloud = prompt_publisher("particlecloud", PoseArray, 10)
+        self._tf = prompt_publisher("/tf", TFMessage)
         # When tf lags behind, the newest truth is not the one to use; so some are kept.
         self._waiting: Deque[Odometry] = deque(maxlen=200)
         self._truth: Optional[Pose2D] = None

@@ -14,6 +14,7 @@ from tf2_msgs.msg import TFMessage
 
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.nodes.parameters import not_negative, parameter
+from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.simulator_topics import RobotTopics, prefixes
 from rosoclingo.simulation import Box, ObstacleSpec, Simulation, WorldError, load_world
 from rosoclingo.srv import (
@@ -76,8 +77,8 @@ class SimulatorNode:
         self._speed = not_negative("~speed", 1.0)
         self._paused = parameter("~paused", bool, False)
         self._jobs: queue.Queue[Callable[[], None]] = queue.Queue()
-        self._clock = rospy.Publisher("/clock", Clock, queue_size=100)
-        self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
+        self._clock = prompt_publisher("/clock", Clock)
+        self._tf = prompt_publisher("/tf", TFMessage)
         self._collisions = rospy.Publisher("~collisions", String, queue_size=10)
         self._clock_message, self._tf_message = Clock(), TFMessage()
         names = tuple(self._simulation.robots)

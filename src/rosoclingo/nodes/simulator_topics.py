@@ -11,6 +11,7 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.navigation.geometry import Pose2D, yaw_to_quaternion
+from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.simulation import Robot
 
 # stage_ros mounts the laser there; a planar world has no use for it.
@@ -25,8 +26,8 @@ class RobotTopics:
 
     def __init__(self, robot: Robot, prefix: str, on_command: Callable[[float, float], None]) -> None:
         self._robot = robot
-        self._odom = rospy.Publisher(prefix + "odom", Odometry, queue_size=100)
-        self._truth = rospy.Publisher(prefix + "base_pose_ground_truth", Odometry, queue_size=100)
+        self._odom = prompt_publisher(prefix + "odom", Odometry)
+        self._truth = prompt_publisher(prefix + "base_pose_ground_truth", Odometry)
         self._odom_message = _odometry(prefix + "odom", prefix + "base_footprint")
         self._truth_message = _odometry(prefix + "odom", "")
         self._frames = _frames(prefix)
@@ -36,7 +37,7 @@ class RobotTopics:
             self._frames.append(_transform(prefix + "base_link", prefix + "base_laser_link"))
             _set_transform(self._frames[-1], spec.pose)
             self._frames[-1].transform.translation.z = LASER_HEIGHT
-            self._scan = rospy.Publisher(prefix + "base_scan", numpy_msg(LaserScan), queue_size=100)
+            self._scan = prompt_publisher(prefix + "base_scan", numpy_msg(LaserScan))
             self._scan_message = _scan(prefix + "base_laser_link", robot)
             self._scans, self._next_scan = 0, 0.0
         self._command = rospy.Subscriber(
