@@ -6,6 +6,7 @@ package from one office to the next.  Needs Xvfb, Pillow with X11 support, and r
 """
 
 import contextlib
+import math
 import os
 import socket
 import subprocess
@@ -62,7 +63,8 @@ class Watch:
 
     def _pose(self, message):
         self.x = message.pose.pose.position.x
-        self.moving = abs(message.twist.twist.linear.x) > 0.3
+        twist = message.twist.twist.linear
+        self.moving = math.hypot(twist.x, twist.y) > 0.3
 
     def come(self):
         return self.carried and self.moving and BETWEEN[0] < self.x < BETWEEN[1]

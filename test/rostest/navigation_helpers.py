@@ -30,6 +30,7 @@ class Driver:
         self.collisions = []
         self.feedback = 0
         rospy.Subscriber(prefix + "base_pose_ground_truth", Odometry, self._on_truth)
+        self.prefix = prefix
         rospy.Subscriber("/simulator/collisions", String, lambda message: self.collisions.append(message.data))
         self.client = actionlib.SimpleActionClient(prefix + "move_base", MoveBaseAction)
         while not self.client.wait_for_server(rospy.Duration(5.0)):
@@ -41,7 +42,8 @@ class Driver:
         position, rotation = message.pose.pose.position, message.pose.pose.orientation
         with self._changed:
             self.pose = (position.x, position.y, 2.0 * math.atan2(rotation.z, rotation.w))
-            self.speed = (message.twist.twist.linear.x, message.twist.twist.angular.z)
+            twist = message.twist.twist
+            self.speed = (math.hypot(twist.linear.x, twist.linear.y), twist.angular.z)
             self._changed.notify_all()
 
     def wait(self, condition, limit=120.0):

@@ -16,6 +16,7 @@ from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor, SetRobotPose, S
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from std_srvs.srv import Empty, SetBool
+from tf2_msgs.msg import TFMessage
 
 START = (1.9, 0.0)
 
@@ -45,6 +46,7 @@ class SimulatorTest(unittest.TestCase):
     def setUpClass(cls):
         cls.odom, cls.truth = Stamps("odom", Odometry), Stamps("base_pose_ground_truth", Odometry)
         cls.scan, cls.clock = Stamps("base_scan", LaserScan), Stamps("/clock", Clock)
+        cls.transforms = Stamps("/tf", TFMessage)
         cls.collisions = Stamps("/simulator/collisions", String)
         cls.buffer = tf2_ros.Buffer()
         cls.listener = tf2_ros.TransformListener(cls.buffer)
@@ -80,6 +82,12 @@ class SimulatorTest(unittest.TestCase):
             times = [message.header.stamp.to_sec() for message in messages]
             gaps = [b - a for a, b in zip(times, times[1:])]
             self.assertTrue(all(abs(gap - 0.1) < 1e-6 for gap in gaps), gaps)
+        frames = self.transforms.wait(lambda m: len(m) > 20)
+        for child in ("base_footprint", "base_link", "base_laser_link"):
+            times = [
+                t.header.stamp.to_sec() for message in frames for t in message.transforms if t.child_frame_id == child
+            ]
+            self.assertTrue(all(abs(b - a - 0.1) < 1e-6 for a, b in zip(times, times[1:])), times)
         ticks = [message.clock.to_sec() for message in self.clock.wait(lambda m: len(m) > 20)]
         self.assertTrue(all(abs(b - a - 0.1) < 1e-6 for a, b in zip(ticks, ticks[1:])))
 
@@ -96,8 +104,19 @@ class SimulatorTest(unittest.TestCase):
             self.assertTrue(self.buffer.can_transform(parent, child, rospy.Time(0)))
 
     def test_the_watchdog_stops_the_robot(self):
-        self.drive_until(lambda m: m.twist.twist.linear.x > 0.1)
-        self.truth.wait(lambda m: m and m[-1].twist.twist.linear.x == 0.0)
+        self.drive_until(lambda m: m.twist.twist.linear.y > 0.1)
+        self.odom.wait(lambda m: m and m[-1].twist.twist.linear.x == 0.0)
+
+    def test_velocities_are_the_robots_in_odometry_and_the_worlds_in_the_truth(self):
+        """The robot looks along the world's y axis."""
+        truth = self.drive_until(lambda m: m.twist.twist.linear.y > 0.1).twist.twist.linear
+        self.assertAlmostEqual(truth.x, 0.0, places=3)
+        self.drive_until(lambda _: self.odom.messages[-1].twist.twist.linear.x > 0.1)
+        self.assertEqual(self.odom.messages[-1].twist.twist.linear.y, 0.0)
+
+    def test_what_is_not_finite_is_a_stop(self):
+        self.drive_until(lambda m: m.twist.twist.linear.y > 0.1)
+        self.drive_until(lambda m: m.twist.twist.linear.y == 0.0, v=math.nan)
 
     def test_a_collision_is_reported_and_the_robot_stands(self):
         twist = Twist()
@@ -155,6 +174,16 @@ class SimulatorTest(unittest.TestCase):
         self.assertIn("rover", self.place("rover", 5.0, 0.0, 0.0).message)
         rospy.ServiceProxy("reset_positions", Empty)()
         self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, START[0])
+
+    def test_a_reset_is_refused_where_something_stands_at_the_start(self):
+        self.assertTrue(self.place("", 5.0, 0.0, 0.0).success)
+        self.assertTrue(self.put("crate", *START, 0.2, 0.0, 0.0, 0.0).success)
+        try:
+            with self.assertRaisesRegex(rospy.ServiceException, "mailbot"):
+                rospy.ServiceProxy("reset_positions", Empty)()
+            self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, 5.0)
+        finally:
+            self.remove("crate")
 
     def test_the_speed_is_checked(self):
         speed = self.service("set_speed", SetSpeed)

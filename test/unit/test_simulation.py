@@ -188,6 +188,18 @@ def test_reset_puts_robots_back():
     assert world.time == pytest.approx(1.0)
 
 
+def test_a_reset_that_is_impossible_moves_nobody():
+    world = simulation(room(), Pose2D(1.0, 1.0), laser=None)
+    world.place("robot_0", Pose2D(2.0, 2.0, 1.0))
+    world.put_obstacle(ObstacleSpec("crate", (1.0, 1.0), 0.2))
+    with pytest.raises(WorldError, match="robot_0"):
+        world.reset()
+    assert world.robots["robot_0"].pose == Pose2D(2.0, 2.0, 1.0)
+    world.remove_obstacle("crate")
+    world.reset()
+    assert world.robots["robot_0"].pose == Pose2D(1.0, 1.0)
+
+
 def test_the_laser_has_noise_a_fan_and_a_range():
     laser = LaserSpec(range=4.0, angle=180.0, beams=5, noise=0.05)
     world = simulation(room(20.0, 20.0, 0.1), Pose2D(1.0, 10.0, 0.0), laser=laser)

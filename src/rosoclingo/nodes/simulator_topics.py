@@ -54,14 +54,16 @@ class RobotTopics:
     def publish(self, stamp: rospy.Time, now: float, scan: Callable[[], np.ndarray]) -> None:
         """Publish odometry, truth and, at the laser's rate, what ``scan`` returns."""
         robot = self._robot
-        for publisher, message, pose in (
-            (self._odom, self._odom_message, robot.odometry),
-            (self._truth, self._truth_message, robot.pose),
+        for publisher, message, pose, axes in (
+            (self._odom, self._odom_message, robot.odometry, 0.0),
+            (self._truth, self._truth_message, robot.pose, robot.pose.yaw),  # stage_ros: along the world's axes
         ):
             if publisher.get_num_connections():
                 message.header.stamp = stamp
                 _set_pose(message.pose.pose, pose)
-                message.twist.twist.linear.x, message.twist.twist.angular.z = robot.v, robot.w
+                twist = message.twist.twist
+                twist.linear.x, twist.linear.y = robot.v * math.cos(axes), robot.v * math.sin(axes)
+                twist.angular.z = robot.w
                 publisher.publish(message)
         if self._scan is not None and robot.laser is not None and now >= self._next_scan - 1e-6:
             self._next_scan = max(now, self._next_scan + 1.0 / robot.laser.spec.rate)

@@ -83,11 +83,22 @@ class Simulation:
         return laser.scan(self._in_cells(self._robot(robot).pose), self._around(robot), self._scale)
 
     def reset(self) -> None:
-        """Put every robot back to its start, as stage_ros's reset_positions does; time, doors, obstacles stay."""
+        """Put every robot back to its start, as stage_ros's reset_positions does; time, doors, obstacles stay.
+
+        Raises WorldError where something stands at a start; then nothing has moved.
+        """
+        before = {name: robot.pose for name, robot in self.robots.items()}
+        for robot in self.robots.values():
+            robot.pose = robot.spec.pose
+        try:
+            for name, robot in self.robots.items():
+                self._check_place(name, robot.pose)
+        except WorldError:
+            for name, robot in self.robots.items():
+                robot.pose = before[name]
+            raise
         for robot in self.robots.values():
             robot.reset()
-        for name, robot in self.robots.items():
-            self._check_place(name, robot.pose)
 
     def place(self, robot: str, pose: Pose2D) -> None:
         """Carry a robot to a pose (m). Raises WorldError where it would stand in something."""
