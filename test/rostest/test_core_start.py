@@ -66,7 +66,7 @@ class CoreStart(unittest.TestCase):
             file.flush()
             with core("hard", program_files=f"[{file.name}]", search_timeout=0.5, horizon_limit=1):
                 message = Client("hard/rosoclingo").send("hard(1)").ends_as(GoalStatus.ABORTED)
-                self.assertIn("the search was ended before it found a plan", message)
+                self.assertIn("no plan was found before the search was ended", message)
 
     def test_constants_and_labels(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:

@@ -33,7 +33,7 @@ def test_a_conflict_cannot_be_had_and_each_part_of_it_can(conflicts):
 @given(CONFLICTS)
 def test_a_choice_is_one_of_the_smallest(conflicts):
     met = met_by(conflicts)
-    choice = choose(THINGS, remembering(met))
+    choice = choose(THINGS, remembering(met, {}))
     dropped = [thing for thing, _ in choice]
     enough = [some for some in subsets(THINGS) if met([thing for thing in THINGS if thing not in some])]
     assert met([thing for thing in THINGS if thing not in dropped])
@@ -102,7 +102,8 @@ def test_undecided_choice():
 
 def test_remembering():
     asked = []
-    met = remembering(lambda things: asked.append(things) or True)
+    met = remembering(lambda things: asked.append(things) or True, {frozenset(): False})
     assert met(("a", "b"))
     assert met(("b", "a"))
+    assert not met(())
     assert len(asked) == 1

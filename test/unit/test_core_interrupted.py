@@ -151,7 +151,7 @@ def test_an_update_whose_look_ahead_is_dropped_is_fed_without():
     driver.goal("b", "do(never,2)")
     assert driver.states("b")[-1] == "aborted"
     assert "_request(cancel(2)" in driver.journal.updates[-1], "the request was in force"
-    assert "the search was ended before it found a plan" in driver.message("b")
+    assert "no plan was found before the search was ended" in driver.message("b")
     assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
 
 

@@ -21,9 +21,9 @@ def test_cycle_ends_when_each_action_has_returned():
     under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(arm,b,1)")
     take(under_way, "_return(arm,b,1)")
     assert missing(under_way) == ["_action_lib(drive,a,1)"]
-    assert not under_way.complete
+    assert under_way.missing
     take(under_way, "_return(drive,failed,1)")
-    assert under_way.complete
+    assert not under_way.missing
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def test_stray_returns(text, reason):
     under_way = dispatch("_action_lib(drive,a,1)")
     with pytest.raises(ReturnError, match=reason):
         take(under_way, text)
-    assert not under_way.complete
+    assert under_way.missing
 
 
 def test_duplicate_return_does_not_count_for_another_action():
@@ -60,6 +60,6 @@ def test_second_answer_of_a_single_action_is_stray():
 def test_two_actions_of_one_interface(order):
     under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)")
     for value in order:
-        assert not under_way.complete
+        assert under_way.missing
         take(under_way, f"_return(drive,{value},1)")
-    assert under_way.complete
+    assert not under_way.missing

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Callable, FrozenSet, Iterable, List, Optional,
 
 import clingo
 
-from rosoclingo.oclingo.process_wire import Message, result_from_message, symbols_to_text
+from rosoclingo.oclingo.process_wire import Message, result_from_message, symbols_from_text, symbols_to_text
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.progression_parser import parse_update
 from rosoclingo.oclingo.solver import SolveResult
@@ -32,7 +32,7 @@ class ProcessSnapshot:
     horizon: int
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "ProcessSnapshot":
-        """Return the state that would be, had none of ``facts`` been told."""
+        """Return the state that would be, had none of ``facts`` been told; an action in it was not executed."""
         return replace(self, log=tuple(_entry_less(entry, facts) for entry in self.log)) if facts else self
 
 
@@ -93,6 +93,8 @@ class ProcessSolver:
 
 
 def _entry_less(entry: Message, facts: FrozenSet[clingo.Symbol]) -> Message:
+    if "executed" in entry:
+        return dict(entry, executed=symbols_to_text(symbols_from_text(entry["executed"]) - facts))
     text = entry.get("update", "")
     if not any(str(fact) in text for fact in facts):
         return entry

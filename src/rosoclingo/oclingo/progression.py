@@ -28,6 +28,12 @@ class Statement:
     head: Optional[clingo.Symbol]
     body: Tuple[Literal, ...] = ()
 
+    def concerns(self, atoms: FrozenSet[clingo.Symbol]) -> bool:
+        """Whether this defines one of ``atoms``, or is the commitment to one."""
+        if self.head is not None or len(self.body) != 1:
+            return self.head in atoms
+        return not self.body[0].positive and self.body[0].atom in atoms
+
     def __str__(self) -> str:
         body = ", ".join(map(str, self.body))
         if self.head is None:
@@ -140,8 +146,8 @@ class StreamUpdate:
                 yield section, item
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
-        """Return the update without the facts and rules that define one of ``facts``."""
-        kept = (item for item in self.items if not (isinstance(item, Statement) and item.head in facts))
+        """Return the update without what defines one of ``facts``, and without commitments to them."""
+        kept = (item for item in self.items if not (isinstance(item, Statement) and item.concerns(facts)))
         return replace(self, items=tuple(kept))
 
     def __str__(self) -> str:

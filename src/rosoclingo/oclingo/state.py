@@ -113,9 +113,14 @@ class StreamState:
         )
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
-        """Return the state that would be, had none of ``facts`` been told."""
+        """Return the state that would be, had none of ``facts`` been told; an action in it was not executed.
+
+        What a retired step holds stays.
+        """
         less = self.copy()
-        less.permanent = [statement for statement in less.permanent if statement.head not in facts]
-        less.lapsing = [entry for entry in less.lapsing if entry.statement.head not in facts]
-        less.waiting = [entry for entry in less.waiting if entry.statement.head not in facts]
+        less.permanent = [statement for statement in less.permanent if not statement.concerns(facts)]
+        less.lapsing = [entry for entry in less.lapsing if not entry.statement.concerns(facts)]
+        less.waiting = [entry for entry in less.waiting if not entry.statement.concerns(facts)]
+        less.open_atoms = [atom for atom in less.open_atoms if atom not in facts]
+        less.closed_cycles = {cycle: executed - facts for cycle, executed in less.closed_cycles.items()}
         return less

@@ -1,9 +1,10 @@
 """The core: goals, input feeder, action extractor and the cycle that joins them (pure)."""
 
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
-from rosoclingo.reasoning.core import Core, CoreSettings
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
+    ActionsPreempted,
     Event,
     FactTaken,
     GoalChanged,
@@ -28,12 +29,14 @@ from rosoclingo.reasoning.goals import (
 )
 from rosoclingo.reasoning.keywords import Action, KeywordError, Return
 from rosoclingo.reasoning.planner import Halt
+from rosoclingo.reasoning.settings import CoreSettings
 
 __all__ = [
     "TERMINAL",
     "TRANSITIONS",
     "Action",
     "ActionsDispatched",
+    "ActionsPreempted",
     "Core",
     "CoreSettings",
     "Event",

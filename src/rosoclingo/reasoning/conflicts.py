@@ -6,6 +6,7 @@ are tested in that order.
 """
 
 from collections import deque
+from functools import partial
 from typing import Callable, Deque, Dict, FrozenSet, Generic, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 T = TypeVar("T")
@@ -40,7 +41,7 @@ def find_conflict(things: Sequence[T], met: Met[T]) -> Conflict[T]:
     rest = list(things)
     try:
         while not _is_conflict(found, met, known=rest):
-            size = _least(len(rest), lambda size: not met(_in_order(things, [*found, *rest[:size]])))
+            size = _least(len(rest), partial(_too_many, things, found, rest, met))
             found.append(rest[size - 1])
             rest = rest[: size - 1]
     except UndecidedError:
@@ -74,9 +75,8 @@ def choose(things: Sequence[T], met: Met[T]) -> Optional[Choice[T]]:
     return None
 
 
-def remembering(met: Met[T]) -> Met[T]:
-    """The same test, which asks for each set of things once."""
-    known: Dict[FrozenSet[T], bool] = {}
+def remembering(met: Met[T], known: Dict[FrozenSet[T], bool]) -> Met[T]:
+    """The same test, which asks for each set of things once, and never for those ``known``, which it adds to."""
 
     def ask(things: Tuple[T, ...]) -> bool:
         key = frozenset(things)
@@ -90,6 +90,11 @@ def remembering(met: Met[T]) -> Met[T]:
 def _is_conflict(found: Sequence[T], met: Met[T], known: Sequence[T]) -> bool:
     """Whether what was found is a whole conflict; all that is known to be one is found when nothing is left."""
     return not known or (bool(found) and not met(tuple(found)))
+
+
+def _too_many(things: Sequence[T], found: Sequence[T], rest: Sequence[T], met: Met[T], size: int) -> bool:
+    """Whether what was found and the first ``size`` of the rest cannot be had together."""
+    return not met(_in_order(things, [*found, *rest[:size]]))
 
 
 def _least(most: int, enough: Callable[[int], bool]) -> int:

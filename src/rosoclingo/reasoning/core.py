@@ -1,44 +1,33 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
-from rosoclingo.oclingo import ProgressionError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, parse_atom
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
-from rosoclingo.reasoning.dispatch import Dispatch, ReturnError
+from rosoclingo.reasoning.dispatch import Dispatch
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
-    FactTaken,
+    ActionsPreempted,
     GoalProgress,
     Observer,
     PlanMade,
     Problem,
-    ReturnTaken,
     UpdateSent,
 )
-from rosoclingo.reasoning.facts import FactError, check_fact, take_return
 from rosoclingo.reasoning.feeding import feed
 from rosoclingo.reasoning.goal_desk import GoalDesk
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
+from rosoclingo.reasoning.intake import Intake
 from rosoclingo.reasoning.judge import judge
-from rosoclingo.reasoning.keywords import TIMEOUT, Action, KeywordError, Return
+from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
-from rosoclingo.reasoning.recovery import Recovery, recover, requests_of
+from rosoclingo.reasoning.preemption import Preemption
+from rosoclingo.reasoning.recovery import Question, Recovery, recover, requests_of
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.statuses import Statuses
-
-
-@dataclass(frozen=True)
-class CoreSettings:
-    """How far to plan and how long to wait.
-
-    ``horizon_limit``: steps that a plan may reach beyond the current cycle. ``action_timeout``: seconds until an
-    action that has not returned counts as failed with the value ``timeout``; 0 waits for ever.
-    """
-
-    horizon_limit: int = 100
-    action_timeout: float = 600.0
+from rosoclingo.reasoning.words import Explanations
 
 
 class Core:
@@ -47,6 +36,9 @@ class Core:
     ``observer`` hears of everything, in order. Time (``now``) is in seconds of whatever clock the caller keeps. The
     caller passes on what arrives (``add_goal``, ``cancel_goal``, ``receive``), calls ``poll`` as time passes and
     ``advance`` until it returns False. Nothing here blocks except the search in ``start`` and ``advance``.
+
+    ``watch`` may end each search, ``watch_recovery`` tells when to be content with what was found of the goals to give
+    up and the reasons why.
     """
 
     def __init__(
@@ -54,18 +46,20 @@ class Core:
         program: ReactiveProgram,
         make_solver: SolverFactory,
         observer: Observer,
-        settings: CoreSettings = CoreSettings(),
+        settings: CoreSettings,
         watch: SearchWatch = unwatched,
+        watch_recovery: SearchWatch = unwatched,
     ) -> None:
-        self._program = program
         self._tell = observer
         self._settings = settings
         self._planner = Planner(make_solver, settings.horizon_limit, watch)
+        self._watch_recovery = watch_recovery
         self._feeder = InputFeeder()
         self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle)
+        self._intake = Intake(program, self._feeder, observer, lambda: self.cycle)
+        self._preemption = Preemption(self._feeder, self._intake)
         self._step = 0
         self._plan = TaskPlan()
-        self._dispatch: Optional[Dispatch] = None
         self._waits = 0
         self._unanswered = False  # the search was left: there is to be another
         self._untaken = False  # so was the update of the present step
@@ -88,7 +82,7 @@ class Core:
     @property
     def awaited(self) -> Tuple[Action, ...]:
         """The actions under way that have not returned."""
-        return self._dispatch.missing if self._dispatch else ()
+        return self._intake.awaited
 
     def add_goal(self, key: str, text: str) -> None:
         """The client's handle ``key`` asks for the goal ``text``; it ends as refused when it cannot be taken."""
@@ -100,23 +94,11 @@ class Core:
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
-        for text in facts:
-            try:
-                self._take(text)
-            except (ProgressionError, KeywordError, ReturnError, FactError) as error:
-                self._problem(f"'{text}' from '{origin}' is ignored: {error}")
+        self._intake.receive(origin, facts)
 
     def poll(self, now: float) -> None:
         """Time passes: actions that have not returned in time count as failed."""
-        limit = self._settings.action_timeout
-        if self._dispatch is None or limit <= 0:
-            return
-        self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
-        if now - self._dispatch.started < limit:
-            return
-        for action in self._dispatch.missing:
-            self._problem(f"{action.atom} has not returned within {limit:g} s: it counts as failed")
-            self._take(str(Return(action.interface, TIMEOUT, action.cycle).atom))
+        self._intake.expire(now, self._settings.action_timeout)
 
     def start(self) -> None:
         """Solve once before any update; an empty plan leaves the core idle in cycle 1."""
@@ -136,7 +118,10 @@ class Core:
 
     def advance(self, now: float) -> bool:
         """Start the next cycle if there is reason to; False when the core waits for something to arrive."""
-        if self.awaited or not self._due():
+        if self.awaited:
+            self._preempt()
+            return False
+        if not self._due():
             return False
         self._next_cycle(now)
         return True
@@ -145,28 +130,26 @@ class Core:
         """The core goes away: every goal is aborted."""
         self._desk.end(self._desk.live, Outcome.ABORTED, why)
 
-    def _take(self, text: str) -> None:
-        atom = parse_atom(text)
-        if take_return(atom, self._dispatch):
-            self._tell(ReturnTaken(self.cycle, atom))
-            check_fact(atom, self._program)
-        else:
-            check_fact(atom, self._program)
-            self._tell(FactTaken(self.cycle, atom))
-        self._feeder.add_fact(atom)
+    def _preempt(self) -> None:
+        """Something has arrived while actions run: end those that are of no use any more."""
+        try:
+            found = self._preemption.unwanted(self._planner) if self._settings.preempt else ()
+        except DisturbedError:
+            return
+        if found:
+            self._tell(ActionsPreempted(self.cycle, found))
 
     def _due(self) -> bool:
         """Whether something happened, an action has ended, a search was left, or the plan has something later only."""
-        return bool(self._feeder.pending or self._dispatch or self._unanswered or self._later())
+        return bool(self._feeder.pending or self._intake.dispatch or self._unanswered or self._later())
 
     def _later(self) -> bool:
         unseen = any(goal.request_cycle is not None and goal.request_cycle > self._step for goal in self._desk.fed)
         return unseen or bool(self._plan.after(self._step))
 
     def _next_cycle(self, now: float) -> None:
-        executed = self._dispatch.actions if self._dispatch else ()
+        executed = self._intake.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
-        self._dispatch = None
         if self._step and not self._untaken:
             self._planner.end_cycle(self._step, [action.atom for action in executed])
         self._step += 0 if self._untaken else 1
@@ -215,7 +198,7 @@ class Core:
             self._use(result, now)
         else:
             self._tell_plan(result)
-            self._recover(self._planner.why_none(result), fresh, now)
+            self._recover(result, fresh, now)
 
     def _use(self, result: SolveResult, now: float) -> None:
         answer = result.answers[0]
@@ -229,7 +212,8 @@ class Core:
             self._tell(GoalProgress(self._step, goal.key, goal.state, self._plan.actions))
         actions = self._plan.at(self._step)
         if actions:
-            self._dispatch = Dispatch(self._step, actions, now)
+            self._intake.dispatch = Dispatch(self._step, actions, now)
+            self._preemption.begin()
             self._tell(ActionsDispatched(self._step, actions))
         elif self._waits >= self._settings.horizon_limit and self._later():
             self._lose_patience()
@@ -240,12 +224,18 @@ class Core:
         self._plan = TaskPlan()
         self._desk.drop(self._desk.fed, "cannot be met: the program keeps putting off its plan")
 
-    def _recover(self, why: str, fresh: Sequence[Goal], now: float) -> None:
+    def _recover(self, result: SolveResult, fresh: Sequence[Goal], now: float) -> None:
         """No plan: end the goals that must go and start the next cycle without them."""
-        goals = self._desk.fed
-        found = (
-            recover(self._planner, self._step + 1, goals, [goal for goal in goals if goal in fresh]) if goals else None
+        goals, why = self._desk.fed, self._planner.why_none(result)
+        question = Question(
+            self._step + 1,
+            tuple(reversed(goals)),
+            tuple(goal for goal in reversed(goals) if goal in fresh),
+            self._intake.observations.newest_first,
+            result.outcome is SolveOutcome.UNSATISFIABLE,
+            self._watch_recovery(),
         )
+        found = recover(self._planner, question) if goals else None
         if found is not None:
             self._adopt(found, why, now)
             return
@@ -255,12 +245,16 @@ class Core:
             self._planner = self._planner.restarted()
 
     def _adopt(self, found: Recovery, why: str, now: float) -> None:
-        if found.forgotten:
+        if found.withheld:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
         self._planner = found.planner
         self._step += 1
         self._tell(UpdateSent(self._step, str(found.update)))
-        self._desk.end(found.dropped, Outcome.ABORTED, f"cannot be met: {why}")
+        explanations = Explanations(found.result.answers[0])
+        for fault in explanations.faults:
+            self._problem(fault)
+        for loss in found.losses:
+            loss.goal.end(Outcome.ABORTED, loss.text(explanations, why))
         self._answered(found.result, (), now)
 
     def _tell_plan(self, result: SolveResult) -> None:

@@ -1,8 +1,8 @@
 """The actions of one cycle on their way, and what came back of them."""
 
-from typing import Dict, List, Set, Tuple
+from typing import Dict, List, Optional, Tuple
 
-from clingo import Symbol
+from clingo import Symbol, SymbolType
 
 from rosoclingo.reasoning.keywords import Action, Return
 
@@ -12,35 +12,53 @@ class ReturnError(ValueError):
 
 
 class _Group:
-    """The actions of one interface in one cycle: a return names its action only on success, so failures are counted."""
+    """The actions of one interface in one cycle. Failures that name no action are counted."""
 
     def __init__(self) -> None:
         self.actions: Dict[Symbol, Action] = {}
-        self.answered: Set[Symbol] = set()
-        self.failures = 0
+        self._answers: Dict[Symbol, Symbol] = {}  # an action's parameter -> the value that named it
+        self._failures: List[Symbol] = []
 
     @property
     def missing(self) -> List[Action]:
         """As many unanswered actions as returns are still to come."""
-        unanswered = [action for parameter, action in self.actions.items() if parameter not in self.answered]
-        return unanswered[: len(self.actions) - len(self.answered) - self.failures]
+        return self._unanswered[: len(self.actions) - len(self._answers) - len(self._failures)]
+
+    @property
+    def failed(self) -> List[Tuple[Symbol, Tuple[Action, ...]]]:
+        """Each value that was no success, with the action that it is about, or those that it may be about."""
+        named = [(value, (self.actions[key],)) for key, value in self._answers.items() if value != key]
+        return [*named, *((value, tuple(self._unanswered)) for value in self._failures)]
 
     def take(self, value: Symbol) -> None:
         if not self.missing:
             raise ReturnError("every action of this interface has returned already")
-        if value in self.answered:
+        parameter = self._about(value)
+        if parameter is None:
+            self._failures.append(value)
+        elif parameter in self._answers:
             raise ReturnError("this action has returned already")
-        if value in self.actions:
-            self.answered.add(value)
         else:
-            self.failures += 1
+            self._answers[parameter] = value
+
+    @property
+    def _unanswered(self) -> List[Action]:
+        return [action for parameter, action in self.actions.items() if parameter not in self._answers]
+
+    def _about(self, value: Symbol) -> Optional[Symbol]:
+        """The parameter of the action that a value names: itself, or the last argument of ``failed(P)``."""
+        if value in self.actions:
+            return value
+        named = value.type is SymbolType.Function and value.arguments and value.arguments[-1] in self.actions
+        return value.arguments[-1] if named else None
 
 
 class Dispatch:
     """The actions of ``cycle``, sent out at ``started`` (seconds). The cycle ends when each has returned.
 
-    On success the value returned is the action's parameter; any other value is a failure of one of the interface's
-    actions.
+    On success the value returned is the action's parameter; any other value is a failure. Where several actions of one
+    interface are under way a failure is about the one whose parameter it has as its last argument, ``failed(P)``;
+    otherwise about any of those that no other return names.
     """
 
     def __init__(self, cycle: int, actions: Tuple[Action, ...], started: float) -> None:
@@ -57,9 +75,13 @@ class Dispatch:
         return tuple(action for group in self._groups.values() for action in group.missing)
 
     @property
-    def complete(self) -> bool:
-        """Whether each action has returned."""
-        return not self.missing
+    def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
+        """The returns that were no success, each with the actions that it may be about."""
+        return [
+            (Return(interface, value, self.cycle), actions)
+            for interface, group in self._groups.items()
+            for value, actions in group.failed
+        ]
 
     def take(self, answer: Return) -> None:
         """Count a return; raises ReturnError when it answers none of the actions under way."""

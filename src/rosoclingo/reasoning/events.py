@@ -44,6 +44,13 @@ class ActionsDispatched(Event):
 
 
 @dataclass(frozen=True)
+class ActionsPreempted(Event):
+    """Actions under way that are no longer wanted; their returns are awaited as ever."""
+
+    actions: Tuple[Action, ...]
+
+
+@dataclass(frozen=True)
 class ReturnTaken(Event):
     """The answer of an interface to an action of this cycle."""
 
@@ -89,9 +96,13 @@ class GoalProgress(Event):
 
 @dataclass(frozen=True)
 class Problem(Event):
-    """Something that should not be; ``message`` says what, where and what was done about it."""
+    """Something that should not be; ``message`` says what, where and what was done about it.
+
+    ``origin`` names the interface that it is about, empty where it is about none.
+    """
 
     message: str
+    origin: str = ""
 
 
 Observer = Callable[[Event], None]

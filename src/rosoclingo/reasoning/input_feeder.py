@@ -4,7 +4,7 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Tuple, Union
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import Literal, Statement, StreamUpdate
+from rosoclingo.oclingo import Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression import Item
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action, cancellation, request
@@ -40,12 +40,17 @@ class InputFeeder:
 
     Within an update commitments come first, then requests and cancellations, then returns and other facts; a new goal
     in update n carries cycle n+1, a cancellation n (as in the paper's printed updates).
+
+    Attributes:
+        arrivals: how many things have arrived so far.
+
     """
 
     def __init__(self) -> None:
         self._requests: List[Union[Goal, Symbol]] = []
         self._facts: Dict[Symbol, None] = {}
         self._owed: Tuple[Item, ...] = ()
+        self.arrivals = 0
 
     @property
     def pending(self) -> bool:
@@ -54,6 +59,7 @@ class InputFeeder:
 
     def add_goal(self, goal: Goal) -> None:
         """A new goal arrived."""
+        self.arrivals += 1
         self._requests.append(goal)
 
     def withdraw(self, goal: Goal) -> None:
@@ -62,10 +68,12 @@ class InputFeeder:
 
     def add_cancellation(self, identifier: Symbol) -> None:
         """A goal that was fed is to be cancelled."""
+        self.arrivals += 1
         self._requests.append(identifier)
 
     def add_fact(self, atom: Symbol) -> None:
         """A return or another fact arrived; the same fact twice in an update is one."""
+        self.arrivals += 1
         self._facts[atom] = None
 
     def put_back(self, batch: Batch) -> None:
@@ -77,12 +85,16 @@ class InputFeeder:
 
     def next_update(self, step: int, executed: Iterable[Action]) -> Batch:
         """The update that starts cycle ``step``, after ``executed`` in the one before; it empties the feeder."""
-        goals = tuple(item for item in self._requests if isinstance(item, Goal))
-        statements = [*self._owed, *(Statement(None, (Literal(action.atom, False),)) for action in executed)]
-        statements += [Statement(self._request(item, step)) for item in self._requests]
-        statements += [Statement(atom) for atom in self._facts]
+        batch = Batch(self.preview(step, executed), tuple(item for item in self._requests if isinstance(item, Goal)))
         self._requests, self._facts, self._owed = [], {}, ()
-        return Batch(StreamUpdate(step=step, items=tuple(statements)), goals)
+        return batch
+
+    def preview(self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = ()) -> StreamUpdate:
+        """What the next update would be, with ``further`` facts."""
+        statements = [*self._owed, *(commitment(action.atom) for action in executed)]
+        statements += [Statement(self._request(item, step)) for item in self._requests]
+        statements += [Statement(atom) for atom in dict.fromkeys((*self._facts, *further))]
+        return StreamUpdate(step=step, items=tuple(statements))
 
     @staticmethod
     def _request(item: Union[Goal, Symbol], step: int) -> Symbol:

@@ -1,4 +1,4 @@
-"""The predicates by which the core and a reactive program talk (the paper's Fig. 5, plus ``_status``).
+"""The predicates by which the core and a reactive program talk (the paper's Fig. 5, and more).
 
 Atoms and terms are ``clingo.Symbol`` throughout; cycles are integers from 1.
 """
@@ -11,13 +11,18 @@ REQUEST = "_request"
 ACTION_LIB = "_action_lib"
 RETURN = "_return"
 STATUS = "_status"
+EXPLAIN = "_explain"
+CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
 
 #: Keywords that only the core itself or the program may state: ``(name, arity)``.
-RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (STATUS, 3)})
+RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (STATUS, 3), (EXPLAIN, 3), (CANCEL_ACTION, 3)})
 
 #: The return value of an action that did not answer in time.
 TIMEOUT = Function("timeout")
+
+#: The return value of an action that was ended since nobody wants it any more.
+PREEMPTED = Function("preempted")
 
 
 class KeywordError(ValueError):
@@ -35,6 +40,11 @@ class Action(NamedTuple):
     def atom(self) -> Symbol:
         """The action as ``_action_lib(A,P,C)``."""
         return Function(ACTION_LIB, [self.interface, self.parameter, Number(self.cycle)])
+
+    @property
+    def cancellation(self) -> Symbol:
+        """What tells the interface to end the action: ``_cancel(A,P,C)``."""
+        return Function(CANCEL_ACTION, [self.interface, self.parameter, Number(self.cycle)])
 
     @property
     def interface_name(self) -> str:

@@ -5,7 +5,15 @@ from typing import Callable, FrozenSet, Iterable, NamedTuple, Optional
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import DroppedError, SolveOutcome, SolveResult, StreamSolver, StreamUpdate
+from rosoclingo.oclingo import (
+    DroppedError,
+    SolveOutcome,
+    SolveResult,
+    StreamSolver,
+    StreamUpdate,
+    Volatile,
+    commitment,
+)
 
 #: Makes a solver that nothing was fed to yet.
 SolverFactory = Callable[[], StreamSolver]
@@ -77,11 +85,16 @@ class Planner:
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
+    def may_begin_with(self, action: Symbol, steps: int) -> bool:
+        """Whether a plan of the present cycle and ``steps`` more holds ``action``; True where that takes too long."""
+        update = StreamUpdate(self._solver.step, items=(Volatile(), commitment(action)))
+        return self._search(update, steps).outcome is not SolveOutcome.UNSATISFIABLE
+
     def why_none(self, result: SolveResult) -> str:
         """Why the last search, with that ``result``, gave no plan."""
         if result.outcome is SolveOutcome.INTERRUPTED:
-            return "the search was ended before it found a plan" + (f": {self.ended_by}" if self.ended_by else "")
-        return f"there is no plan of at most {self._lookahead} steps from here"
+            return "no plan was found before the search was ended" + (f": {self.ended_by}" if self.ended_by else "")
+        return f"there is no plan of at most {self._lookahead} steps"
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
         """A planner beside this one in the same state, less the facts ``without``, and with a short horizon again."""

@@ -1,30 +1,52 @@
-"""What to give up when the solver finds no plan: as few goals as possible, the newest first.
+"""What to give up when the solver finds no plan: as few goals as possible, the newest first, and why each of them.
 
 Goals are given up in the next update, by the program's own means, ``_request(cancel(Id),C)``; so the stream that was
-sent stays a true record. The search for them is done on fresh solvers beside the stream.
+sent stays a true record. What would be without a goal or an observation is found out on fresh solvers beside it.
 """
 
-from typing import FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
+from rosoclingo.reasoning.conflicts import Choice, Conflict, UndecidedError, choose, find_conflict, remembering
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import cancellation, request
-from rosoclingo.reasoning.planner import Planner
+from rosoclingo.reasoning.loss import Loss
+from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.planner import Halt, Planner
+
+#: So many observations are told though it is not sure that all of them matter.
+FEW = 3
+
+
+class Question(NamedTuple):
+    """What is to be recovered from, at ``step``: the cycle that is to start without some of the goals.
+
+    ``goals`` are those that are live and were fed, ``fresh`` those of them that the last update brought; both newest
+    first, as are the ``observations``. ``proven`` tells that it is known that there is no plan; otherwise none was
+    found in time. ``look`` says when it is time to be content with what was found.
+    """
+
+    step: int
+    goals: Tuple[Goal, ...]
+    fresh: Tuple[Goal, ...]
+    observations: Tuple[Observation, ...]
+    proven: bool
+    look: Callable[[], Optional[Halt]]
 
 
 class Recovery(NamedTuple):
-    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the ``dropped`` goals.
+    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the goals of ``losses``.
 
-    ``forgotten`` tells that cancelling did not help, so that the requests had to be taken out of the history.
+    ``withheld`` tells that cancelling did not help, so that the requests had to be taken out of the history.
     """
 
     planner: Planner
     update: StreamUpdate
     result: SolveResult
-    dropped: Tuple[Goal, ...]
-    forgotten: bool = False
+    withheld: bool
+    losses: Tuple[Loss, ...] = ()
 
     @property
     def met(self) -> bool:
@@ -32,48 +54,111 @@ class Recovery(NamedTuple):
         return self.result.outcome is SolveOutcome.SATISFIABLE
 
 
-def recover(planner: Planner, step: int, goals: Sequence[Goal], suspects: Sequence[Goal]) -> Optional[Recovery]:
-    """Find the goals to drop at ``step``, out of the live ``goals`` that were fed, oldest first.
+def recover(planner: Planner, question: Question) -> Optional[Recovery]:
+    """Find the goals to give up. None when there is no plan even without any goal.
 
-    First the ``suspects`` go, then all goals; of these, every goal is kept that can be met with the ones kept before
-    it, until a search takes so long that it is interrupted. None when there is no plan even without any goal.
+    Where time is over, the fresh goals are given up or else all, but for those that can be met with the ones kept.
     """
-    for dropped in _distinct(suspects, goals):
-        found = _attempt(planner, step, dropped)
-        if found.met:
-            return _keep_what_can_be_met(planner, step, found)
-    found = _attempt(planner, step, tuple(goals), forgotten=True)
-    return found if found.met else None
-
-
-def _distinct(suspects: Sequence[Goal], goals: Sequence[Goal]) -> List[Tuple[Goal, ...]]:
-    sets = [tuple(suspects)] if suspects else []
-    return sets if len(suspects) == len(goals) else [*sets, tuple(goals)]
-
-
-def _keep_what_can_be_met(planner: Planner, step: int, found: Recovery) -> Recovery:
-    for goal in found.dropped:
-        fewer = tuple(other for other in found.dropped if other is not goal)
-        if fewer:
-            tried = _attempt(planner, step, fewer)
-            if tried.result.outcome is SolveOutcome.INTERRUPTED:
-                return found
-            found = tried if tried.met else found
-    return found
-
-
-def _attempt(planner: Planner, step: int, dropped: Tuple[Goal, ...], forgotten: bool = False) -> Recovery:
-    cancels = () if forgotten else tuple(Statement(cancellation(goal.identifier, step)) for goal in dropped)
-    update = StreamUpdate(step=step, items=cancels)
-    try:
-        fresh = planner.restarted(requests_of(dropped) if forgotten else frozenset())
-        fresh.end_cycle(step - 1, ())
-        result = fresh.update(update)
-    except SolverError:  # what is left of the goals takes too long, or is refused, as well
-        fresh, result = planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
-    return Recovery(fresh, update, result, dropped, forgotten)
+    for withhold in (False, True):
+        attempts = _Attempts(planner, question, withhold)
+        everything = attempts.without(question.goals)
+        if everything.met:
+            return _fewest(attempts, question, everything) or _few(attempts, question, everything)
+    return None
 
 
 def requests_of(goals: Sequence[Goal]) -> FrozenSet[Symbol]:
     """The requests of the goals that were fed."""
     return frozenset(request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None)
+
+
+class _Attempts:
+    """Plans without some goals, which are cancelled or withheld, and as if some observations had not been made."""
+
+    def __init__(self, planner: Planner, question: Question, withhold: bool) -> None:
+        self._planner = planner
+        self._question = question
+        self._withhold = withhold
+        self.latest: Optional[Recovery] = None
+
+    def without(self, dropped: Sequence[Goal], unseen: Sequence[Observation] = ()) -> Recovery:
+        """Plan without some goals and observations."""
+        step = self._question.step
+        facts: FrozenSet[Symbol] = frozenset().union(*(one.facts for one in unseen))
+        oldest_first = [] if self._withhold else list(reversed(dropped))
+        update = StreamUpdate(step, items=tuple(Statement(cancellation(one.identifier, step)) for one in oldest_first))
+        try:
+            fresh = self._planner.restarted(facts | requests_of(dropped) if self._withhold else facts)
+            fresh.end_cycle(step - 1, ())
+            result = fresh.update(update)
+        except SolverError:  # what is left of the goals takes too long, or is refused, as well
+            fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
+        found = Recovery(fresh, update, result, self._withhold, tuple(Loss(goal, sure=False) for goal in dropped))
+        if found.met and not unseen:
+            self.latest = found
+        return found
+
+    def met(self, kept: Sequence[Goal], seen: Sequence[Observation]) -> bool:
+        """Whether there is a plan for the goals that are kept; raises UndecidedError."""
+        question = self._question
+        if question.look() is not None:
+            raise UndecidedError
+        dropped = [goal for goal in question.goals if goal not in kept]
+        found = self.without(dropped, [one for one in question.observations if one not in seen])
+        if found.result.outcome is SolveOutcome.INTERRUPTED:
+            raise UndecidedError
+        return found.met
+
+
+def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Optional[Recovery]:
+    """Give up as few goals as possible; None where that cannot be found out in time."""
+    if not question.proven:
+        return None
+    known: Dict[FrozenSet[Goal], bool] = {frozenset(question.goals): False, frozenset(): True}
+    try:
+        choice = choose(question.goals, remembering(lambda kept: attempts.met(kept, question.observations), known))
+    except UndecidedError:
+        return None
+    if not choice:
+        return None
+    found = everything if len(choice) == len(question.goals) else attempts.latest
+    return found._replace(losses=_losses(attempts, question, choice)) if found else None
+
+
+def _losses(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[Loss, ...]:
+    seen: Dict[Conflict[Goal], Conflict[Observation]] = {}
+    losses: List[Loss] = []
+    for goal, conflict in reversed(choice):
+        if conflict not in seen:
+            seen[conflict] = _observed(attempts, conflict.things, question.observations)
+        others = tuple(other for other in reversed(conflict.things) if other is not goal)
+        sure = conflict.minimal and seen[conflict].minimal
+        losses.append(Loss(goal, others, tuple(reversed(seen[conflict].things)), sure))
+    return tuple(losses)
+
+
+def _observed(
+    attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[Observation, ...]
+) -> Conflict[Observation]:
+    """The observations without which the goals could be met together."""
+    try:
+        if not observations or not attempts.met(goals, ()):
+            return Conflict(())
+    except UndecidedError:
+        return Conflict((), minimal=False)
+    found = find_conflict(observations, lambda seen: attempts.met(goals, seen))
+    return found if found.minimal or len(found.things) <= FEW else Conflict((), minimal=False)
+
+
+def _few(attempts: _Attempts, question: Question, everything: Recovery) -> Recovery:
+    """Give up the fresh goals or else all, but for those that can be met with the ones kept, oldest first."""
+    found = attempts.without(question.fresh) if 0 < len(question.fresh) < len(question.goals) else everything
+    found = found if found.met else everything
+    for loss in reversed(found.losses):
+        fewer = [other.goal for other in found.losses if other is not loss]
+        if fewer:
+            tried = attempts.without(fewer)
+            if tried.result.outcome is SolveOutcome.INTERRUPTED:
+                return found
+            found = tried if tried.met else found
+    return found

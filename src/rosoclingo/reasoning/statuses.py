@@ -1,7 +1,7 @@
 """What a program says of its goals: the ``_status(Id,S,C)`` atoms of an answer.
 
 ``S`` is accepted, rejected, succeeded, canceled or aborted, or one of these words around a reason,
-``rejected(unknown_office)``.
+``rejected(unknown_office)``, ``aborted(("package ",3," is not at ",office2))``.
 """
 
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
@@ -10,6 +10,7 @@ from clingo import Symbol, SymbolType
 
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.keywords import STATUS, is_keyword
+from rosoclingo.reasoning.words import text_of
 
 #: The words of ``_status``, worst first, and how they end a goal (None: it goes on).
 WORDS: Dict[str, Optional[Outcome]] = {
@@ -61,4 +62,4 @@ def _status_of(atom: Symbol) -> Optional[Status]:
     word = atom.arguments[1]
     if word.type is not SymbolType.Function or word.name not in WORDS:
         return None
-    return Status(word.name, ", ".join(str(argument) for argument in word.arguments))
+    return Status(word.name, ", ".join(text_of(argument) for argument in word.arguments))

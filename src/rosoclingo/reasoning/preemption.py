@@ -1,0 +1,57 @@
+"""Which actions under way the new plan no longer wants, found out on a solver beside the stream."""
+
+from typing import FrozenSet, Tuple
+
+from rosoclingo.oclingo import SolveOutcome, SolverError
+from rosoclingo.reasoning.input_feeder import InputFeeder
+from rosoclingo.reasoning.intake import Intake
+from rosoclingo.reasoning.keywords import PREEMPTED, Action, Return
+from rosoclingo.reasoning.planner import Planner
+
+
+class Preemption:
+    """Thinks again of the actions under way whenever something has arrived; each is found unwanted once."""
+
+    def __init__(self, feeder: InputFeeder, intake: Intake) -> None:
+        self._feeder = feeder
+        self._intake = intake
+        self._considered = 0
+        self._found: FrozenSet[Action] = frozenset()
+
+    def begin(self) -> None:
+        """A cycle's actions are under way, as they are wanted now."""
+        self._considered, self._found = self._feeder.arrivals, frozenset()
+
+    def unwanted(self, planner: Planner) -> Tuple[Action, ...]:
+        """The actions under way that are no longer wanted. May raise DisturbedError: more has come, ask again.
+
+        Suppose that they return ``preempted`` now: then one is wanted if there is a shortest plan that begins with it
+        again. Without a plan, or if the program does not know this return, each is.
+        """
+        if self._considered == self._feeder.arrivals or self._intake.dispatch is None:
+            return ()
+        running = tuple(action for action in self._intake.awaited if action not in self._found)
+        found = self._ask(planner, self._intake.dispatch.actions, running) if running else ()
+        self._considered = self._feeder.arrivals
+        self._found |= frozenset(found)
+        return found
+
+    def _ask(self, planner: Planner, executed: Tuple[Action, ...], running: Tuple[Action, ...]) -> Tuple[Action, ...]:
+        cycle = executed[0].cycle
+        returns = [Return(action.interface, PREEMPTED, cycle).atom for action in running]
+        try:
+            beside = planner.restarted()
+            beside.end_cycle(cycle, [action.atom for action in executed])
+            result = beside.update(self._feeder.preview(cycle + 1, executed, returns))
+            unheard = any(str(atom) in warning for atom in returns for warning in result.warnings)
+            if unheard or result.outcome is not SolveOutcome.SATISFIABLE:
+                return ()
+            again = {action: action._replace(cycle=cycle + 1).atom for action in running}
+            steps = result.horizon - cycle - 1
+            return tuple(
+                action
+                for action, atom in again.items()
+                if atom not in result.answers[0] and not beside.may_begin_with(atom, steps)
+            )
+        except SolverError:
+            return ()

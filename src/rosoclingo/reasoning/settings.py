@@ -1,0 +1,17 @@
+"""How the core is to go about its work."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class CoreSettings:
+    """How far to plan and how long to wait.
+
+    ``horizon_limit``: steps that a plan may reach beyond the current cycle. ``action_timeout``: seconds until an
+    action that has not returned counts as failed with the value ``timeout``; 0 waits for ever. ``preempt``: whether
+    an action under way that a new plan does not want is ended at once.
+    """
+
+    horizon_limit: int = 100
+    action_timeout: float = 600.0
+    preempt: bool = False
