@@ -6,7 +6,17 @@ import numpy as np
 
 from rosoclingo.navigation.compiled import jit
 
-__all__ = ["best_command", "body_clearance", "least_along", "path_is_clear", "point_clearance", "spare_after"]
+__all__ = [
+    "best_command",
+    "body_clearance",
+    "furthest_clear",
+    "least_along",
+    "nearest_index",
+    "path_is_clear",
+    "point_clearance",
+    "points_at",
+    "spare_after",
+]
 
 
 @jit
@@ -41,6 +51,52 @@ def path_is_clear(clearance, points, least) -> bool:
         if least_along(clearance, points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]) < least:
             return False
     return True
+
+
+@jit
+def nearest_index(points, start, count, x, y):
+    """Return the index of that of the ``count`` points (n, 2) from ``start`` on which is nearest to (x, y)."""
+    best, best_i = np.inf, start
+    for i in range(start, min(start + count, points.shape[0])):
+        away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
+        if away < best:
+            best, best_i = away, i
+    return best_i
+
+
+@jit
+def points_at(points, along, start, lengths):
+    """Return the points (n, 2) at ``lengths``, ascending, behind ``points[start]``; ``along``: where each point is."""
+    found = np.empty((lengths.shape[0], 2))
+    i, last = start, points.shape[0] - 1
+    for k in range(lengths.shape[0]):
+        place = min(along[start] + lengths[k], along[last])
+        while i < last and along[i + 1] < place:
+            i += 1
+        step = along[min(i + 1, last)] - along[i]
+        part = (place - along[i]) / step if step > 0.0 else 0.0
+        for axis in range(2):
+            found[k, axis] = points[i, axis] + part * (points[min(i + 1, last), axis] - points[i, axis])
+    return found
+
+
+@jit
+def furthest_clear(clearance, x, y, points, least_away, floors):
+    """Return the index of the last of ``points`` (cells) that a straight line from (x, y) leads to; -1 for none.
+
+    The line keeps the first of ``floors`` (cells of clearance) that is possible at all; points nearer than
+    ``least_away`` are left out.
+    """
+    spare = np.empty(points.shape[0])
+    for i in range(points.shape[0]):
+        spare[i] = least_along(clearance, x, y, points[i, 0], points[i, 1])
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) < least_away:
+            spare[i] = -np.inf
+    for floor in floors:
+        for i in range(points.shape[0] - 1, -1, -1):
+            if spare[i] >= floor:
+                return i
+    return -1
 
 
 @jit

@@ -1,11 +1,18 @@
 """The local planner: from a path and what is near to the next velocity."""
 
 import math
-from typing import NamedTuple, Optional, Sequence, Tuple, Union
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled_rollout import best_command, body_clearance, least_along, spare_after
+from rosoclingo.navigation.compiled_rollout import (
+    best_command,
+    body_clearance,
+    furthest_clear,
+    nearest_index,
+    points_at,
+    spare_after,
+)
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import (
@@ -82,7 +89,10 @@ class RolloutFollower(LocalPlanner):
     def __init__(self, parameters: Optional[dict] = None, radius: float = 0.18, footprint: Sequence = ()) -> None:
         super().__init__(parameters, radius, footprint)
         self.limits = FollowerLimits(**self.parameters)
-        self._points = np.empty((0, 2))
+        self._points, self._along = np.empty((0, 2)), np.empty(0)
+        self._ahead = np.linspace(0.0, self.limits.lookahead, 7)
+        self._turns = np.linspace(-1.0, 1.0, self.limits.vtheta_samples)
+        self._slower = np.append(np.linspace(1.0, 0.0, self.limits.vx_samples), 0.0)
         self._goal = Pose2D(0.0, 0.0)
         self._index = 0
         self._arrived = False
@@ -95,7 +105,9 @@ class RolloutFollower(LocalPlanner):
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
             self._arrived, self._refuge, self._patience = False, None, PATIENCE
-        self._points, self._goal, self._index = points, goal, 0
+        self._points, self._goal, self._index = np.ascontiguousarray(points, dtype=np.float64), goal, 0
+        steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
+        self._along = np.concatenate(([0.0], np.cumsum(steps)))
 
     def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Command:
         """Return the next command; see :class:`LocalPlanner`."""
@@ -122,13 +134,12 @@ class RolloutFollower(LocalPlanner):
         if not len(self._points):
             return math.inf
         self._advance(pose)
-        rest = self._points[self._index :]
-        to_path = math.hypot(rest[0, 0] - pose.x, rest[0, 1] - pose.y)
-        return to_path + float(np.hypot(*np.diff(rest, axis=0).T).sum())
+        x, y = self._points[self._index]
+        return math.hypot(x - pose.x, y - pose.y) + float(self._along[-1] - self._along[self._index])
 
     def _refuge_on_path(self, now: Situation) -> Tuple[float, float]:
         """Return the path's point next to the robot or, where the robot is on it, the one a good cell ahead."""
-        points = self._along([0.0, 1.2 * now.costmap.resolution])
+        points = points_at(self._points, self._along, self._index, np.array([0.0, 1.2 * now.costmap.resolution]))
         point = points[0] if now.distance(points[0]) > 0.3 * now.costmap.resolution else points[1]
         return float(point[0]), float(point[1])
 
@@ -183,17 +194,17 @@ class RolloutFollower(LocalPlanner):
         top = min(top, math.sqrt(acceleration * max(now.distance(self._points[-1]), 0.01)))
         high = min(top, max(0.0, now.velocity.linear) + acceleration * now.period)
         low = max(0.0, min(high, now.velocity.linear - acceleration * now.period))
-        return np.concatenate((np.linspace(high, low, self.limits.vx_samples), [0.0]))
+        speeds = low + (high - low) * self._slower
+        speeds[-1] = 0.0
+        return speeds
 
     def _best(self, now: Situation, carrot: Sequence[float], trial: Trial) -> Optional[Velocity]:
         """Return the best command that is safe and moves the robot, None where there is none."""
         limits, scale = self.limits, 1.0 / now.costmap.resolution
         reach = limits.acc_lim_theta * now.period
-        turns = np.linspace(
-            max(-limits.max_vel_theta, now.velocity.angular - reach),
-            min(limits.max_vel_theta, now.velocity.angular + reach),
-            limits.vtheta_samples,
-        )
+        low = max(-limits.max_vel_theta, now.velocity.angular - reach)
+        high = min(limits.max_vel_theta, now.velocity.angular + reach)
+        turns = np.append(0.5 * (low + high) + 0.5 * (high - low) * self._turns, 0.0)
         to_carrot, to_angle, to_room = trial.weights
         i, j, _ = best_command(
             now.costmap.clearance,
@@ -201,7 +212,7 @@ class RolloutFollower(LocalPlanner):
             self._body_for(now.costmap.resolution),
             np.array([*now.costmap.to_cells(now.pose.x, now.pose.y), now.pose.yaw]),
             trial.speeds * scale,
-            np.concatenate((turns, [0.0])),
+            turns,
             np.array(now.costmap.to_cells(*carrot)),
             trial.margin * scale,
             trial.comfort * scale,
@@ -211,7 +222,7 @@ class RolloutFollower(LocalPlanner):
         )
         if i < 0:
             return None
-        velocity = Velocity(float(trial.speeds[i]), float(turns[j]) if j < len(turns) else 0.0)
+        velocity = Velocity(float(trial.speeds[i]), float(turns[j]))
         return velocity if abs(velocity.linear) >= 0.01 or abs(velocity.angular) >= 0.05 else None
 
     def _horizon(self, now: Situation) -> float:
@@ -226,35 +237,22 @@ class RolloutFollower(LocalPlanner):
     def _carrot(self, now: Situation) -> Optional[Tuple[float, float]]:
         """Return the point furthest ahead on the path that a straight line leads to, None where that is too near."""
         self._advance(now.pose)
-        costmap, points = now.costmap, self._ahead()[::-1]
-        here = costmap.to_cells(now.pose.x, now.pose.y)
-        spare = np.array([least_along(costmap.clearance, *here, *costmap.to_cells(*point)) for point in points])
-        away = np.hypot(points[:, 0] - now.pose.x, points[:, 1] - now.pose.y)
-        far = away >= min(1.2 * costmap.resolution, now.distance(self._points[-1]))
-        inner = self._inner / costmap.resolution
-        # Only a direction: what is driven is tried for safety. So, in a tight place, a line may graze something.
-        for least in (inner, inner - 0.25, inner - 0.5):
-            good = far & (spare >= least)
-            if good.any():
-                return float(points[good][0, 0]), float(points[good][0, 1])
-        return None
+        costmap = now.costmap
+        points = points_at(self._points, self._along, self._index, self._ahead)
+        inner, scale = self._inner / costmap.resolution, 1.0 / costmap.resolution
+        i = furthest_clear(
+            costmap.clearance,
+            *costmap.to_cells(now.pose.x, now.pose.y),
+            (points - (costmap.grid.origin_x, costmap.grid.origin_y)) * scale,
+            min(1.2, now.distance(self._points[-1]) * scale) - 1e-6,
+            # Only a direction: what is driven is tried for safety. So, in a tight place, a line may graze something.
+            np.array([inner, inner - 0.25, inner - 0.5]),
+        )
+        return (float(points[i, 0]), float(points[i, 1])) if i >= 0 else None
 
     def _advance(self, pose: Pose2D) -> None:
         """Move on to the path's point nearest to the robot; never back."""
-        window = self._points[self._index : self._index + 12]
-        away = np.hypot(window[:, 0] - pose.x, window[:, 1] - pose.y)
-        self._index += int(away.argmin())
-
-    def _ahead(self) -> np.ndarray:
-        """Return points of the path from the robot on, up to the look-ahead."""
-        return self._along(np.linspace(0.0, self.limits.lookahead, 7))
-
-    def _along(self, lengths: Union[Sequence[float], np.ndarray]) -> np.ndarray:
-        """Return the points (n, 2) that lie these lengths (m) ahead on the path, the last one where it is too short."""
-        points = self._points[self._index : self._index + 2 + int(16 * self.limits.lookahead)]
-        steps = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
-        along = np.concatenate(([0.0], np.cumsum(steps)))
-        return np.stack([np.interp(lengths, along, points[:, axis]) for axis in (0, 1)], axis=1)
+        self._index = int(nearest_index(self._points, self._index, 12, pose.x, pose.y))
 
     def _turn(self, now: Situation, error: float, final: bool = False) -> Command:
         """Turn on the spot by ``error`` rad; ``final``: that is all that is left to do."""
