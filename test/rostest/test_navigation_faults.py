@@ -6,9 +6,10 @@ import unittest
 
 import rospy
 import rostest
-from geometry_msgs.msg import PoseStamped
-from move_base_msgs.msg import RecoveryStatus
-from nav_msgs.msg import OccupancyGrid, Path
+from geometry_msgs.msg import PolygonStamped, PoseStamped
+from map_msgs.msg import OccupancyGridUpdate
+from move_base_msgs.msg import MoveBaseActionResult, RecoveryStatus
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
 from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
 from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor
@@ -20,9 +21,13 @@ from std_srvs.srv import Empty
 class NavigationFaults(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.relaying = True
-        cls.relay = rospy.Publisher("relayed_scan", numpy_msg(LaserScan), queue_size=1)
-        rospy.Subscriber("base_scan", numpy_msg(LaserScan), lambda scan: cls.relaying and cls.relay.publish(scan))
+        cls.relaying = {"base_scan", "base_pose_ground_truth"}
+        for name, relayed, kind in (
+            ("base_scan", "relayed_scan", numpy_msg(LaserScan)),
+            ("base_pose_ground_truth", "relayed_truth", Odometry),
+        ):
+            relay = rospy.Publisher(relayed, kind, queue_size=10)
+            rospy.Subscriber(name, kind, lambda m, name=name, relay=relay: name in cls.relaying and relay.publish(m))
         cls.recoveries = []
         rospy.Subscriber("/move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
         cls.driver = Driver()
@@ -69,17 +74,24 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual(self.driver.drive(5.9, 0.0)[0], SUCCEEDED)
 
     def test_a_lost_laser_stops_the_robot_and_ends_the_goal(self):
+        self.lose("base_scan", "laser is lost")
+
+    def test_a_lost_localisation_stops_the_robot_and_ends_the_goal(self):
+        self.lose("base_pose_ground_truth", "Localisation is lost: the transform from map to odom is")
+
+    def lose(self, topic, words):
+        """Drive, lose a topic on the way, see the robot stop and its goal end; drive again with it."""
         self.driver.send(pose_goal(13.9, 0.0))
         self.driver.wait(lambda: self.driver.speed[0] > 0.3)
-        type(self).relaying = False
+        self.relaying.discard(topic)
         try:
             self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
             self.assertLess(self.driver.pose[0], 10.0)
             status, text = self.driver.end()
         finally:
-            type(self).relaying = True
+            self.relaying.add(topic)
         self.assertEqual(status, ABORTED)
-        self.assertIn("laser is lost", text)
+        self.assertIn(words, text)
         self.assertEqual(self.driver.drive(2.5, 0.0)[0], SUCCEEDED)
 
     def test_a_reset_on_the_way(self):
@@ -104,23 +116,63 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual(self.ask(7.93, 3.0).poses, [])
         self.assertEqual(self.ask(1.0, 0.0, "moon").poses, [])
 
-    def test_what_is_shown(self):
-        costmap = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
-        self.assertEqual((costmap.info.width, costmap.info.height), (348, 208))
-        self.assertTrue({0, 99, 100, -1} <= set(costmap.data))
+    def test_costmaps(self):
+        """The global one in the map's frame, the local one around the robot in odometry's; and what changes of them."""
+        whole = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+        self.assertEqual((whole.header.frame_id, whole.info.width, whole.info.height), ("map", 348, 208))
+        self.assertTrue({0, 99, 100, -1} <= set(whole.data))
         local = rospy.wait_for_message("/move_base/local_costmap/costmap", OccupancyGrid, timeout=60)
-        self.assertLessEqual(local.info.width, 121)
-        shown = []
-        rospy.Subscriber("/move_base/GridPlanner/plan", Path, shown.append)
-        current = []
-        rospy.Subscriber("/move_base/current_goal", PoseStamped, current.append)
+        self.assertEqual((local.header.frame_id, local.info.width, local.info.height), ("odom", 120, 120))
+        self.assertAlmostEqual(local.info.origin.position.x, 1.9 - 3.0, delta=0.06)
+        updates = []
+        rospy.Subscriber("/move_base/global_costmap/costmap_updates", OccupancyGridUpdate, updates.append)
+        rospy.Subscriber("/move_base/local_costmap/costmap_updates", OccupancyGridUpdate, updates.append)
+        put = rospy.ServiceProxy("/simulator/put_obstacle", PutObstacle)
+        self.assertTrue(put("bin", 3.5, 0.0, 0.2, 0.0, 0.0, 0.0).success)
+        try:
+            self.driver.wait(lambda: {"map", "odom"} <= {update.header.frame_id for update in updates})
+            update = next(update for update in updates if update.header.frame_id == "map")
+            self.assertEqual(len(update.data), update.width * update.height)
+            self.assertLess(update.width * update.height, 348 * 208 // 4)
+            column, row = ((v - o) / 0.05 for v, o in ((3.3, -0.7), (0.0, -5.2)))
+            self.assertTrue(update.x <= column <= update.x + update.width, update.x)
+            self.assertTrue(update.y <= row <= update.y + update.height, update.y)
+            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+            self.assertGreater(list(again.data).count(100), list(whole.data).count(100))
+        finally:
+            rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("bin")
+
+    def test_footprints(self):
+        for name, frame in (("global", "map"), ("local", "odom")):
+            footprint = rospy.wait_for_message(f"/move_base/{name}_costmap/footprint", PolygonStamped, timeout=60)
+            self.assertEqual(footprint.header.frame_id, frame)
+            distances = [self.driver.distance(p.x, p.y) for p in footprint.polygon.points]
+            self.assertAlmostEqual(max(distances), 0.18, delta=0.02)
+
+    def test_a_simple_goal_and_what_is_shown_of_it(self):
+        shown = {}
+        for name, kind in (
+            ("GridPlanner/plan", Path),
+            ("RolloutFollower/global_plan", Path),
+            ("RolloutFollower/local_plan", Path),
+            ("current_goal", PoseStamped),
+        ):
+            rospy.Subscriber("/move_base/" + name, kind, lambda message, name=name: shown.setdefault(name, message))
+        results = []
+        rospy.Subscriber("move_base/result", MoveBaseActionResult, results.append)
         simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
-        goal = pose_goal(5.9, 0.0).target_pose
         self.driver.wait(lambda: simple.get_num_connections() > 0)
-        simple.publish(goal)
-        self.driver.wait(lambda: self.driver.distance(5.9, 0.0) < 0.2)
-        self.assertTrue(current)
-        self.assertTrue(shown)
+        simple.publish(pose_goal(5.9, 0.0).target_pose)
+        self.driver.wait(lambda: results)
+        self.assertEqual(results[0].status.status, SUCCEEDED)
+        self.assertLess(self.driver.distance(5.9, 0.0), 0.2)
+        frames = {name: message.header.frame_id for name, message in shown.items()}
+        expected = {"GridPlanner/plan": "map", "RolloutFollower/global_plan": "odom", "current_goal": "map"}
+        self.assertEqual(frames, {**expected, "RolloutFollower/local_plan": "odom"})
+        ends = [shown[name].poses[-1].pose.position for name in ("GridPlanner/plan", "RolloutFollower/global_plan")]
+        for end in ends:
+            self.assertAlmostEqual(end.x, 5.9, delta=0.05)
+        self.assertEqual(shown["current_goal"].pose.position.x, 5.9)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from rosoclingo.msg import (
     PickupFeedback,
     PickupResult,
 )
+from rosoclingo.nodes.action_servers import start_server
 from rosoclingo.nodes.parameters import not_negative, parameter
 from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.nodes.worker import Worker
@@ -114,7 +115,7 @@ class OfficeNode:
 
     def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
         server = ActionServer(name, action, functools.partial(self._on_goal, kind), self._on_cancel, auto_start=False)
-        server.start()
+        start_server(server)
         return server
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------

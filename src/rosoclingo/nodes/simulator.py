@@ -4,6 +4,7 @@ import queue
 import sys
 import threading
 import time
+import traceback
 from typing import Any, Callable, Optional
 
 import rospy
@@ -164,12 +165,16 @@ class SimulatorNode:
     # ---- the simulation's thread ----------------------------------------------------------------------------------
 
     def _run(self) -> None:
-        self._restart_pace()
-        while not rospy.is_shutdown():
-            wait = 0.1 if self._paused else self._until_next()
-            if self._work(wait) or self._paused:
-                continue
-            self._step()
+        try:
+            self._restart_pace()
+            while not rospy.is_shutdown():
+                wait = 0.1 if self._paused else self._until_next()
+                if not self._work(wait) and not self._paused:
+                    self._step()
+        except Exception:  # noqa: BLE001 the last resort: without this thread the node would only seem to live
+            if not rospy.is_shutdown():  # else topics are closed, which is no fault
+                rospy.logfatal("the simulation failed, the node ends:\n%s", traceback.format_exc())
+                rospy.signal_shutdown("the simulation failed")
 
     def _until_next(self) -> float:
         """Return how long (s of wall time) the next step has to wait."""

@@ -1,0 +1,21 @@
+"""Action servers in simulated time, which may go back."""
+
+import rospy
+from actionlib import ActionServer
+
+__all__ = ["forget_cancels", "start_server"]
+
+
+def start_server(server: ActionServer) -> None:
+    """Start a server whose status topic outlives a jump of simulated time; actionlib's own timer ends with one."""
+    server.start()
+    if server.status_frequency > 0.0:
+        server.status_timer.shutdown()
+        period = rospy.Duration(1.0 / server.status_frequency)
+        server.status_timer = rospy.Timer(period, server.publish_status_async, reset=True)
+
+
+def forget_cancels(server: ActionServer) -> None:
+    """Forget the last cancel's time; after time went back, each goal until that time would be cancelled on arrival."""
+    with server.lock:
+        server.last_cancel = rospy.Time()

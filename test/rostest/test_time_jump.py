@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Simulated time goes back while a goal is on its way, and to before the last cancel."""
+
+import sys
+import unittest
+
+import rosnode
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatusArray
+from navigation_helpers import PREEMPTED, SUCCEEDED, Driver, pose_goal
+
+
+class TimeJump(unittest.TestCase):
+    def test_time_goes_back_on_the_way(self):
+        driver = Driver()
+        driver.send(pose_goal(13.9, 0.0))
+        driver.wait(lambda: driver.speed[0] > 0.3 and rospy.get_time() > 5.0)
+        driver.client.cancel_goal()
+        self.assertEqual(driver.end()[0], PREEMPTED)
+        driver.send(pose_goal(4.0, 0.0))
+        driver.wait(lambda: driver.speed[0] > 0.3)
+        cancelled = rospy.get_time()
+        rosnode.kill_nodes(["/simulator"])
+        driver.wait(lambda: rospy.get_time() < cancelled)
+        self.assertEqual(driver.end(), (SUCCEEDED, "Goal reached."))
+        self.assertLess(driver.distance(4.0, 0.0), 0.2)
+        rospy.sleep(0.1)
+        self.assertLess(rospy.get_time(), cancelled + 60.0)
+        self.assertEqual(driver.drive(3.0, 0.0)[0], SUCCEEDED)
+        self.assertEqual(driver.collisions, [])
+        for server in ("move_base", "pickup", "deliver"):
+            now = rospy.get_time()
+            while (
+                rospy.wait_for_message(server + "/status", GoalStatusArray, timeout=30.0).header.stamp.to_sec() <= now
+            ):
+                pass
+
+
+if __name__ == "__main__":
+    rospy.init_node("time_jump")
+    rostest.rosrun("rosoclingo", "time_jump", TimeJump, sys.argv)
