@@ -19,6 +19,7 @@ from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from std_srvs.srv import Empty, EmptyResponse
 
 from rosoclingo.navigation import Costmap, MapError, Navigator, Outcome, Pose2D, Result, Velocity
+from rosoclingo.nodes.action_servers import forget_cancels, start_server
 from rosoclingo.nodes.localization import to_pose2d
 from rosoclingo.nodes.map_server import grid_from_message
 from rosoclingo.nodes.move_base_display import Display, View
@@ -147,10 +148,7 @@ class MoveBaseNode:
             return
         if now < self._last_tick:
             self._sensing.time_went_back(now)
-            with (
-                self._server.action_server.lock
-            ):  # else goals would be cancelled that come before the last cancel's time
-                self._server.action_server.last_cancel = rospy.Time()
+            forget_cancels(self._server.action_server)
         elif now - self._last_tick < self._settings.controller_period - 1e-6:
             return
         self._last_tick = now
@@ -159,7 +157,7 @@ class MoveBaseNode:
             self._pose = located.pose
             if not self._ready:
                 self._ready = True
-                self._server.start()
+                start_server(self._server.action_server)
             if self._navigator.active or not self._settings.rest_when_idle:
                 if self._sensing.observe(self._navigator.costmap):
                     self._navigator.obstacles_changed()
