@@ -2,6 +2,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 from rosoclingo.nodes import core_parameters as module
 from rosoclingo.nodes.core_parameters import CoreParameters, core_parameters, load_program
@@ -30,9 +31,11 @@ def test_all_parameters(program):
         "horizon_limit": 7,
         "action_timeout": 5,
         "search_timeout": 0,
+        "recovery_timeout": 2,
+        "preempt": True,
     }
     found = core_parameters(values)
-    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0), 0.0)
+    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True), 0.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -51,6 +54,9 @@ def test_all_parameters(program):
         ("action_timeout", -1, "give seconds"),
         ("action_timeout", "long", "give seconds"),
         ("search_timeout", float("inf"), "give seconds"),
+        ("recovery_timeout", -0.1, "give seconds"),
+        ("preempt", 1, "give true or false"),
+        ("preempt", "true", "give true or false"),
     ],
 )
 def test_bad_parameters_name_themselves_and_the_mend(program, name, value, mend):
@@ -72,7 +78,8 @@ def test_constants_and_labels_reach_the_program(program):
 
 def test_documented_defaults_are_the_real_ones():
     node = Path(module.__file__).with_name("core.py").read_text()
-    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+)\)", node))
+    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false)\)", node))
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
-    real["search_timeout"] = CoreParameters.search_timeout
-    assert {name: float(value) for name, value in documented.items()} == real
+    real.update(search_timeout=CoreParameters.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
+    real["preempt"] = CoreSettings.preempt
+    assert {name: yaml.safe_load(value) for name, value in documented.items()} == real

@@ -1,21 +1,23 @@
 """The node ``rosoclingo``: the pure core on topics, parameters and an action server."""
 
 import time
-from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, Type
+from typing import Any, Callable, Dict, Optional, Set, Type
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
-from std_msgs.msg import String
 
-from rosoclingo.msg import InterfaceIO, ROSoClingoAction, TaskPlan
+from rosoclingo.msg import InterfaceIO, ROSoClingoAction
+from rosoclingo.nodes.action_servers import start_server
+from rosoclingo.nodes.core_health import CoreHealth
 from rosoclingo.nodes.core_parameters import core_parameters, load_program
+from rosoclingo.nodes.core_topics import CoreTopics
 from rosoclingo.nodes.goal_handles import GoalHandles
 from rosoclingo.nodes.worker import Worker
 from rosoclingo.oclingo import DroppedError
 from rosoclingo.oclingo.process import SolverProcess
 from rosoclingo.reasoning import (
-    Action,
     ActionsDispatched,
+    ActionsPreempted,
     Core,
     Event,
     GoalChanged,
@@ -27,6 +29,7 @@ from rosoclingo.reasoning import (
     ReturnTaken,
     UpdateSent,
 )
+from rosoclingo.reasoning.health import Health, Report
 
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
 SHUTDOWN_TIME = 3.0
@@ -47,13 +50,18 @@ class CoreNode:
         ~search_timeout (float, default 10.0): seconds of wall time for one search, 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
             failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
+        ~recovery_timeout (float, default 5.0): seconds of wall time in which to look for the fewest goals to give up
+            and the reasons, when there is no plan, 0 for no limit. The check under way when it is over still ends.
+        ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
-            but a subscriber that comes while actions are under way is sent those.
+            but a subscriber that comes while actions are under way is sent those. With ``~preempt`` also
+            ``_cancel(A,P,C)`` of actions that are to be ended.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer.
         ~updates (std_msgs/String): every stream update, as text.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Actions:
         rosoclingo (rosoclingo/ROSoClingo): goals of any number of clients, each with its own status.
 
@@ -67,32 +75,38 @@ class CoreNode:
         self._cancels: Set[str] = set()  # keys of goals whose cancel waits
         self._last_time = 0.0
         self._handles = GoalHandles()
-        self._under_way: Tuple[InterfaceIO, ...] = ()
         program = load_program(self._parameters)
         self._solvers = SolverProcess(program, shortest=True, oclingo_strings=False)
-        self._core = Core(program, self._solvers.solver, self._observe, self._parameters.settings, self._watch_search)
+        self._core = Core(
+            program,
+            self._solvers.solver,
+            self._observe,
+            self._parameters.settings,
+            self._watch_search,
+            self._watch_recovery,
+        )
         self._worker = Worker(self._settle)
+        self._topics = CoreTopics(lambda: self._core.awaited)
+        self._health = CoreHealth(self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
-            UpdateSent: self._update_sent,
+            UpdateSent: self._topics.update_sent,
             PlanMade: self._plan_made,
-            ActionsDispatched: self._actions_dispatched,
-            ReturnTaken: self._return_taken,
+            ActionsDispatched: self._topics.actions_dispatched,
+            ActionsPreempted: self._topics.actions_preempted,
+            ReturnTaken: self._topics.return_taken,
             GoalChanged: self._handles.changed,
             GoalRefused: self._handles.refused,
             GoalProgress: self._handles.progress,
-            Problem: lambda event: rospy.logwarn("cycle %d: %s", event.cycle, event.message),
+            Problem: self._health.problem,
         }
         self._connect()
 
     def _connect(self) -> None:
-        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, _Newcomers(lambda: self._under_way), queue_size=100)
-        self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
-        self._updates = rospy.Publisher("~updates", String, queue_size=100)
         self._worker.put(self._start)
         self._server = ActionServer("rosoclingo", ROSoClingoAction, self._on_goal, self._on_cancel, auto_start=False)
         rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
         rospy.on_shutdown(self._shut_down)
-        self._server.start()
+        start_server(self._server)
         self._worker.start()
 
     # -- callbacks: they only put things into the queue
@@ -128,6 +142,10 @@ class CoreNode:
         self._core.cancel_goal(key)
 
     def _settle(self) -> None:
+        self._go_on()
+        self._health.tick()
+
+    def _go_on(self) -> None:
         now = rospy.get_time()
         if now < self._last_time:
             rospy.logwarn("time jumped back by %.1f s", self._last_time - now)
@@ -145,6 +163,7 @@ class CoreNode:
         start, limit = time.monotonic(), self._parameters.search_timeout
 
         def look() -> Optional[Halt]:
+            self._health.tick()
             elapsed = time.monotonic() - start
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
@@ -153,6 +172,11 @@ class CoreNode:
             return Halt(f"it took longer than {limit:g} s") if 0 < limit <= elapsed else None
 
         return look
+
+    def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
+        """Be content with what was found of goals to give up after some time."""
+        start, limit = time.monotonic(), self._parameters.recovery_timeout
+        return lambda: Halt(f"it took longer than {limit:g} s") if 0 < limit <= time.monotonic() - start else None
 
     def _shut_down(self) -> None:
         self._ending = True
@@ -167,40 +191,10 @@ class CoreNode:
         if outlet is not None:
             outlet(event)
 
-    def _update_sent(self, event: UpdateSent) -> None:
-        self._updates.publish(String(event.text))
-
     def _plan_made(self, event: PlanMade) -> None:
-        message = TaskPlan(cycle=event.cycle, horizon=event.horizon, actions=[str(one.atom) for one in event.actions])
-        message.ground_time, message.solve_time = event.ground, event.solve
-        message.header.stamp = rospy.Time.now()
-        self._task_plan.publish(message)
+        self._topics.plan_made(event)
+        self._health.plan_made(event)
 
-    def _actions_dispatched(self, event: ActionsDispatched) -> None:
-        self._under_way = messages = _messages(event.actions)
-        for message in messages:
-            self._out.publish(message)
-
-    def _return_taken(self, _event: ReturnTaken) -> None:
-        self._under_way = _messages(self._core.awaited)
-
-
-class _Newcomers(rospy.SubscribeListener):
-    """Sends the actions under way to an interface node that comes late, and to it alone."""
-
-    def __init__(self, under_way: Callable[[], Tuple[InterfaceIO, ...]]) -> None:
-        super().__init__()
-        self._under_way = under_way
-
-    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
-        """Called by rospy when a subscriber has connected."""
-        for message in self._under_way():
-            publish(message)
-
-
-def _messages(actions: Sequence[Action]) -> Tuple[InterfaceIO, ...]:
-    """One message for each interface, in the order of the actions."""
-    facts: Dict[str, List[str]] = {}
-    for action in actions:
-        facts.setdefault(action.interface_name, []).append(str(action.atom))
-    return tuple(InterfaceIO(name, texts) for name, texts in facts.items())
+    def _describe(self, health: Health, now: float) -> Report:
+        awaited = [str(action.atom) for action in self._core.awaited]
+        return health.report(self._core.cycle, len(self._core.live_goals), awaited, self._topics.listeners, now)

@@ -12,13 +12,14 @@ from rosoclingo.reasoning import CoreSettings
 
 @dataclass(frozen=True)
 class CoreParameters:
-    """What the core node was told. ``search_timeout`` is in seconds of wall time."""
+    """What the core node was told. ``search_timeout`` and ``recovery_timeout`` are in seconds of wall time."""
 
     program_files: Tuple[str, ...]
     constants: Dict[str, str]
     labels: Tuple[str, ...]
     settings: CoreSettings
     search_timeout: float = 10.0
+    recovery_timeout: float = 5.0
 
 
 def core_parameters(values: Mapping[str, Any]) -> CoreParameters:
@@ -27,6 +28,7 @@ def core_parameters(values: Mapping[str, Any]) -> CoreParameters:
     settings = CoreSettings(
         horizon_limit=_whole(values, "horizon_limit", defaults.horizon_limit),
         action_timeout=_seconds(values, "action_timeout", defaults.action_timeout),
+        preempt=_switch(values, "preempt", defaults.preempt),
     )
     return CoreParameters(
         program_files=_files(values),
@@ -34,6 +36,7 @@ def core_parameters(values: Mapping[str, Any]) -> CoreParameters:
         labels=_labels(values),
         settings=settings,
         search_timeout=_seconds(values, "search_timeout", CoreParameters.search_timeout),
+        recovery_timeout=_seconds(values, "recovery_timeout", CoreParameters.recovery_timeout),
     )
 
 
@@ -92,3 +95,10 @@ def _seconds(values: Mapping[str, Any], name: str, default: float) -> float:
     if isinstance(found, bool) or not isinstance(found, (int, float)) or not 0 <= found < float("inf"):
         raise ParameterError(f"~{name} is {found!r}: give seconds, 0 for no limit")
     return float(found)
+
+
+def _switch(values: Mapping[str, Any], name: str, default: bool) -> bool:
+    found = values.get(name, default)
+    if not isinstance(found, bool):
+        raise ParameterError(f"~{name} is {found!r}: give true or false")
+    return found
