@@ -8,8 +8,10 @@ import rospy
 from geometry_msgs.msg import Point32, PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
+from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.navigation import Costmap, Pose2D
+from rosoclingo.nodes.prompt_publisher import prompt_publisher
 
 
 class Picture(NamedTuple):
@@ -39,12 +41,13 @@ def window(costmap: Costmap, frame: str, in_frame: Pose2D, frame_in_map: Pose2D,
     scale = costmap.resolution
     columns, rows = (max(1, round(length / scale)) for length in size)
     corner = [math.floor(v / scale - n / 2.0) * scale for v, n in zip(in_frame[:2], (columns, rows))]
-    x, y = np.meshgrid(
-        corner[0] + (np.arange(columns) + 0.5) * scale, corner[1] + (np.arange(rows) + 0.5) * scale
-    )  # fmt: skip
+    # The window's corners in the map, in cells: along each of its axes one cell is a step of the same size.
+    start = frame_in_map.compose(Pose2D(corner[0] + 0.5 * scale, corner[1] + 0.5 * scale))
+    column, row = costmap.to_cells(start.x, start.y)
     c, s = math.cos(frame_in_map.yaw), math.sin(frame_in_map.yaw)
-    column = np.floor((frame_in_map.x + c * x - s * y - costmap.grid.origin_x) / scale + 1e-6).astype(int)
-    row = np.floor((frame_in_map.y + s * x + c * y - costmap.grid.origin_y) / scale + 1e-6).astype(int)
+    ahead, aside = np.arange(columns), np.arange(rows)[:, None]
+    column = np.floor(column + c * ahead - s * aside + 1e-6).astype(np.int32)
+    row = np.floor(row + s * ahead + c * aside + 1e-6).astype(np.int32)
     inside = (row >= 0) & (row < costmap.grid.shape[0]) & (column >= 0) & (column < costmap.grid.shape[1])
     costs = np.full((rows, columns), -1, dtype=np.int8)
     if inside.any():
@@ -71,14 +74,19 @@ class CostmapTopics:
         self._send_full = send_full
         self._last: Optional[Picture] = None
         listener = _Listener(on_subscriber)
-        self._whole = rospy.Publisher(f"~{name}/costmap", OccupancyGrid, listener, queue_size=2)
-        self._updates = rospy.Publisher(f"~{name}/costmap_updates", OccupancyGridUpdate, queue_size=2)
-        self._outline = rospy.Publisher(f"~{name}/footprint", PolygonStamped, queue_size=1)
+        self._whole = prompt_publisher(f"~{name}/costmap", numpy_msg(OccupancyGrid), 2, subscriber_listener=listener)
+        self._updates = prompt_publisher(f"~{name}/costmap_updates", numpy_msg(OccupancyGridUpdate), 2)
+        self._outline = prompt_publisher(f"~{name}/footprint", PolygonStamped, 2)
 
     @property
     def wanted(self) -> bool:
         """Whether anybody listens to the costmap."""
         return bool(self._whole.get_num_connections() or self._updates.get_num_connections())
+
+    @property
+    def outline_wanted(self) -> bool:
+        """Whether anybody listens to the footprint."""
+        return bool(self._outline.get_num_connections())
 
     def show(self, picture: Picture) -> None:
         """Publish a costmap, or what has changed of it."""
@@ -93,8 +101,6 @@ class CostmapTopics:
 
     def footprint(self, frame: str, pose: Pose2D, corners: Sequence[Tuple[float, float]]) -> None:
         """Publish where the robot's corners (m) are at a pose in a frame."""
-        if not self._outline.get_num_connections():
-            return
         message = PolygonStamped()
         message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
         placed = [pose.compose(Pose2D(x, y)) for x, y in corners]
@@ -113,23 +119,23 @@ class _Listener(rospy.SubscribeListener):  # type: ignore[misc]
 
 def whole_message(picture: Picture) -> OccupancyGrid:
     """Return a picture as a message, stamped now."""
-    message = OccupancyGrid()
+    message = numpy_msg(OccupancyGrid)()
     message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
     message.info.map_load_time = message.header.stamp
     message.info.resolution = picture.resolution
     message.info.height, message.info.width = picture.costs.shape
     message.info.origin.position.x, message.info.origin.position.y = picture.origin
     message.info.origin.orientation.w = 1.0
-    message.data = picture.costs.ravel().tolist()
+    message.data = picture.costs.ravel()
     return message
 
 
 def _update_message(picture: Picture, changed: np.ndarray) -> OccupancyGridUpdate:
     """Return the rectangle around changed cells (n, 2) as a message."""
     low, high = changed.min(axis=0), changed.max(axis=0) + 1
-    message = OccupancyGridUpdate()
+    message = numpy_msg(OccupancyGridUpdate)()
     message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
     message.x, message.y = int(low[1]), int(low[0])
     message.width, message.height = int(high[1] - low[1]), int(high[0] - low[0])
-    message.data = picture.costs[low[0] : high[0], low[1] : high[1]].ravel().tolist()
+    message.data = picture.costs[low[0] : high[0], low[1] : high[1]].ravel()
     return message

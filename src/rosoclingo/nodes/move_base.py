@@ -8,9 +8,11 @@ from typing import Any, Callable, Optional, Tuple
 import numpy as np
 import rospy
 from actionlib import SimpleActionServer
+from actionlib_msgs.msg import GoalStatusArray
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import (
     MoveBaseAction,
+    MoveBaseActionFeedback,
     MoveBaseActionGoal,
     MoveBaseFeedback,
     MoveBaseResult,
@@ -28,6 +30,7 @@ from rosoclingo.nodes.move_base_planning import PlanService
 from rosoclingo.nodes.move_base_plugins import make_global_planner, make_local_planner, make_recoveries
 from rosoclingo.nodes.move_base_reports import Reports, stamped_pose
 from rosoclingo.nodes.move_base_sensing import Located, Sensing
+from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.worker import Worker
 
 INVALID_QUATERNION = "Aborting on goal because it was sent with an invalid quaternion"
@@ -69,10 +72,15 @@ class MoveBaseNode:
         self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
         self._display = Display(self._settings, self._worker)
         self._reports = Reports(self._settings.frames.map)
-        self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+        self._cmd_vel = prompt_publisher("cmd_vel", Twist, 1)
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
         self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
+        # The action server's own publishers of these topics share what these have set up.
+        self._prompt = (
+            prompt_publisher("move_base/status", GoalStatusArray, latch=True),
+            prompt_publisher("move_base/feedback", MoveBaseActionFeedback),
+        )
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._subscribers = (
             rospy.Subscriber(self._settings.map_topic, OccupancyGridMessage, self._on_map, queue_size=1),
@@ -162,11 +170,12 @@ class MoveBaseNode:
                 if self._sensing.observe(self._navigator.costmap):
                     self._navigator.obstacles_changed()
                 frame = self._sensing.local_frame(self._settings.local_frame)
-                self._display.costmaps(View(self._navigator.costmap, located.pose, *frame), now)
+                self._display.see(View(self._navigator.costmap, located.pose, *frame))
         if self._navigator.active:
             fault = self._guarded(lambda: self._control(now, located))
             if fault:
                 self._abort(f"A planner or recovery plugin failed: {fault}")
+        self._display.costmaps(now)  # last, as the command is what others wait for
 
     def _guarded(self, work: Callable[[], None]) -> str:
         """Do what calls plugins, which may be anybody's; return what one of them raised, empty for nothing."""
@@ -205,7 +214,7 @@ class MoveBaseNode:
 
     def _feed_back(self, pose: Pose2D, velocity: Velocity) -> None:
         self._server.publish_feedback(MoveBaseFeedback(stamped_pose(pose, self._settings.frames.map)))
-        self._display.trajectory(self._follower.trajectory(pose, velocity))
+        self._display.trajectory(lambda: self._follower.trajectory(pose, velocity))
 
     def _end(self, result: Result) -> None:
         if result.outcome is Outcome.REACHED:

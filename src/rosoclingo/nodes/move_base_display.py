@@ -13,6 +13,7 @@ from rosoclingo.nodes.costmap_topics import CostmapTopics, Picture, whole_map, w
 from rosoclingo.nodes.localization import fill_pose
 from rosoclingo.nodes.move_base_parameters import Settings
 from rosoclingo.nodes.move_base_plugins import global_planner_namespace, local_planner_namespace
+from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.worker import Worker
 
 GLOBAL, LOCAL = 0, 1
@@ -50,14 +51,16 @@ class Display:
         self._settings, self._worker = settings, worker
         self._frame = settings.frames.map
         planner, follower = "~" + global_planner_namespace(), "~" + local_planner_namespace()
-        self._plan = rospy.Publisher(planner + "/plan", Path, queue_size=1)
-        self._global_plan = rospy.Publisher(follower + "/global_plan", Path, queue_size=1)
-        self._local_plan = rospy.Publisher(follower + "/local_plan", Path, queue_size=1)
+        self._plan = prompt_publisher(planner + "/plan", Path, 2)
+        self._global_plan = prompt_publisher(follower + "/global_plan", Path, 2)
+        self._local_plan = prompt_publisher(follower + "/local_plan", Path, 2)
         self._costmaps = (
             CostmapTopics("global_costmap", settings.send_full[GLOBAL], lambda send: self._greet(GLOBAL, send)),
             CostmapTopics("local_costmap", settings.send_full[LOCAL], lambda send: self._greet(LOCAL, send)),
         )
         self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
+        radius = settings.costmap.robot_radius
+        self._ring = [(radius * math.cos(a), radius * math.sin(a)) for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
         self._costmap: Optional[Costmap] = None
         self._view: Optional[View] = None
 
@@ -68,26 +71,32 @@ class Display:
         if self._global_plan.get_num_connections():
             self._global_plan.publish(self._in_local_frame(points, final_yaw))
 
-    def trajectory(self, points: np.ndarray) -> None:
+    def trajectory(self, points: Callable[[], np.ndarray]) -> None:
         """Show where the present command leads (m; in the map)."""
         if self._local_plan.get_num_connections():
-            self._local_plan.publish(self._in_local_frame(points, 0.0))
+            self._local_plan.publish(self._in_local_frame(points(), 0.0))
 
     def new_map(self, costmap: Costmap) -> None:
         """Show a costmap as soon as there is a map, even if nobody knows where the robot is."""
         self._costmap, self._view = costmap, None
         self._costmaps[GLOBAL].show(whole_map(costmap, self._frame))
 
-    def costmaps(self, view: View, now: float) -> None:
-        """Show what is due at a time (s)."""
+    def see(self, view: View) -> None:
+        """Take what there is to show from now on."""
         self._view = view
+
+    def costmaps(self, now: float) -> None:
+        """Show the costmaps and footprints that are due at a time (s)."""
+        view = self._view
+        if view is None:
+            return
         if now < max(self._shown + self._outlined):
             self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
         for which, topics in enumerate(self._costmaps):
             if topics.wanted and now - self._shown[which] >= self._settings.publish_periods[which] - 1e-6:
                 self._shown[which] = now
                 topics.show(self._picture(which, view))
-            if now - self._outlined[which] >= self._settings.update_periods[which] - 1e-6:
+            if topics.outline_wanted and now - self._outlined[which] >= self._settings.update_periods[which] - 1e-6:
                 self._outlined[which] = now
                 topics.footprint(*self._outline(which, view))
 
@@ -108,9 +117,7 @@ class Display:
         return window(view.costmap, view.local_frame, in_frame, view.local_in_map, self._settings.local_size)
 
     def _outline(self, which: int, view: View) -> Tuple[str, Pose2D, Any]:
-        radius = self._settings.costmap.robot_radius
-        ring = [(radius * math.cos(a), radius * math.sin(a)) for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
-        corners = self._settings.footprint or ring
+        corners = self._settings.footprint or self._ring
         if which == GLOBAL:
             return self._frame, view.pose, corners
         return view.local_frame, view.local_in_map.inverse().compose(view.pose), corners

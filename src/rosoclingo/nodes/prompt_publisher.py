@@ -68,12 +68,12 @@ class PromptConnection(QueuedConnection):  # type: ignore[misc]
                 self._left = []
 
 
-def prompt_publisher(name: str, kind: Any, queue_size: int = 100, latch: bool = False) -> rospy.Publisher:
-    """Return a publisher that sends at once; ``queue_size`` messages wait for a subscriber that is slow.
+def prompt_publisher(name: str, kind: Any, queue_size: int = 100, **more: Any) -> rospy.Publisher:
+    """Return a rospy.Publisher that sends at once; ``queue_size`` messages wait for a subscriber that is slow.
 
     Any other publisher of the topic in this process shares its connections, and so sends at once too.
     """
-    publisher = rospy.Publisher(name, kind, queue_size=queue_size, latch=latch)
+    publisher = rospy.Publisher(name, kind, queue_size=queue_size, **more)
     impl = publisher.impl
     if "add_connection" not in vars(impl):
         add = impl.add_connection

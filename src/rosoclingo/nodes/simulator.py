@@ -5,7 +5,7 @@ import sys
 import threading
 import time
 import traceback
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Dict, Optional
 
 import rospy
 from rosgraph_msgs.msg import Clock
@@ -92,7 +92,8 @@ class SimulatorNode:
             if self._simulation.robots[name].laser:
                 self._simulation.scan(name)  # compiled before the first client waits for it
         self._services = self._serve()
-        self._commanded_at, self._stepped_at = -float("inf"), 0.0  # in simulated and in wall time
+        self._commanded_at: Dict[str, float] = {}  # each robot's last command, in simulated time
+        self._stepped_at = 0.0  # in wall time
         self._origin = (0.0, 0.0)  # wall and simulated time from which the pace counts
         self._thread = threading.Thread(target=self._run, name="simulation", daemon=True)
 
@@ -172,7 +173,7 @@ class SimulatorNode:
                 if not self._work(wait) and not self._paused:
                     self._step()
         except Exception:  # noqa: BLE001 the last resort: without this thread the node would only seem to live
-            if not rospy.is_shutdown():  # else topics are closed, which is no fault
+            if not rospy.core.is_shutdown_requested():  # else topics are closed, which is no fault
                 rospy.logfatal("the simulation failed, the node ends:\n%s", traceback.format_exc())
                 rospy.signal_shutdown("the simulation failed")
 
@@ -188,13 +189,14 @@ class SimulatorNode:
 
     def _until_heeded(self) -> float:
         """Return how long (s of wall time) a free running simulation waits for who commands its robots."""
-        age = self._simulation.time - self._commanded_at
-        starved = self._simulation.watchdog - self._simulation.spec.interval - 1e-6 < age < ACTIVE
+        ages = (self._simulation.time - at for at in self._commanded_at.values())
+        short = self._simulation.watchdog - self._simulation.spec.interval - 1e-6
+        starved = any(short < age < ACTIVE for age in ages)
         return HEED - (time.monotonic() - self._stepped_at) if starved else 0.0
 
     def _command(self, name: str, v: float, w: float) -> None:
         self._simulation.command(name, v, w)
-        self._commanded_at = self._simulation.time
+        self._commanded_at[name] = self._simulation.time
 
     def _restart_pace(self) -> None:
         self._origin = (time.monotonic(), self._simulation.time)
