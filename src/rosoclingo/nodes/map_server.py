@@ -1,14 +1,17 @@
 """A map server, as the package map_server has it."""
 
 import math
+from pathlib import Path
 
 import numpy as np
+import rospkg
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapRequest, LoadMapResponse
 
 from rosoclingo.navigation import grid
 from rosoclingo.nodes.parameters import parameter
+from rosoclingo.nodes.worker import Worker
 
 
 def grid_message(occupancy: grid.OccupancyGrid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
@@ -57,10 +60,13 @@ class MapServerNode:
         self._map = rospy.Publisher("map", OccupancyGrid, latch=True, queue_size=1)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1)
         self._show(path or parameter("~map", str))
+        self._worker = Worker(settle=lambda: None)
+        self._worker.start()
         self._services = (
-            rospy.Service("static_map", GetMap, lambda _: GetMapResponse(map=self._message)),
-            rospy.Service("change_map", LoadMap, self._on_change),
+            rospy.Service("static_map", GetMap, lambda _: self._worker.ask(lambda: GetMapResponse(map=self._message))),
+            rospy.Service("change_map", LoadMap, lambda request: self._worker.ask(lambda: self._change(request))),
         )
+        rospy.on_shutdown(lambda: self._worker.stop(2.0))
 
     def _show(self, path: str) -> None:
         """Load a map and publish it. Raises MapError."""
@@ -70,10 +76,35 @@ class MapServerNode:
         info = self._message.info
         rospy.loginfo("map %s: %d x %d cells of %.3f m", path, info.width, info.height, info.resolution)
 
-    def _on_change(self, request: LoadMapRequest) -> LoadMapResponse:
+    def _change(self, request: LoadMapRequest) -> LoadMapResponse:
         try:
-            self._show(request.map_url)
+            path = local_path(request.map_url)
+            if not path.exists():
+                return self._refused(f"there is no file {path}", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
+            grid.read_map_info(path)
         except grid.MapError as error:
-            rospy.logerr("%s", error)
-            return LoadMapResponse(map=self._message, result=LoadMapResponse.RESULT_INVALID_MAP_DATA)
+            return self._refused(str(error), LoadMapResponse.RESULT_INVALID_MAP_METADATA)
+        try:
+            self._show(str(path))
+        except grid.MapError as error:
+            return self._refused(str(error), LoadMapResponse.RESULT_INVALID_MAP_DATA)
         return LoadMapResponse(map=self._message, result=LoadMapResponse.RESULT_SUCCESS)
+
+    def _refused(self, reason: str, result: int) -> LoadMapResponse:
+        """Answer that a map is not taken; the old one stays."""
+        rospy.logerr("change_map: %s", reason)
+        return LoadMapResponse(map=self._message, result=result)
+
+
+def local_path(url: str) -> Path:
+    """Return the file that a URL names: a path, file:///PATH or package://PACKAGE/PATH. Raises MapError."""
+    kind, found, rest = url.partition("://")
+    if not found or kind == "file":
+        return Path(rest if found else url)
+    package, _, inside = rest.partition("/")
+    if kind != "package" or not package:
+        raise grid.MapError(f"map {url}: must be a path, file:///PATH or package://PACKAGE/PATH")
+    try:
+        return Path(rospkg.RosPack().get_path(package)) / inside
+    except rospkg.ResourceNotFound as error:
+        raise grid.MapError(f"map {url}: there is no package {package!r}") from error

@@ -1,7 +1,6 @@
 """Navigation as a ROS node, with move_base's action, topics, services and parameters."""
 
 import math
-import queue
 import traceback
 from typing import Any, Callable, Optional, Tuple
 
@@ -105,9 +104,7 @@ class MoveBaseNode:
         self._goals.publish(goal)
 
     def _on_clear(self, _: Any) -> EmptyResponse:
-        done: queue.Queue[None] = queue.Queue(1)
-        self._worker.put(lambda: done.put(self._clear()))
-        done.get(timeout=30.0)
+        self._worker.ask(self._clear)
         return EmptyResponse()
 
     def _stop(self) -> None:

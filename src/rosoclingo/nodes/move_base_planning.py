@@ -1,6 +1,5 @@
 """The service of the move_base node that plans without driving."""
 
-import queue
 import traceback
 from typing import Any, Callable, Optional, Tuple
 
@@ -33,19 +32,11 @@ class PlanService:
         planner: GlobalPlanner,
         place: Callable[[], Tuple[Optional[Costmap], Optional[Pose2D]]],
     ) -> None:
-        self._worker, self._sensing, self._planner, self._place = worker, sensing, planner, place
+        self._sensing, self._planner, self._place = sensing, planner, place
         self.services = tuple(
-            rospy.Service(name, GetPlan, self._on_request)
+            rospy.Service(name, GetPlan, lambda request: worker.ask(lambda: self._plan(request)))
             for name in ("~make_plan", f"~{global_planner_namespace()}/make_plan")
         )
-
-    def _on_request(self, request: Any) -> GetPlanResponse:
-        answer: queue.Queue[GetPlanResponse] = queue.Queue(1)
-        self._worker.put(lambda: answer.put(self._plan(request)))
-        try:
-            return answer.get(timeout=30.0)
-        except queue.Empty as error:
-            raise rospy.ServiceException("move_base does not answer") from error
 
     def _plan(self, request: Any) -> GetPlanResponse:
         response = GetPlanResponse()

@@ -1,7 +1,6 @@
 """The office of the case study: actionlib servers that let the simulated robot pick up and put down packages."""
 
 import functools
-import queue
 from collections import deque
 from typing import Any, Callable, Deque, NamedTuple, Optional
 
@@ -127,9 +126,7 @@ class OfficeNode:
         self._worker.put(lambda: None)  # the goal's own status tells; the worker only has to look
 
     def _on_put(self, request: Any) -> PutPackageResponse:
-        answer: queue.Queue[PutPackageResponse] = queue.Queue(1)
-        self._worker.put(lambda: answer.put(self._put(request.package, request.location)))
-        return answer.get(timeout=10.0)
+        return self._worker.ask(lambda: self._put(request.package, request.location))
 
     # ---- the arm --------------------------------------------------------------------------------------------------
 

@@ -3,11 +3,12 @@
 import queue
 import threading
 import traceback
-from typing import Callable, Optional
+from typing import Callable, Optional, TypeVar
 
 import rospy
 
 Job = Callable[[], None]
+Answer = TypeVar("Answer")
 
 
 class Worker:
@@ -32,6 +33,18 @@ class Worker:
     def put(self, job: Job) -> None:
         """Have a job done; returns at once, from any thread."""
         self._queue.put(job)
+
+    def ask(self, work: Callable[[], Answer], timeout: float = 30.0) -> Answer:
+        """Have the worker find an answer and wait for it: what the callback of a service does.
+
+        Raises rospy.ServiceException after ``timeout`` seconds (wall time).
+        """
+        answers: queue.Queue[Answer] = queue.Queue(1)
+        self.put(lambda: answers.put(work()))
+        try:
+            return answers.get(timeout=timeout)
+        except queue.Empty as error:
+            raise rospy.ServiceException(f"{rospy.get_name()} does not answer") from error
 
     def stop(self, timeout: float) -> None:
         """End after the jobs that wait now, and wait for that, at most ``timeout`` seconds (wall time)."""

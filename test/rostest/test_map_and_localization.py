@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""The interfaces of map_server and fake_localization, and how the simulated robot's nodes refuse wrong parameters."""
+
+import contextlib
+import math
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped
+from interface_helpers import Process
+from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
+from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
+from tf2_msgs.msg import TFMessage
+
+ROOT = Path(__file__).resolve().parents[2]
+OFFICE = str(ROOT / "worlds" / "office.yaml")
+SMALL = "{image: small.pgm, resolution: 0.5, origin: [1, 2, 0], negate: 0, occupied_thresh: 0.65, free_thresh: 0.19}"
+
+
+class Maps(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.wait_for_service("change_map", timeout=60.0)
+        cls.get, cls.change = rospy.ServiceProxy("static_map", GetMap), rospy.ServiceProxy("change_map", LoadMap)
+
+    def setUp(self):
+        self.assertEqual(self.change(OFFICE).result, LoadMapResponse.RESULT_SUCCESS)
+
+    def test_topics_and_service_agree(self):
+        served = self.get().map
+        shown = rospy.wait_for_message("map", OccupancyGrid, timeout=30.0)
+        metadata = rospy.wait_for_message("map_metadata", MapMetaData, timeout=30.0)
+        self.assertEqual(served.header.frame_id, "map")
+        self.assertEqual((served.info.width, served.info.height), (348, 208))
+        self.assertEqual((served.info.origin.position.x, served.info.origin.position.y), (-0.7, -5.2))
+        self.assertEqual(served.info.origin.orientation.w, 1.0)
+        self.assertEqual(served.data, shown.data)
+        self.assertEqual(served.info, metadata)
+        self.assertEqual(set(served.data), {-1, 0, 100})
+
+    def test_another_map(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "small.yaml").write_text(SMALL)
+            Path(folder, "small.pgm").write_bytes(b"P5 3 2 255 " + bytes([0, 254, 205, 254, 254, 254]))
+            answer = self.change(str(Path(folder, "small.yaml")))
+            self.assertEqual(answer.result, LoadMapResponse.RESULT_SUCCESS)
+            self.assertEqual(list(answer.map.data), [0, 0, 0, 100, 0, -1])
+            shown = rospy.wait_for_message("map", OccupancyGrid, timeout=30.0)
+            self.assertEqual((shown.info.width, shown.info.height, shown.info.resolution), (3, 2, 0.5))
+            self.assertEqual(self.change("package://rosoclingo/worlds/office.yaml").map.info.width, 348)
+            self.assertEqual(self.change(f"file://{folder}/small.yaml").map.info.width, 3)
+
+    def test_a_map_that_cannot_be_loaded_leaves_the_old_one(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "broken.yaml").write_text("image: [")
+            Path(folder, "small.yaml").write_text(SMALL)
+            Path(folder, "small.pgm").write_text("no image")
+            for url, result in (
+                (f"{folder}/nowhere.yaml", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                (f"{folder}/broken.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+                (f"{folder}/small.yaml", LoadMapResponse.RESULT_INVALID_MAP_DATA),
+                ("package://no_such_package/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+                ("https://example.org/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+            ):
+                self.assertEqual(self.change(url).result, result, url)
+        self.assertEqual(self.get().map.info.width, 348)
+
+
+class Localization(unittest.TestCase):
+    """The map's frame lies 1 m along x in the world's; odometry has the robot turned by a quarter at (1, 0)."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.changed, cls.last = threading.Condition(), {}
+        for name, kind in (("amcl_pose", PoseWithCovarianceStamped), ("particlecloud", PoseArray)):
+            rospy.Subscriber(name, kind, cls.keep, name)
+        rospy.Subscriber("/tf", TFMessage, cls.keep_transform)
+        cls.truth = rospy.Publisher("base_pose_ground_truth", Odometry, queue_size=10)
+        cls.tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
+        cls.initial = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
+
+    @classmethod
+    def keep(cls, message, name):
+        with cls.changed:
+            cls.last[name] = message
+            cls.changed.notify_all()
+
+    @classmethod
+    def keep_transform(cls, message):
+        for transform in message.transforms:
+            cls.keep(transform, transform.child_frame_id)
+
+    def until(self, condition, x=4.0, y=2.0):
+        """Be a robot that truly stands at a place until a condition holds."""
+        truth, odometry = Odometry(), TransformStamped()
+        truth.pose.pose.position.x, truth.pose.pose.position.y, truth.pose.pose.orientation.w = x, y, 1.0
+        odometry.header.frame_id, odometry.child_frame_id = "wheels", "body"
+        odometry.transform.translation.x = 1.0
+        odometry.transform.rotation.z = odometry.transform.rotation.w = math.sqrt(0.5)
+
+        def look():
+            truth.header.stamp = odometry.header.stamp = rospy.Time.now()
+            self.tf.publish(TFMessage([odometry]))
+            self.truth.publish(truth)
+            return condition(self.last)
+
+        with self.changed:
+            end = rospy.get_time() + 60.0
+            while not look():
+                self.assertLess(rospy.get_time(), end, "waited in vain")
+                self.changed.wait(0.05)
+
+    def test_pose_cloud_and_transform(self):
+        names = {"amcl_pose", "particlecloud", "wheels"}
+        self.until(lambda last: names <= set(last) and abs(last["amcl_pose"].pose.pose.position.x - 3.0) < 1e-6)
+        pose, cloud, transform = (self.last[name] for name in ("amcl_pose", "particlecloud", "wheels"))
+        self.assertEqual([m.header.frame_id for m in (pose, cloud, transform)], ["floor"] * 3)
+        self.assertAlmostEqual(pose.pose.pose.position.y, 2.0)
+        self.assertEqual(len(cloud.poses), 1)
+        # The robot is at (3, 2) with yaw 0 in the map, and at (1, 0) with yaw 90 degrees by its wheels.
+        self.assertAlmostEqual(transform.transform.translation.x, 3.0)
+        self.assertAlmostEqual(transform.transform.translation.y, 3.0)
+        self.assertAlmostEqual(
+            2.0 * math.atan2(transform.transform.rotation.z, transform.transform.rotation.w), -math.pi / 2
+        )
+        self.assertGreater((transform.header.stamp - pose.header.stamp).to_sec(), 0.1)
+
+    def test_zzz_an_initial_pose_moves_the_map(self):
+        wanted = PoseWithCovarianceStamped()
+        wanted.header.frame_id = "floor"
+        wanted.pose.pose.position.x, wanted.pose.pose.orientation.w = 7.0, 1.0
+        self.until(lambda last: self.initial.get_num_connections() and "amcl_pose" in last)
+        broken = PoseWithCovarianceStamped()
+        broken.pose.pose.position.x = 99.0
+        self.initial.publish(broken)
+        self.initial.publish(wanted)
+        self.until(lambda last: abs(last["amcl_pose"].pose.pose.position.x - 7.0) < 1e-6)
+        self.until(lambda last: abs(last["amcl_pose"].pose.pose.position.x - 8.0) < 1e-6, x=5.0)
+
+
+class WrongParameters(unittest.TestCase):
+    def test_each_node_names_what_is_wrong_and_ends(self):
+        """All start at the same time, as starting is what takes time."""
+        wrong = {
+            "map_server": (["/no/such/map.yaml"], "map /no/such/map.yaml: cannot be read"),
+            "simulator": (["_world:=/no/such/world.yaml"], "world /no/such/world.yaml: cannot be read"),
+            "move_base": (["_planner_patience:=long"], "/wrong_move_base/planner_patience must be a number"),
+            "fake_localization": (["_delta_x:=far"], "/wrong_fake_localization/delta_x must be a number"),
+        }
+        with contextlib.ExitStack() as stack:
+            processes = {
+                node: stack.enter_context(Process("rosrun", "rosoclingo", node, f"__name:=wrong_{node}", *arguments))
+                for node, (arguments, _) in wrong.items()
+            }
+            for node, process in processes.items():
+                code, error = process.wait()
+                self.assertEqual(code, 1, error)
+                self.assertIn(wrong[node][1], error)
+                self.assertNotIn("Traceback", error)
+
+
+class Suite(unittest.TestSuite):
+    """All of the file's cases, as one for rostest."""
+
+    def __init__(self):
+        super().__init__(map(unittest.defaultTestLoader.loadTestsFromTestCase, (Maps, Localization, WrongParameters)))
+
+
+if __name__ == "__main__":
+    rospy.init_node("map_and_localization")
+    rostest.rosrun("rosoclingo", "map_and_localization", "test_map_and_localization.Suite", sys.argv)
