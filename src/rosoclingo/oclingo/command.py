@@ -131,7 +131,8 @@ def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
     try:
         listener = listen(host, port)
     except OSError as error:
-        raise OSError(f"can't listen on {host}:{port}: {error.strerror or error}; choose another --port") from None
+        why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror or error
+        raise OSError(f"can't listen on {host}:{port}: {why}; choose another --port or --host") from None
     host, port = listener.getsockname()[:2]
     sys.stdout.write(f"Listening on {host}:{port}\n")
     sys.stdout.flush()

@@ -124,9 +124,9 @@ class Session:
         return True
 
     def _play(self, update: StreamUpdate) -> None:
+        self._interrupted = False
         self._output.sent(update)
         start = time.monotonic()
-        self._interrupted = False
 
         def stopped() -> bool:
             late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
