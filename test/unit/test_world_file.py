@@ -16,6 +16,7 @@ from rosoclingo.simulation import (
     PackageSpec,
     Simulation,
     WorldError,
+    load_simulation,
     load_world,
 )
 
@@ -91,12 +92,36 @@ def test_a_whole_world(world):
         ({"interval": 0}, "interval: must be 0.001 or more"),
         ({"seed": "x"}, "seed"),
         ({"extra": 1}, "extra: is no key known here"),
+        ({"robots": [{"pose": [1, 9]}]}, r"robots\[0\].pose: \(1, 9\) is off the map, which covers x 0 .. 4, y 0 .. 4"),
+        ({"doors": [{"name": "d", "from": [-1, 0], "to": [1, 0]}]}, r"doors\[0\].from: \(-1, 0\) is off the map"),
+        ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 4.1]}]}, r"doors\[0\].to: \(1, 4.1\) is off the map"),
+        ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 0]}]}, r"doors\[0\]: has the length 0"),
+        ({"obstacles": [{"name": "o", "at": [5, 1], "radius": 1}]}, r"obstacles\[0\].at: \(5, 1\) is off the map"),
+        ({"packages": [{"id": 1, "at": [5, 5]}]}, r"packages\[0\].at: \(5, 5\) is off the map"),
     ],
 )
 def test_a_bad_world_names_its_fault(world, changes, words):
     with pytest.raises(WorldError, match=words) as caught:
         load_world(world(**changes))
     assert "world.yaml" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"robots": [{"pose": [3.95, 1]}], "map": "walled.yaml"}, "'robot_0' would stand in a wall"),
+        ({"obstacles": [{"name": "o", "at": [1, 1.2], "radius": 0.1}]}, "'robot_0' would stand in an obstacle"),
+        ({"doors": [{"name": "d", "from": [0, 1], "to": [2, 1], "open": False}]}, "'robot_0' would stand in a door"),
+        ({"robots": [{"pose": [1, 1]}, {"pose": [1.2, 1]}]}, "'robot_0' would stand in an obstacle or a robot"),
+    ],
+)
+def test_a_robot_that_cannot_stand_where_it_starts(world, tmp_path, changes, words):
+    pixels = np.full((40, 40), 254, dtype=np.uint8)
+    pixels[:, -2:] = 0
+    Image.fromarray(pixels).save(str(tmp_path / "walled.pgm"))
+    (tmp_path / "walled.yaml").write_text((tmp_path / "map.yaml").read_text().replace("map.pgm", "walled.pgm"))
+    with pytest.raises(WorldError, match=f"world.yaml: robots: robot {words}.*change its pose"):
+        load_simulation(str(world(**changes)))
 
 
 def test_no_yaml_and_no_file(tmp_path):

@@ -17,7 +17,7 @@ from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.nodes.parameters import not_negative, parameter
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.simulator_topics import RobotTopics, prefixes
-from rosoclingo.simulation import Box, ObstacleSpec, Simulation, WorldError, load_world
+from rosoclingo.simulation import Box, ObstacleSpec, WorldError, load_simulation
 from rosoclingo.srv import (
     PutObstacle,
     PutObstacleResponse,
@@ -71,9 +71,8 @@ class SimulatorNode:
     """
 
     def __init__(self) -> None:
-        self._simulation = Simulation(
-            load_world(parameter("~world", str), parameter("~map", str, "")),
-            watchdog=not_negative("~base_watchdog_timeout", 0.2),
+        self._simulation = load_simulation(
+            parameter("~world", str), parameter("~map", str, ""), not_negative("~base_watchdog_timeout", 0.2)
         )
         self._speed = not_negative("~speed", 1.0)
         self._paused = parameter("~paused", bool, False)

@@ -7,10 +7,12 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import Pose, Quaternion, TransformStamped, Twist
 from nav_msgs.msg import Odometry
+from rosgraph.names import is_legal_name
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.navigation.geometry import Pose2D, yaw_to_quaternion
+from rosoclingo.nodes.parameters import ParameterError
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.simulation import Robot
 
@@ -120,7 +122,16 @@ def _set_pose(message: Pose, pose: Pose2D) -> None:
 
 
 def prefixes(names: Sequence[str], use_names: bool) -> Tuple[str, ...]:
-    """Return what stage_ros puts before the topics of each robot: nothing for one, ``robot_0/`` .. for several."""
-    if len(names) == 1:
+    """Return what stage_ros puts before the topics of each robot: nothing for one, ``robot_0/`` .. for several.
+
+    Raises ParameterError for a robot's name that cannot be a topic's.
+    """
+    if len(names) == 1 and not use_names:
         return ("",)
+    for name in names if use_names else ():
+        if not is_legal_name(name + "/odom") or name.startswith(("/", "~")):
+            raise ParameterError(
+                f"the robot's name {name!r} cannot begin the names of topics, as ~use_model_names has it: "
+                "only letters, digits, _ and /, beginning with a letter"
+            )
     return tuple("{}/".format(name if use_names else f"robot_{i}") for i, name in enumerate(names))

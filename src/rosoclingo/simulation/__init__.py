@@ -1,7 +1,7 @@
 """The two-dimensional world: robots, sensors, doors, obstacles, packages (pure)."""
 
 from rosoclingo.simulation.robot import Laser, Robot
-from rosoclingo.simulation.simulation import Collision, Simulation
+from rosoclingo.simulation.simulation import Collision, Simulation, load_simulation
 from rosoclingo.simulation.spec import (
     Box,
     DoorSpec,
@@ -27,5 +27,6 @@ __all__ = [
     "Simulation",
     "WorldError",
     "WorldSpec",
+    "load_simulation",
     "load_world",
 ]

@@ -9,9 +9,10 @@ from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.simulation.compiled_shapes import CLEAR, HIT_DISC, HIT_SEGMENT, HIT_WALL, body_hits
 from rosoclingo.simulation.robot import Robot, Surroundings
 from rosoclingo.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldSpec
+from rosoclingo.simulation.world_file import load_world
 from rosoclingo.simulation.world_reader import WorldError
 
-__all__ = ["Collision", "Simulation"]
+__all__ = ["Collision", "Simulation", "load_simulation"]
 
 Segment = Tuple[float, float, float, float]
 
@@ -198,6 +199,15 @@ class Simulation:
     def _segments_in_cells(self, segments: Sequence[Segment]) -> np.ndarray:
         cells = [self._point(s[0], s[1]) + self._point(s[2], s[3]) for s in segments]
         return np.array(cells, dtype=np.float64).reshape(-1, 4)
+
+
+def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2) -> Simulation:
+    """Return the simulation of a world file, whose robots stand free. Raises WorldError, which names file and place."""
+    spec = load_world(path, map_file)
+    try:
+        return Simulation(spec, watchdog)
+    except WorldError as error:
+        raise WorldError(f"world {path}: robots: {error}; change its pose, or what is there") from error
 
 
 def _corners(at: Tuple[float, float], box: Box) -> List[Tuple[float, float]]:

@@ -53,7 +53,28 @@ def _world(reader: WorldReader, folder: Path, map_file: str) -> WorldSpec:
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise reader.error(key, f"{twice[0]!r} is there twice")
+    _check_points(reader, spec)
     return spec
+
+
+def _check_points(reader: WorldReader, spec: WorldSpec) -> None:
+    """Raise WorldError for what lies off the map."""
+    points = [(f"robots[{i}].pose", robot.pose[:2]) for i, robot in enumerate(spec.robots)]
+    points += [(f"doors[{i}].from", door.start) for i, door in enumerate(spec.doors)]
+    points += [(f"doors[{i}].to", door.end) for i, door in enumerate(spec.doors)]
+    points += [(f"obstacles[{i}].at", obstacle.at) for i, obstacle in enumerate(spec.obstacles)]
+    points += [(f"packages[{i}].at", p.at) for i, p in enumerate(spec.packages) if not isinstance(p.at, str)]
+    grid = spec.grid
+    rows, columns = grid.shape
+    right, top = grid.origin_x + columns * grid.resolution, grid.origin_y + rows * grid.resolution
+    for key, (x, y) in points:
+        # A door may end where the map does.
+        if not (grid.origin_x <= x <= right and grid.origin_y <= y <= top):
+            extent = f"x {grid.origin_x:g} .. {right:g}, y {grid.origin_y:g} .. {top:g}"
+            raise reader.error(key, f"({x:g}, {y:g}) is off the map, which covers {extent}")
+    for i, door in enumerate(spec.doors):
+        if door.start == door.end:
+            raise reader.error(f"doors[{i}]", "has the length 0: from and to must be different")
 
 
 def _robot(reader: WorldReader, name: str) -> RobotSpec:
