@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Times an update through the TCP service against the same update in the library, both in one run.
+
+Ratios are the figures to compare: the two take turns, update by update, so that whatever else the machine does hits
+both. Needs no ROS: ./dev exec python3 bench/service.py
+"""
+
+import argparse
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
+
+SMALL = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n:- t < 0.\n"
+#: Answers of some three hundred atoms.
+WIDE = "#base.\nroom(1..300).\n#cumulative t.\n#external e(t).\nat(X,t) :- e(t), room(X).\n#volatile t.\n:- t < 0.\n"
+
+
+class Client:
+    """oClingo's protocol in a few lines."""
+
+    def __init__(self, port):
+        self.connection = socket.create_connection(("127.0.0.1", port))
+        self.connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.data = b""
+        self.reply()
+
+    def reply(self):
+        """Read up to the end of an update's answers."""
+        while b"End of Step.\n\0" not in self.data:
+            self.data += self.connection.recv(1 << 16)
+        self.data = self.data.split(b"End of Step.\n\0", 1)[1]
+
+    def update(self, text):
+        self.connection.sendall(text.encode() + b"\0")
+        self.reply()
+
+
+def measure(program, count):
+    """Milliseconds of each update: in the library, through the service."""
+    with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+        file.write(program)
+        file.flush()
+        command = [sys.executable, str(Path(__file__).parents[1] / "scripts" / "oclingo"), file.name, "--port", "0"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as service:
+            try:
+                client = Client(int(service.stdout.readline().rsplit(":", 1)[1]))
+                return compare(ReactiveSolver(ReactiveProgram.from_text(program)), client, count)
+            finally:
+                service.terminate()
+
+
+def compare(solver, client, count):
+    library, service = [], []
+    for number in range(count):
+        text = f"#step {1 + number // 10}. #volatile. e({1 + number // 10}). #endstep."
+        start = time.perf_counter()
+        solver.update(parse_update(text))
+        middle = time.perf_counter()
+        client.update(text)
+        library.append(1000 * (middle - start))
+        service.append(1000 * (time.perf_counter() - middle))
+    return library, service
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--updates", type=int, default=300, help="updates of each program (default: %(default)s)")
+    options = parser.parse_args()
+    print(f"{'answers':<12} {'library':>11} {'service':>11} {'more':>10} {'ratio':>7}   median of {options.updates}")
+    for name, program in (("3 atoms", SMALL), ("300 atoms", WIDE)):
+        library, service = measure(program, options.updates)
+        more = statistics.median(theirs - ours for ours, theirs in zip(library, service))
+        here, there = statistics.median(library), statistics.median(service)
+        print(f"{name:<12} {here:8.2f} ms {there:8.2f} ms {more:7.2f} ms {there / here:7.2f}")
+
+
+if __name__ == "__main__":
+    main()
