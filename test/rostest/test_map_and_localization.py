@@ -3,6 +3,7 @@
 
 import contextlib
 import math
+import queue
 import sys
 import tempfile
 import threading
@@ -11,10 +12,11 @@ from pathlib import Path
 
 import rospy
 import rostest
-from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped
+from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped, Twist
 from interface_helpers import Process
 from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
+from rosoclingo.srv import SetRobotPose, StepSimulation
 from tf2_msgs.msg import TFMessage
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -164,11 +166,63 @@ class WrongParameters(unittest.TestCase):
                 self.assertNotIn("Traceback", error)
 
 
+class SimulatorParameters(unittest.TestCase):
+    """A simulator with every parameter other than its default; it stands still but for the steps asked for."""
+
+    def write(self, folder):
+        """Make a world with a map of 2 m x 2 m, and another map of 10 m x 10 m."""
+        for name, cells in (("small", 20), ("large", 100)):
+            Path(folder, f"{name}.pgm").write_bytes(b"P5 %d %d 255 " % (cells, cells) + bytes([254]) * cells**2)
+            text = SMALL.replace("small", name).replace("0.5, origin: [1, 2, 0]", "0.1, origin: [0, 0, 0]")
+            Path(folder, f"{name}.yaml").write_text(text)
+        Path(folder, "world.yaml").write_text("{map: small.yaml, robots: [{name: anna, pose: [1, 1, 0]}]}")
+
+    def test_each(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.write(folder)
+            values = ("_paused:=true", "_use_model_names:=true", "_base_watchdog_timeout:=1.0", "_speed:=0")
+            files = (f"_world:={folder}/world.yaml", f"_map:={folder}/large.yaml")
+            with Process("rosrun", "rosoclingo", "simulator", "__name:=other", *values, *files):
+                rospy.wait_for_service("other/step", timeout=60.0)
+                self.check()
+
+    def check(self):
+        step, place = (
+            rospy.ServiceProxy("other/step", StepSimulation),
+            rospy.ServiceProxy("other/set_pose", SetRobotPose),
+        )
+        self.assertEqual(step(0).time, step(0).time)
+        self.assertTrue(place("anna", 8.0, 8.0, math.pi).success, "the large map is not the one")
+        speeds = queue.Queue()
+        rospy.Subscriber("anna/odom", Odometry, lambda odom: speeds.put(odom.twist.twist.linear.x))
+        command, twist = rospy.Publisher("anna/cmd_vel", Twist, queue_size=1), Twist()
+        twist.linear.x = 0.5
+
+        def speed_after_a_step():
+            while True:  # the subscriber may not be known to the simulator at first
+                step(1)
+                with contextlib.suppress(queue.Empty):
+                    return speeds.get(timeout=0.5)
+
+        moving = 0
+        while speed_after_a_step() < 0.5:
+            command.publish(twist)
+        while speed_after_a_step() > 0.0:
+            moving += 1
+        # It goes on for 1 s and brakes for two steps; by the default it would be two and two.
+        self.assertTrue(8 <= moving <= 20, moving)
+
+
 class Suite(unittest.TestSuite):
     """All of the file's cases, as one for rostest."""
 
     def __init__(self):
-        super().__init__(map(unittest.defaultTestLoader.loadTestsFromTestCase, (Maps, Localization, WrongParameters)))
+        super().__init__(
+            map(
+                unittest.defaultTestLoader.loadTestsFromTestCase,
+                (Maps, Localization, WrongParameters, SimulatorParameters),
+            )
+        )
 
 
 if __name__ == "__main__":
