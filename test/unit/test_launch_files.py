@@ -85,6 +85,12 @@ def test_the_mailbot_passes_its_arguments_through(sim, nav):
     assert found & unwanted == {SIM[sim], NAV[nav], MAP[server], LOCALIZATION[localization]} - {None}
 
 
+def test_the_mailbot_in_another_world():
+    config = load("mailbot.launch", sim="stage", localization="amcl", stage_world="/a.world", initial_pose="3 2 1")
+    assert node(config, "stageros").args == "-g /a.world"
+    assert parameters(config, "/amcl/")["initial_pose_x"] == 3.0
+
+
 @pytest.mark.parametrize(
     ("file", "argument"),
     [
