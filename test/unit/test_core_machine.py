@@ -4,19 +4,14 @@ The world is modelled apart from the program: a robot, packages, and what the in
 the checks of what must hold at any time; at the end all that is under way succeeds, and every goal must have ended.
 """
 
-from functools import lru_cache
-from pathlib import Path
-
 from core_driver import Driver
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from office_world import OFFICES, World, mailbot
 
-from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import ActionsPreempted, CoreSettings, GoalChanged, GoalRefused, PlanMade
 
-ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
-OFFICES = ("office1", "office2", "office3", "office4")
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
 TIMEOUT = 50.0
 
@@ -27,34 +22,6 @@ FOLLOWS = {
     "active": {"preempting", "preempted", "succeeded", "aborted"},
     "preempting": {"preempted", "succeeded", "aborted"},
 }
-
-
-@lru_cache(maxsize=None)
-def mailbot():
-    return ReactiveProgram.from_files([ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"])
-
-
-class World:
-    """Where robot and packages are; ``places`` maps a package to its office, or to "robot"."""
-
-    def __init__(self):
-        self.robot = "office1"
-        self.places = {}
-
-    def do(self, action):
-        """An action succeeds; AssertionError where it cannot be done."""
-        name, what = action.interface_name, str(action.parameter)
-        if name == "move_base":
-            assert abs(OFFICES.index(what) - OFFICES.index(self.robot)) == 1, f"no way from {self.robot} to {what}"
-            self.robot = what
-        elif name == "pickup":
-            assert self.places[what] == self.robot, f"package {what} is at {self.places[what]}"
-            self.places[what] = "robot"
-            assert list(self.places.values()).count("robot") <= 3, "more is carried than the robot can"
-        else:
-            assert name == "deliver"
-            assert self.places[what] == "robot", f"package {what} is not carried"
-            self.places[what] = self.robot
 
 
 class CoreMachine(RuleBasedStateMachine):

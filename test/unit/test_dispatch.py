@@ -63,3 +63,36 @@ def test_two_actions_of_one_interface(order):
         assert under_way.missing
         take(under_way, f"_return(drive,{value},1)")
     assert not under_way.missing
+
+
+def failures(under_way):
+    return [(str(answer.atom), [str(one.parameter) for one in actions]) for answer, actions in under_way.failures]
+
+
+def test_a_failure_may_name_its_action():
+    under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)", "_action_lib(arm,c,1)")
+    take(under_way, "_return(drive,blocked(b),1)")
+    assert missing(under_way) == ["_action_lib(drive,a,1)", "_action_lib(arm,c,1)"]
+    with pytest.raises(ReturnError, match="returned already"):
+        take(under_way, "_return(drive,b,1)")
+    take(under_way, "_return(drive,a,1)")
+    take(under_way, "_return(arm,failed(hard,c),1)")
+    assert missing(under_way) == []
+    assert failures(under_way) == [("_return(drive,blocked(b),1)", ["b"]), ("_return(arm,failed(hard,c),1)", ["c"])]
+
+
+def test_a_failure_that_names_none_is_about_any_that_no_other_return_names():
+    under_way = dispatch(*(f"_action_lib(drive,{what},1)" for what in "abc"))
+    take(under_way, "_return(drive,failed,1)")
+    assert failures(under_way) == [("_return(drive,failed,1)", ["a", "b", "c"])]
+    take(under_way, "_return(drive,b,1)")
+    take(under_way, "_return(drive,failed(c),1)")
+    assert missing(under_way) == []
+    assert failures(under_way) == [("_return(drive,failed(c),1)", ["c"]), ("_return(drive,failed,1)", ["a"])]
+
+
+def test_success_is_no_failure():
+    under_way = dispatch("_action_lib(drive,f(a),1)", "_action_lib(drive,a,1)")
+    take(under_way, "_return(drive,f(a),1)")
+    assert missing(under_way) == ["_action_lib(drive,a,1)"]
+    assert failures(under_way) == []

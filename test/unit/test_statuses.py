@@ -1,13 +1,14 @@
+import clingo
 import pytest
 
-from rosoclingo.oclingo import parse_atom, parse_term
+from rosoclingo.oclingo import parse_term
 from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
 from rosoclingo.reasoning.judge import judge
 from rosoclingo.reasoning.statuses import Status, Statuses
 
 
 def answer(*atoms):
-    return frozenset(parse_atom(atom) for atom in atoms)
+    return frozenset(clingo.parse_term(atom) for atom in atoms)
 
 
 def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False):
@@ -65,6 +66,12 @@ def test_program_decides(word, state):
 
 def test_programs_reason_is_told():
     assert judged("_status(1,rejected(unknown_office(office9)),5)").message.endswith("go(1): unknown_office(office9)")
+
+
+def test_programs_reason_in_pieces():
+    assert judged('_status(1,aborted(("package ",3," is not at ",office2)),5)').message.endswith(
+        "go(1) up: package 3 is not at office2"
+    )
 
 
 def test_accepted_goal_lives_without_a_plan():
