@@ -148,7 +148,7 @@ class MoveBaseNode:
 
     def _settle(self) -> None:
         """Tick when a control period has passed."""
-        now = rospy.get_time()
+        now = self._sensing.now()
         if self._navigator is None or now <= 0.0:
             return
         if now < self._last_tick:

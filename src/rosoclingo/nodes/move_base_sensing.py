@@ -15,6 +15,9 @@ from rosoclingo.nodes.localization import from_transform
 from rosoclingo.nodes.move_base_parameters import Frames
 from rosoclingo.nodes.worker import Worker
 
+# A time stamp is that much (s) ahead of this node's clock at most; else time has gone back.
+ON_ITS_WAY = 0.3
+
 
 class Located(NamedTuple):
     """Where the robot is; ``fault``: why that is not known (``pose`` None), or too old to drive by."""
@@ -42,6 +45,7 @@ class Sensing:
         self.velocity = Velocity()
         self.scanned_at = -math.inf
         self._since = rospy.get_time()
+        self._stamped = 0.0
         self._subscribers = [
             rospy.Subscriber("odom", Odometry, self._on_odom, queue_size=1, tcp_nodelay=True, buff_size=1 << 20)
         ]
@@ -61,6 +65,7 @@ class Sensing:
 
     def _take_odom(self, message: Odometry) -> None:
         self._odom_frame = message.header.frame_id.lstrip("/") or self._odom_frame
+        self._stamped = message.header.stamp.to_sec()
         velocity = Velocity(message.twist.twist.linear.x, message.twist.twist.angular.z)
         self.velocity = velocity if all(map(math.isfinite, velocity)) else Velocity()
 
@@ -72,6 +77,14 @@ class Sensing:
             return
         self._scan = message
         self.scanned_at = message.header.stamp.to_sec()
+
+    def now(self) -> float:
+        """Return the time (s): the newest odometry's where its clock message is still on its way in another thread.
+
+        Without that a free running simulator would wait for a command that waits for the clock.
+        """
+        clock = rospy.get_time()
+        return self._stamped if clock < self._stamped < clock + ON_ITS_WAY else clock
 
     def locate(self, now: float) -> Located:
         """Return where the robot is in the map, now (s)."""
