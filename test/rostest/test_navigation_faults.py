@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Navigation when things go wrong: doors, obstacles, a lost laser, a robot carried away; and move_base's services."""
 
+import pathlib
 import sys
 import unittest
 
+import rosgraph
 import rospy
 import rostest
 from geometry_msgs.msg import PolygonStamped, PoseStamped
@@ -12,10 +14,13 @@ from move_base_msgs.msg import MoveBaseActionResult, RecoveryStatus
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
 from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
+from navigation_names import PUBLISHED, SERVICES, SUBSCRIBED
 from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "doc" / "simulator_and_navigation.md"
 
 
 class NavigationFaults(unittest.TestCase):
@@ -115,6 +120,21 @@ class NavigationFaults(unittest.TestCase):
         self.assertAlmostEqual(last.x, 9.9, delta=0.05)
         self.assertEqual(self.ask(7.93, 3.0).poses, [])
         self.assertEqual(self.ask(1.0, 0.0, "moon").poses, [])
+
+    def test_the_nodes_have_what_the_reference_page_lists(self):
+        master = rosgraph.Master(rospy.get_name())
+        types, state = dict(master.getTopicTypes()), master.getSystemState()
+        page = PAGE.read_text()
+        for node in PUBLISHED:
+            published, subscribed, services = ({name for name, nodes in part if node in nodes} for part in state)
+            self.assertEqual({name: types[name] for name in published - {"/rosout"}}, PUBLISHED[node])
+            actions = {"/move_base/goal", "/move_base/cancel"}
+            self.assertEqual(subscribed - {"/clock"} - actions, SUBSCRIBED[node])
+            services = {name for name in services if not name.endswith(("logger_level", "get_loggers", "tf2_frames"))}
+            self.assertEqual(services, SERVICES[node])
+            for name in PUBLISHED[node].keys() - actions | SERVICES[node]:
+                if not name.startswith("/move_base/") or name.count("/") > 2:
+                    self.assertIn(name.rsplit("/", 1)[-1], page)
 
     def test_costmaps(self):
         """The global one in the map's frame, the local one around the robot in odometry's; and what changes of them."""
