@@ -14,13 +14,13 @@ from std_msgs.msg import String
 class Hands:
     """The interface layer by hand: takes the core's commands and answers them when the test says so, or at once."""
 
-    def __init__(self):
+    def __init__(self, namespace=""):
         self._commands = queue.Queue()
         self._open = []
         self.seen = []
         self.at_once = False
-        self._publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
-        self._subscriber = rospy.Subscriber("out_rosoclingo", InterfaceIO, self._note)
+        self._publisher = rospy.Publisher(namespace + "in_rosoclingo", InterfaceIO, queue_size=100)
+        self._subscriber = rospy.Subscriber(namespace + "out_rosoclingo", InterfaceIO, self._note)
 
     def wait_for(self, core):
         """Wait until the core hears and is heard."""

@@ -51,6 +51,8 @@ class Core(unittest.TestCase):
         command = self.hands.take()
         wait_until(lambda: goal.feedback, "feedback")
         self.assertEqual(goal.feedback[0].task_plan[-1], command)
+        self.assertEqual(goal.feedback[0].task_plan[goal.feedback[0].position], command)
+        self.assertEqual(f",{goal.feedback[0].cycle})", command[command.rindex(",") :])
         self.assertEqual(goal.feedback[0].status, "pending")
         self.hands.succeed(command)
         status, result = goal.wait()

@@ -114,3 +114,13 @@ def test_differences(account):
     assert account.summary.differences({"goals": ["active"], "robot": "office2", "packages": {"1": "office2"}}) == []
     found = account.summary.differences({"goals": ["succeeded"], "packages": {"1": "office1"}, "actions": []})
     assert [difference.split(":")[0] for difference in found] == ["goals", "packages", "actions"]
+
+
+def test_an_action_that_is_ended_early_is_no_further_action():
+    lines = []
+    account = Account(lines.append)
+    account.dispatched(1.0, ["_action_lib(go,x,1)"])
+    account.dispatched(2.0, ["_cancel(go,x,1)"])
+    account.finish()
+    assert account.summary.actions == ["_action_lib(go,x,1)"]
+    assert lines[1].split()[-3:] == ["preempt", "go", "x"]

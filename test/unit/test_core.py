@@ -275,7 +275,13 @@ def test_cancel_twice_and_after_the_end_and_of_unknown_goals():
 def test_feedback_after_each_answer():
     driver = Driver().goal("a", "do(walk,1)")
     feedback = driver.journal.of(GoalProgress)
-    assert [(one.key, one.cycle, len(one.actions)) for one in feedback] == [("a", 1, 1)]
+    assert [(one.key, one.cycle, len(one.actions), one.position) for one in feedback] == [("a", 1, 1, 0)]
+    driver.goal("b", "do(run,2)").succeed()
+    assert [(one.key, one.cycle, len(one.actions), one.position) for one in feedback_of(driver)[1:]] == [("b", 2, 2, 1)]
+
+
+def feedback_of(driver):
+    return driver.journal.of(GoalProgress)
 
 
 def test_abandon_ends_every_goal():

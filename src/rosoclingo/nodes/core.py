@@ -29,7 +29,7 @@ from rosoclingo.reasoning import (
     ReturnTaken,
     UpdateSent,
 )
-from rosoclingo.reasoning.health import Health, Report
+from rosoclingo.reasoning.health import Health, Level, Report
 
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
 SHUTDOWN_TIME = 3.0
@@ -197,4 +197,5 @@ class CoreNode:
 
     def _describe(self, health: Health, now: float) -> Report:
         awaited = [str(action.atom) for action in self._core.awaited]
-        return health.report(self._core.cycle, len(self._core.live_goals), awaited, self._topics.listeners, now)
+        report = health.report(self._core.cycle, len(self._core.live_goals), awaited, self._topics.listeners, now)
+        return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")

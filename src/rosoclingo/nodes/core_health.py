@@ -42,7 +42,9 @@ class CoreHealth:
         if report == self._last and now - self._published < PERIOD:
             return
         self._last, self._published = report, now
-        status = DiagnosticStatus(name="rosoclingo: core", hardware_id="rosoclingo", message=report.message)
+        status = DiagnosticStatus(
+            name=rospy.get_name().strip("/") + ": core", hardware_id="rosoclingo", message=report.message
+        )
         status.level = int(report.level)
         status.values = [KeyValue(key, value) for key, value in report.values.items()]
         message = DiagnosticArray(status=[status])

@@ -6,7 +6,17 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 from clingo import Symbol
 
 from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_atom, parse_update
-from rosoclingo.reasoning.keywords import REQUEST, RETURN, KeywordError, action_of, is_keyword, name_of, return_of
+from rosoclingo.reasoning.keywords import (
+    ACTION_LIB,
+    CANCEL_ACTION,
+    REQUEST,
+    RETURN,
+    KeywordError,
+    action_of,
+    is_keyword,
+    name_of,
+    return_of,
+)
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus), as a summary uses them.
 STATUS_WORDS = (
@@ -129,10 +139,13 @@ class Account:
         self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}")
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
-        """Actions on out_rosoclingo."""
+        """Actions on out_rosoclingo, and what ends them before their time."""
         for text in facts:
-            self.summary.actions.append(text)
-            self._line(time, "action", _action(text), {f"plan {_cycle_of(text)}"})
+            if text.startswith(CANCEL_ACTION):
+                self._line(time, "preempt", _action(text.replace(CANCEL_ACTION, ACTION_LIB, 1)))
+            else:
+                self.summary.actions.append(text)
+                self._line(time, "action", _action(text), {f"plan {_cycle_of(text)}"})
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Facts on in_rosoclingo."""

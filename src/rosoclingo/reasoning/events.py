@@ -93,6 +93,11 @@ class GoalProgress(Event):
     state: GoalState
     actions: Tuple[Action, ...]
 
+    @property
+    def position(self) -> int:
+        """How many actions of the plan are of past cycles."""
+        return sum(action.cycle < self.cycle for action in self.actions)
+
 
 @dataclass(frozen=True)
 class Problem(Event):
