@@ -123,4 +123,4 @@ def test_an_action_that_is_ended_early_is_no_further_action():
     account.dispatched(2.0, ["_cancel(go,x,1)"])
     account.finish()
     assert account.summary.actions == ["_action_lib(go,x,1)"]
-    assert lines[1].split()[-3:] == ["preempt", "go", "x"]
+    assert any(line.split()[-3:] == ["preempt", "go", "x"] for line in lines)

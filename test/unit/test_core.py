@@ -277,11 +277,11 @@ def test_feedback_after_each_answer():
     feedback = driver.journal.of(GoalProgress)
     assert [(one.key, one.cycle, len(one.actions), one.position) for one in feedback] == [("a", 1, 1, 0)]
     driver.goal("b", "do(run,2)").succeed()
-    assert [(one.key, one.cycle, len(one.actions), one.position) for one in feedback_of(driver)[1:]] == [("b", 2, 2, 1)]
-
-
-def feedback_of(driver):
-    return driver.journal.of(GoalProgress)
+    feedback = driver.journal.of(GoalProgress)[1:]
+    assert [(one.key, one.cycle, len(one.actions), one.position) for one in feedback] == [
+        ("a", 2, 2, 1),
+        ("b", 2, 2, 1),
+    ]
 
 
 def test_abandon_ends_every_goal():
