@@ -2,7 +2,7 @@
 
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, Halt
 from rosoclingo.reasoning.journal import Journal
 
@@ -93,6 +93,26 @@ def test_a_goal_that_is_cancelled_in_a_dropped_update_is_forgotten():
     assert driver.states("a") == ["recalling", "recalled"]
     assert "walk" not in driver.journal.updates[-1]
     assert driver.finish().states("b")[-1] == "succeeded"
+
+
+def test_time_does_not_count_while_the_solver_is_made_ready():
+    driver = Interrupted()
+    original, waits = ReactiveSolver.update, []
+
+    def update(solver, update, stopped=None):
+        if len(waits) < 3:
+            waits.append(stopped())
+            raise NotReadyError("not ready")
+        return original(solver, update, stopped)
+
+    looks = iter([Halt("too long")] * 3)
+    driver.make_solver = lambda: type("Late", (ReactiveSolver,), {"update": update})(driver.program, shortest=True)
+    settings = CoreSettings(horizon_limit=8)
+    driver.core = Core(driver.program, driver.make_solver, driver.journal, settings, lambda: lambda: next(looks, None))
+    driver.core.start()
+    assert waits == [True] * 3
+    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+    assert driver.journal.problems == []
 
 
 def test_the_first_search_may_be_left():

@@ -147,7 +147,7 @@ def test_a_stop_while_the_process_is_rebuilt_lets_it_go_on():
         solver = process.solver()
         solver.update(parse_update("#step 1. big(1). #endstep."))
         kill(process)
-        with pytest.raises(DroppedError, match="takes what led here again"):
+        with pytest.raises(DroppedError, match="still takes again what led here"):
             solver.update(parse_update("#step 2. #endstep."), lambda: True)
         pid = process.pid
         with suppress(DroppedError):

@@ -4,7 +4,15 @@ A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :clas
 :class:`StreamUpdate` and answers each. Pure Python on clingo; no ROS, no threads.
 """
 
-from rosoclingo.oclingo.errors import DroppedError, Fault, OclingoError, ProgramError, ProgressionError, SolverError
+from rosoclingo.oclingo.errors import (
+    DroppedError,
+    Fault,
+    NotReadyError,
+    OclingoError,
+    ProgramError,
+    ProgressionError,
+    SolverError,
+)
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import (
     Assert,
@@ -33,6 +41,7 @@ __all__ = [
     "Fault",
     "Forget",
     "Literal",
+    "NotReadyError",
     "OclingoError",
     "ProgramError",
     "ProgressionError",

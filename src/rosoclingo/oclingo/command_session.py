@@ -5,13 +5,15 @@ import signal
 import sys
 import time
 from contextlib import contextmanager
+from functools import partial
 from typing import Iterable, Iterator, List, Optional, Union
 
 from rosoclingo.oclingo.command_output import JsonOutput, TextOutput
-from rosoclingo.oclingo.errors import ProgressionError, SolverError
+from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.progression_parser import iterate_updates
 from rosoclingo.oclingo.protocol import Request
+from rosoclingo.oclingo.solver import SolveResult
 from rosoclingo.oclingo.stream_solver import StreamSolver
 
 _MAY_END = re.compile(r"#(end|stop)")
@@ -126,19 +128,26 @@ class Session:
     def _play(self, update: StreamUpdate) -> None:
         self._interrupted = False
         self._output.sent(update)
-        start = time.monotonic()
-
-        def stopped() -> bool:
-            late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
-            return late or self._interrupted
-
         try:
-            result = self._solver.update(update, stopped)
+            result = self._search(update)
         except SolverError as error:
             self.failed = True
             self._output.refused(update, str(error))
         else:
             self._output.result(update, result)
+
+    def _search(self, update: StreamUpdate) -> SolveResult:
+        while True:
+            try:
+                return self._solver.update(update, partial(self._must_end, time.monotonic()))
+            except NotReadyError:
+                if self._interrupted:
+                    raise
+
+    def _must_end(self, start: float) -> bool:
+        """Whether a search that began at ``start`` must end."""
+        late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
+        return late or self._interrupted
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:

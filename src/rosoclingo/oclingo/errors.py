@@ -49,3 +49,7 @@ class SolverError(OclingoError):
 
 class DroppedError(SolverError):
     """What was asked for was dropped, since the solver had to be ended or ended by itself; its state is kept."""
+
+
+class NotReadyError(DroppedError):
+    """A stop came while a new process still took what had led to the state; it goes on with that, ask again."""

@@ -11,7 +11,7 @@ from collections import deque
 from contextlib import suppress
 from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Sequence, Type
 
-from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
+from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.process_child import WorkerLostError, WorkerProcess
 from rosoclingo.oclingo.process_solver import Place, ProcessSolver
 from rosoclingo.oclingo.process_wire import Message, faults_from_message, program_to_message
@@ -34,7 +34,7 @@ class SolverProcess:
     A stop request ends a search with outcome INTERRUPTED, the update stays in force. Where the child does not heed it
     (it grounds), it is killed after ``patience`` seconds, the update is dropped as a whole and DroppedError raised.
     The same holds where the child crashes. Another child then takes the updates again; a stop meanwhile raises
-    DroppedError and lets it go on with that.
+    NotReadyError and lets it go on with that.
     """
 
     def __init__(self, program: ReactiveProgram, models: int = 1, patience: float = PATIENCE, **options: Any) -> None:
@@ -73,7 +73,7 @@ class SolverProcess:
         self.close()
 
     def start(self, stopped: Optional[Stopped] = None) -> None:
-        """Wait until the child can solve; raises DroppedError where ``stopped`` or a crash came first."""
+        """Wait until the child can solve; raises DroppedError where it crashed, NotReadyError where ``stopped`` came first."""
         self._guarded(lambda: self._prepare(stopped), ())
 
     def solver(self) -> ProcessSolver:
@@ -168,7 +168,7 @@ class SolverProcess:
                     raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
             elif stopped is not None and stopped():
                 if not kills:
-                    raise DroppedError("the solver takes what led here again, which is not done yet; ask again")
+                    raise NotReadyError("the solver still takes again what led here; ask again")
                 deadline = time.monotonic() + self._patience
                 self._child.send({"do": "interrupt"})
 

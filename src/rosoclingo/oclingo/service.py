@@ -11,10 +11,10 @@ from contextlib import suppress
 from typing import Callable, Dict, List, Optional
 
 from rosoclingo.oclingo import protocol
-from rosoclingo.oclingo.errors import ProgressionError, SolverError
+from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.service_client import Client
-from rosoclingo.oclingo.solver import SolveOutcome
+from rosoclingo.oclingo.solver import SolveOutcome, SolveResult
 from rosoclingo.oclingo.stream_solver import StreamSolver
 
 GRACE = 0.5
@@ -153,13 +153,8 @@ class Service:
     def _solve(self, client: Client, update: StreamUpdate) -> None:
         bounded = self._bounded if update.step is None else update.bound is not None
         search = SearchWatch(self._clock(), bounded, self._time_limit)
-
-        def stopped() -> bool:
-            self._pump(0)
-            return search.must_end(self._clock(), any(one.waits for one in self._clients), client.hung_up)
-
         try:
-            result = self._solver.update(update, stopped)
+            result = self._search(client, update, search)
         except SolverError as error:
             why = f" ({search.ended_by})" if search.ended_by else ""
             client.send(protocol.error(f"{error}{why}"))
@@ -171,6 +166,17 @@ class Service:
             client.send(protocol.warning(text + "The update stays in force."))
         for data in protocol.reply(result):
             client.send(data)
+
+    def _search(self, client: Client, update: StreamUpdate, search: "SearchWatch") -> SolveResult:
+        def stopped() -> bool:
+            self._pump(0)
+            return search.must_end(self._clock(), any(one.waits for one in self._clients), client.hung_up)
+
+        while True:
+            try:
+                return self._solver.update(update, stopped)
+            except NotReadyError:
+                search.begin(self._clock())
 
     def _say_farewell(self) -> None:
         """Send what is left, and wait for the clients to hang up, so that nothing sent is lost on the way."""
@@ -203,8 +209,13 @@ class SearchWatch:
     """
 
     def __init__(self, start: float, bounded: bool, time_limit: Optional[float]) -> None:
-        self._start, self._time_limit = start, time_limit
+        self._time_limit = time_limit
         self._grace = GRACE_BOUNDED if bounded else GRACE
+        self.begin(start)
+
+    def begin(self, start: float) -> None:
+        """Let the time begin at ``start``."""
+        self._start = start
         self.ended_by = ""
 
     def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:

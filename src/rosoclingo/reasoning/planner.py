@@ -7,6 +7,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import (
     DroppedError,
+    NotReadyError,
     SolveOutcome,
     SolveResult,
     StreamSolver,
@@ -116,6 +117,13 @@ class Planner:
         return result
 
     def _search(self, update: StreamUpdate, lookahead: int) -> SolveResult:
+        while True:
+            try:
+                return self._search_once(update, lookahead)
+            except NotReadyError:  # the search's time has not begun
+                continue
+
+    def _search_once(self, update: StreamUpdate, lookahead: int) -> SolveResult:
         """Search with a bound, which is no part of the stream as it is told to others."""
         look, halt = self._watch(), None
 
