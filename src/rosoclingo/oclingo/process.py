@@ -73,7 +73,7 @@ class SolverProcess:
         self.close()
 
     def start(self, stopped: Optional[Stopped] = None) -> None:
-        """Wait until the child can solve; raises DroppedError where it crashed, NotReadyError where ``stopped`` came first."""
+        """Wait until the child can solve; raises NotReadyError where ``stopped`` came first, else as a search does."""
         self._guarded(lambda: self._prepare(stopped), ())
 
     def solver(self) -> ProcessSolver:
