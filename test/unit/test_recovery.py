@@ -103,10 +103,11 @@ def test_two_goals():
 
 
 def test_a_malformed_explanation_is_told():
-    driver = Driver(rooms(words="_explain(I,t) :- asked(R,I,t).").replace("_explain/3", "_explain/2"))
+    driver = Driver(rooms(words="_explain(I,R,soon(t)) :- asked(R,I,t)."))
     driver.goal("a", "reach(hall,1)").facts("_return(enter,blocked,1)")
     assert any(
-        "'_explain(1,1)' is no explanation: write _explain(What,Text,C)" in one for one in driver.journal.problems
+        "'_explain(1,hall,soon(1))' is no explanation: write _explain(What,Text,C)" in one
+        for one in driver.journal.problems
     )
     assert driver.message("a") == "goal 1 cannot be met since enter(hall) returned blocked in cycle 1"
 

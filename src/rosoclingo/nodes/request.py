@@ -48,5 +48,6 @@ def _follow(client: CoreClient, goal: SentGoal, say: Callable[[str], None]) -> N
 
 def _line(goal: SentGoal) -> str:
     feedback = goal.feedback
-    plan = " ".join(feedback.task_plan) or "nothing to do"
-    return f"cycle {feedback.cycle}, {feedback.status}: {plan}"
+    done, ahead = feedback.position, feedback.task_plan[feedback.position :]
+    plan = " ".join(ahead) or "nothing to do"
+    return f"cycle {feedback.cycle}, {feedback.status}, {done} actions done: {plan}"

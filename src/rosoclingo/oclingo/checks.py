@@ -17,7 +17,8 @@ from rosoclingo.oclingo.rewriting import Part
 from rosoclingo.oclingo.signatures import Occurrence, Signature, occurrences, signature_of, time_offset
 
 KEYWORDS = {
-    signature.name: signature for signature in (ACTION, RETURN, Signature("_request", 2), Signature("_status", 3))
+    signature.name: signature
+    for signature in (ACTION, RETURN, Signature("_request", 2), Signature("_status", 3), Signature("_explain", 3))
 }
 """The predicates by which a program talks to rosoclingo."""
 
@@ -70,6 +71,7 @@ def _form(keyword: Signature) -> str:
         "_action_lib": "_action_lib(Action,Parameter,C)",
         "_return": "_return(Action,Value,C)",
         "_status": "_status(Id,Status,C)",
+        "_explain": "_explain(What,Text,C)",
     }
     return forms[keyword.name]
 
