@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 """Navigation when things go wrong: doors, obstacles, a lost laser, a robot carried away; and move_base's services."""
 
+import copy
 import functools
+import math
 import pathlib
 import shutil
 import sys
 import tempfile
 import unittest
 
+import numpy as np
 import rosgraph
 import rospy
 import rostest
@@ -22,6 +25,7 @@ from PIL import Image
 from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
 from std_srvs.srv import Empty
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "doc" / "simulator_and_navigation.md"
@@ -191,6 +195,35 @@ class NavigationFaults(unittest.TestCase):
         self.assertIn("no path leads to the goal on the map", text)
         self.driver.wait(lambda: self.ask(9.9, 0.0).poses)
         self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
+
+    def test_broken_messages_harm_nothing(self):
+        scan = rospy.wait_for_message("base_scan", numpy_msg(LaserScan), timeout=60)
+        relay = rospy.Publisher("relayed_scan", numpy_msg(LaserScan), queue_size=100)
+        odom = rospy.Publisher("odom", Odometry, queue_size=100)
+        charts = rospy.Publisher("map", OccupancyGrid, queue_size=10)
+        self.driver.wait(lambda: all(p.get_num_connections() for p in (relay, odom, charts)))
+        for changes in (
+            {"ranges": np.array([], dtype=np.float32)},
+            {"ranges": np.array([math.nan, math.inf, -math.inf, -1.0, 0.0, 1e30] * 45, dtype=np.float32)},
+            {"angle_min": math.nan},
+            {"angle_increment": math.inf},
+            {"range_max": 0.0},
+            {"range_max": math.nan},
+            {"range_min": math.nan},
+            {"header": Header(frame_id="moon", stamp=scan.header.stamp)},
+        ):
+            broken = copy.deepcopy(scan)
+            for key, value in changes.items():
+                setattr(broken, key, value)
+            relay.publish(broken)
+        wheels = Odometry(header=scan.header)
+        wheels.header.frame_id = "odom"
+        wheels.twist.twist.linear.x = math.nan
+        odom.publish(wheels)
+        charts.publish(OccupancyGrid(data=[0] * 7))
+        self.assertIn("not finite", self.driver.drive(math.nan, 0.0)[1])
+        self.assertIn("invalid quaternion", self.driver.drive(3.0, 0.0, math.nan)[1])
+        self.assertEqual(self.driver.drive(3.0, 0.0)[0], SUCCEEDED)
 
     def test_footprints(self):
         for name, frame in (("global", "map"), ("local", "odom")):
