@@ -306,3 +306,11 @@ def test_malformed_actions_are_told_and_do_not_stop_anything():
     driver = Driver(text).goal("a", "do(walk,1)").finish()
     assert driver.states("a")[-1] == "succeeded"
     assert any("_action_lib(odd,x,never)" in event.message for event in driver.journal.of(Problem))
+
+
+def test_a_return_that_the_program_does_not_know_ends_the_action():
+    driver = Driver("#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n")
+    assert driver.awaited == ["_action_lib(wake,up,2)"]
+    driver.succeed()
+    assert driver.awaited == []
+    assert "declares no external _return/3" in driver.journal.problems[0]

@@ -50,8 +50,8 @@ class CoreNode:
         ~search_timeout (float, default 10.0): seconds of wall time for one search, 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
             failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
-        ~recovery_timeout (float, default 5.0): seconds of wall time in which to look for the fewest goals to give up
-            and the reasons, when there is no plan, 0 for no limit. The check under way when it is over still ends.
+        ~recovery_timeout (float, default 5.0): seconds of wall time in which to look for the fewest goals to give up,
+            and again for the reasons, when there is no plan; 0 for no limit. The check under way still ends.
         ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.

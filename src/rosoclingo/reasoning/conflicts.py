@@ -76,12 +76,15 @@ def choose(things: Sequence[T], met: Met[T]) -> Optional[Choice[T]]:
 
 
 def remembering(met: Met[T], known: Dict[FrozenSet[T], bool]) -> Met[T]:
-    """The same test, which asks for each set of things once, and never for those ``known``, which it adds to."""
+    """The same test, which asks for no set of things whose answer follows from those ``known``, which it adds to."""
 
     def ask(things: Tuple[T, ...]) -> bool:
         key = frozenset(things)
-        if key not in known:
-            known[key] = met(things)
+        if any(answer and key <= other for other, answer in known.items()):
+            return True
+        if any(not answer and other <= key for other, answer in known.items()):
+            return False
+        known[key] = met(things)
         return known[key]
 
     return ask

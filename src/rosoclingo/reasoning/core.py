@@ -233,7 +233,7 @@ class Core:
             tuple(goal for goal in reversed(goals) if goal in fresh),
             self._intake.observations.newest_first,
             result.outcome is SolveOutcome.UNSATISFIABLE,
-            self._watch_recovery(),
+            self._watch_recovery,
         )
         found = recover(self._planner, question) if goals else None
         if found is not None:

@@ -4,7 +4,7 @@ Goals are given up in the next update, by the program's own means, ``_request(ca
 sent stays a true record. What would be without a goal or an observation is found out on fresh solvers beside it.
 """
 
-from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
@@ -14,7 +14,7 @@ from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import cancellation, request
 from rosoclingo.reasoning.loss import Loss
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.planner import Halt, Planner
+from rosoclingo.reasoning.planner import Planner, SearchWatch
 
 #: So many observations are told though it is not sure that all of them matter.
 FEW = 3
@@ -25,7 +25,7 @@ class Question(NamedTuple):
 
     ``goals`` are those that are live and were fed, ``fresh`` those of them that the last update brought; both newest
     first, as are the ``observations``. ``proven`` tells that it is known that there is no plan; otherwise none was
-    found in time. ``look`` says when it is time to be content with what was found.
+    found in time. ``watch`` bounds the time to find the fewest goals, that for the reasons, and that for some goals.
     """
 
     step: int
@@ -33,7 +33,7 @@ class Question(NamedTuple):
     fresh: Tuple[Goal, ...]
     observations: Tuple[Observation, ...]
     proven: bool
-    look: Callable[[], Optional[Halt]]
+    watch: SearchWatch
 
 
 class Recovery(NamedTuple):
@@ -80,6 +80,16 @@ class _Attempts:
         self._question = question
         self._withhold = withhold
         self.latest: Optional[Recovery] = None
+        self.begin()
+
+    def begin(self) -> None:
+        """The time for what comes next begins."""
+        self._look = self._question.watch()
+
+    @property
+    def over(self) -> bool:
+        """Whether the time is over."""
+        return self._look() is not None
 
     def without(self, dropped: Sequence[Goal], unseen: Sequence[Observation] = ()) -> Recovery:
         """Plan without some goals and observations."""
@@ -101,7 +111,7 @@ class _Attempts:
     def met(self, kept: Sequence[Goal], seen: Sequence[Observation]) -> bool:
         """Whether there is a plan for the goals that are kept; raises UndecidedError."""
         question = self._question
-        if question.look() is not None:
+        if self.over:
             raise UndecidedError
         dropped = [goal for goal in question.goals if goal not in kept]
         found = self.without(dropped, [one for one in question.observations if one not in seen])
@@ -126,6 +136,7 @@ def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Op
 
 
 def _losses(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[Loss, ...]:
+    attempts.begin()
     seen: Dict[Conflict[Goal], Conflict[Observation]] = {}
     losses: List[Loss] = []
     for goal, conflict in reversed(choice):
@@ -154,9 +165,10 @@ def _few(attempts: _Attempts, question: Question, everything: Recovery) -> Recov
     """Give up the fresh goals or else all, but for those that can be met with the ones kept, oldest first."""
     found = attempts.without(question.fresh) if 0 < len(question.fresh) < len(question.goals) else everything
     found = found if found.met else everything
+    attempts.begin()
     for loss in reversed(found.losses):
         fewer = [other.goal for other in found.losses if other is not loss]
-        if fewer:
+        if fewer and not attempts.over:
             tried = attempts.without(fewer)
             if tried.result.outcome is SolveOutcome.INTERRUPTED:
                 return found

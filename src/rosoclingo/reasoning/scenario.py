@@ -6,6 +6,7 @@
       - {time: 1.0, request: "goal(office3,office2,1)"}
       - {cycle: 2, cancel: 1}
       - {cycle: 3, delay: 0.5, request: "goal(office3,office4,2)", client: second}
+      - {cycle: 5, call: simulator/set_door, with: {door: corridor, open: false}}
     expect:
       goals: [canceled, succeeded]
       packages: {1: office3, 2: office4}
@@ -14,7 +15,9 @@
 
 An event happens ``time`` seconds (simulated) after the scenario began, or ``delay`` seconds after the plan of
 ``cycle`` is out. ``request`` sends a goal, ``cancel`` cancels the latest one with this identity, ``facts`` tells the
-core something as the interface ``origin``. ``timeout`` is how long the whole may take, in simulated seconds.
+core something as the interface ``origin``. ``call`` calls a service with the fields of its request: so doors are closed
+and packages taken away. ``launch`` names the launch file that starts the scenario's world (mailbot), ``timeout`` is how
+long the whole may take, in simulated seconds.
 """
 
 from dataclasses import dataclass, field
@@ -24,11 +27,11 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import yaml
 
 #: What an event can do, and the type of what is done.
-VERBS: Dict[str, type] = {"request": str, "cancel": object, "facts": list}
+VERBS: Dict[str, type] = {"request": str, "cancel": object, "facts": list, "call": str}
 
 _WHEN = {"time", "cycle", "delay"}
 _EXTRAS = {"client", "origin"}
-_KEYS = {"title", "packages", "events", "expect", "timeout"}
+_KEYS = {"title", "launch", "packages", "events", "expect", "timeout"}
 _EXPECTED = {"goals", "packages", "robot", "actions"}
 _OUTCOMES = {"succeeded", "canceled", "rejected", "aborted"}
 
@@ -39,7 +42,10 @@ class ScenarioError(ValueError):
 
 @dataclass(frozen=True)
 class ScenarioEvent:
-    """One thing that happens: ``verb`` with ``value``, at ``time`` or ``delay`` seconds into ``cycle``."""
+    """One thing that happens: ``verb`` with ``value``, at ``time`` or ``delay`` seconds into ``cycle``.
+
+    ``fields`` are those of the request when a service is called.
+    """
 
     verb: str
     value: Any
@@ -47,6 +53,7 @@ class ScenarioEvent:
     cycle: Optional[int] = None
     client: str = "client"
     origin: str = "scenario"
+    fields: Dict[str, Any] = field(default_factory=dict)
 
     def due(self, elapsed: float, begun: Mapping[int, float]) -> bool:
         """Whether it is to happen ``elapsed`` seconds after the start; ``begun`` tells when each cycle so far began."""
@@ -69,6 +76,7 @@ class Scenario:
     packages: Dict[str, str] = field(default_factory=dict)
     expect: Dict[str, Any] = field(default_factory=dict)
     timeout: float = 3600.0
+    launch: str = "mailbot"
 
     @classmethod
     def from_file(cls, path: Path) -> "Scenario":
@@ -94,11 +102,12 @@ class Scenario:
             packages={str(key): str(value) for key, value in _map(data, "packages").items()},
             expect=_expectation(_map(data, "expect")),
             timeout=_number(data.get("timeout", cls.timeout), "timeout"),
+            launch=str(data.get("launch", cls.launch)),
         )
 
 
 def _event(data: Any, place: str) -> ScenarioEvent:
-    _check_keys(data, _WHEN | _EXTRAS | set(VERBS), place)
+    _check_keys(data, _WHEN | _EXTRAS | {"with"} | set(VERBS), place)
     verbs = [verb for verb in VERBS if verb in data]
     if len(verbs) != 1:
         raise ScenarioError("{}: give one of {}".format(place, ", ".join(VERBS)))
@@ -111,8 +120,11 @@ def _event(data: Any, place: str) -> ScenarioEvent:
     if cycle is not None and (not isinstance(cycle, int) or cycle < 1):
         raise ScenarioError(f"{place}: cycle: {cycle!r} is no cycle")
     moment = _number(data.get("delay" if cycle else "time", 0.0), place)
+    if "with" in data and verbs != ["call"]:
+        raise ScenarioError(f"{place}: 'with' goes with 'call' alone")
+    fields = _map(data, "with", f"{place}: with")
     extras = {key: str(data[key]) for key in _EXTRAS if key in data}
-    return ScenarioEvent(verbs[0], value, moment, cycle, **extras)
+    return ScenarioEvent(verbs[0], value, moment, cycle, **extras, fields=fields)
 
 
 def _expectation(data: Dict[str, Any]) -> Dict[str, Any]:
@@ -133,10 +145,10 @@ def _check_keys(data: Any, known: "set[str]", place: str) -> None:
         raise ScenarioError("{}: '{}' is none of {}".format(place, unknown[0], ", ".join(sorted(known))))
 
 
-def _map(data: Mapping[str, Any], key: str) -> Dict[Any, Any]:
+def _map(data: Mapping[str, Any], key: str, place: str = "") -> Dict[Any, Any]:
     found = data.get(key) or {}
     if not isinstance(found, dict):
-        raise ScenarioError(f"{key}: give a map")
+        raise ScenarioError(f"{place or key}: give a map")
     return found
 
 
