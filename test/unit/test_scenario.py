@@ -24,12 +24,17 @@ events:
   - {time: 1.5, request: "g(1)"}
   - {cycle: 2, delay: 3, cancel: 1, client: other}
   - {cycle: 3, facts: ["_seen(ball)"], origin: camera}
+  - {cycle: 4, call: simulator/set_door, with: {door: east, open: false}}
+launch: house
 expect: {goals: [canceled], packages: {1: office3}, robot: office2, actions: []}
 """)
-    first, second, third = scenario.events
+    first, second, third, fourth = scenario.events
     assert (first.verb, first.value, first.time, first.cycle, first.client) == ("request", "g(1)", 1.5, None, "client")
     assert (second.verb, second.value, second.time, second.cycle, second.client) == ("cancel", 1, 3.0, 2, "other")
     assert (third.value, third.origin) == (["_seen(ball)"], "camera")
+    assert (fourth.verb, fourth.value) == ("call", "simulator/set_door")
+    assert fourth.fields == {"door": "east", "open": False}
+    assert scenario.launch == "house"
     assert scenario.packages == {"1": "office3"}
     assert scenario.expect["packages"] == {"1": "office3"}
     assert scenario.timeout == 100.0
@@ -54,7 +59,7 @@ def test_when_events_are_due():
         ("title: x", "events: give a list"),
         ("events: []\nevnts: []", "'evnts' is none of"),
         ("events: [3]", "event 1: give a map"),
-        ("events: [{time: 1}]", "event 1: give one of request, cancel, facts"),
+        ("events: [{time: 1}]", "event 1: give one of request, cancel, facts, call"),
         ("events: [{time: 1, request: a, cancel: 1}]", "give one of"),
         ("events: [{request: g(1)}]", "either 'time' or 'cycle'"),
         ("events: [{time: 1, cycle: 1, request: g(1)}]", "either 'time' or 'cycle'"),
@@ -64,6 +69,9 @@ def test_when_events_are_due():
         ("events: [{cycle: x, request: g(1)}]", "is no cycle"),
         ("events: [{time: 1, request: 3}]", "nothing to request"),
         ("events: [{time: 1, facts: a}]", "nothing to facts"),
+        ("events: [{time: 1, call: 3}]", "nothing to call"),
+        ("events: [{time: 1, call: a, with: 3}]", "event 1: with: give a map"),
+        ("events: [{time: 1, request: a, with: {b: 1}}]", "event 1: 'with' goes with 'call' alone"),
         ("events: []\nexpect: {goals: [preempted]}", "preempted is none of"),
         ("events: []\nexpect: {goal: []}", "'goal' is none of"),
         ("events: []\npackages: [1]", "packages: give a map"),

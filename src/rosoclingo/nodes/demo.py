@@ -33,11 +33,12 @@ class DemoError(RuntimeError):
 
 
 class DemoSystem:
-    """``mailbot.launch`` as a process group of its own, with files in ``folder``; to be used in a with statement."""
+    """A launch file of this package as a process group of its own, with files in ``folder``; for a with statement."""
 
-    def __init__(self, folder: Path, arguments: List[str]) -> None:
+    def __init__(self, launch: str, folder: Path, arguments: List[str]) -> None:
         self.bag = folder / "run.bag"
         self.log = folder / "roslaunch.log"
+        self._launch = launch + ".launch"
         self._folder = folder
         self._arguments = ["record:=true", f"bag:={self.bag}", *arguments]
         self._process: Optional[subprocess.Popen[bytes]] = None
@@ -46,7 +47,7 @@ class DemoSystem:
         self._folder.mkdir(parents=True)
         port = _free_port()
         os.environ.update(_environment(port, self._folder))
-        command = ["roslaunch", "-p", str(port), "rosoclingo", "mailbot.launch", *self._arguments]
+        command = ["roslaunch", "-p", str(port), "rosoclingo", self._launch, *self._arguments]
         with self.log.open("wb") as log:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
@@ -103,7 +104,7 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
     """Play a scenario in a system of its own, tell the account, the summary and the bag's path; raises DemoError."""
     began = time.monotonic()
     say(f"{scenario.title}: starting roscore, simulation, navigation, interfaces and core ...")
-    with DemoSystem(folder, arguments) as system:
+    with DemoSystem(scenario.launch, folder, arguments) as system:
         rospy.init_node("demo", disable_signals=True)
         outcome = run_scenario(
             scenario,

@@ -2,9 +2,11 @@
 
 import threading
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional
 
+import genpy
 import rospy
+import rosservice
 from actionlib_msgs.msg import GoalStatusArray
 from clingo import Symbol
 
@@ -12,7 +14,6 @@ from rosoclingo.msg import InterfaceIO, TaskPlan
 from rosoclingo.nodes.client import CoreClient, SentGoal
 from rosoclingo.reasoning import GoalError, read_goal
 from rosoclingo.reasoning.scenario import Scenario, ScenarioEvent
-from rosoclingo.srv import PutPackage
 
 #: Seconds of wall time between two looks at the clock.
 _TURN = 0.02
@@ -34,7 +35,7 @@ class ScenarioPlayer:
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
     Services called:
-        office/put_package (rosoclingo/PutPackage), when the scenario puts packages.
+        office/put_package (rosoclingo/PutPackage), when the scenario puts packages, and those that it names.
     Actions called:
         rosoclingo (rosoclingo/ROSoClingo), with a client of its own for each client of the scenario.
     """
@@ -106,7 +107,7 @@ class ScenarioPlayer:
         return ", ".join([*map(str, waiting), *goals])
 
     def _do(self, event: ScenarioEvent) -> None:
-        {"request": self._request, "cancel": self._cancel, "facts": self._tell}[event.verb](event)
+        {"request": self._request, "cancel": self._cancel, "facts": self._tell, "call": self._call}[event.verb](event)
 
     def _request(self, event: ScenarioEvent) -> None:
         self.goals.append(self._clients[event.client].send(event.value))
@@ -121,18 +122,13 @@ class ScenarioPlayer:
     def _tell(self, event: ScenarioEvent) -> None:
         self._facts.publish(InterfaceIO(event.origin, [str(fact) for fact in event.value]))
 
+    def _call(self, event: ScenarioEvent) -> None:
+        call_service(event.value, event.fields)
+        self._say(f"called {event.value}: " + ", ".join(f"{key} {value}" for key, value in event.fields.items()))
+
     def _put_packages(self, timeout: float) -> None:
-        if not self._scenario.packages:
-            return
-        try:
-            rospy.wait_for_service("office/put_package", timeout)
-            put = rospy.ServiceProxy("office/put_package", PutPackage)
-            for package, label in self._scenario.packages.items():
-                answer = put(package, label)
-                if not answer.success:
-                    raise PlayError(f"package {package}: {answer.message}")
-        except (rospy.ROSException, rospy.ServiceException) as error:
-            raise PlayError(f"office/put_package: {error}") from error
+        for package, label in self._scenario.packages.items():
+            call_service("office/put_package", {"package": package, "location": label}, timeout)
 
     def wait_until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
         """Wait for a condition, at most ``timeout`` seconds of wall time; raises PlayError with what is ``missing``."""
@@ -148,6 +144,25 @@ class ScenarioPlayer:
 
     def _on_status(self, _message: GoalStatusArray, name: str) -> None:
         self._missing.discard(name)
+
+
+def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) -> None:
+    """Call a service that is there within ``timeout`` seconds; raises PlayError where it is not, refuses or fails."""
+    try:
+        rospy.wait_for_service(name, timeout)
+        kind = rosservice.get_service_class_by_name(rospy.resolve_name(name))
+        request = kind._request_class()
+        genpy.message.fill_message_args(request, [dict(fields)])
+        answer = rospy.ServiceProxy(name, kind)(request)
+    except (
+        rospy.ROSException,
+        rospy.ServiceException,
+        rosservice.ROSServiceException,
+        genpy.MessageException,
+    ) as error:
+        raise PlayError(f"{name}: {error}") from error
+    if not getattr(answer, "success", True):
+        raise PlayError("{} refuses {}: {}".format(name, dict(fields), getattr(answer, "message", "")))
 
 
 class _Clock:
