@@ -15,7 +15,7 @@ def build_engine(program: ReactiveProgram, state: StreamState, shortest: bool) -
     """
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
     guards: Dict[Lifetime, int] = {}
-    engine = Engine(program, state.open_atoms, facts, shortest)
+    engine = Engine(program, state.open_atoms, facts, shortest, state.past)
     while engine.horizon < state.horizon:
         engine.ground_step()
     for atom in state.forgotten:

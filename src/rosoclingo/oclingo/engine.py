@@ -9,6 +9,7 @@ from typing import Any, Callable, Container, Dict, FrozenSet, Iterable, List, Na
 import clingo
 from clingo.backend import Observer
 
+from rosoclingo.oclingo.census import BASE, Census, StepRecorder
 from rosoclingo.oclingo.closing import ACTION, RETURN
 from rosoclingo.oclingo.editor import HOLDS, Editor
 from rosoclingo.oclingo.externals import ActionIndex, AtomIndex, AtomTable, CycleIndex
@@ -16,6 +17,7 @@ from rosoclingo.oclingo.horizon import HorizonLiterals
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.rewriting import guard_atom, open_part
+from rosoclingo.oclingo.state import Past
 
 POLL = 0.02
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -46,6 +48,8 @@ class Engine:
         horizon: the last grounded step; first step - 1 while only base is grounded.
         atoms: what updates may say of the atoms, and how.
         messages: what clingo said since they were last cleared.
+        shown: the shown atoms of the last answer.
+        satisfied: whether the last search had an answer.
 
     """
 
@@ -55,10 +59,12 @@ class Engine:
         open_atoms: Iterable[clingo.Symbol],
         facts: Set[clingo.Symbol],
         shortest: bool = False,
+        past: Optional[Past] = None,
     ) -> None:
         """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
 
-        With ``shortest`` no answer holds an action of a cycle beyond its horizon. Raises RuntimeError as clingo does.
+        With ``shortest`` no answer holds an action of a cycle beyond its horizon. Steps that ``past`` tells of are not
+        ground. Raises RuntimeError as clingo does.
         """
         self.program = program
         self._shortest = shortest
@@ -72,19 +78,38 @@ class Engine:
         self._externals = AtomIndex(self._control, program.external_signatures)
         self._observer = _Externals()
         self._control.register_observer(self._observer)
+        self._recorder = StepRecorder()
+        if shortest:
+            self._control.register_observer(self._recorder)
         program.load_into(self._control)
         self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
         self._hidden: Set[clingo.Symbol] = set()
-        self.horizon = program.first_step - 1
+        self.shown: FrozenSet[clingo.Symbol] = frozenset()
+        self.satisfied = False
+        self._past = past or Past(program.first_step, frozenset())
+        self._retired = frozenset(atom for _, atom in self._past.shown)
+        self.horizon = self._past.first - 1
         self._ends = HorizonLiterals(self._control, self._editor, self.horizon)
         self.declare(open_atoms, facts)
+        self._recorder.step = BASE
         self._ground([("base", [])], 1)
+        self._recorder.step = None
+        self._of_base = frozenset(self._declared)
+        self._base_externals: Set[clingo.Symbol] = set()
+        self._tell(self._past.facts)
 
     def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
         """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
         declared = list(atoms)
         self.atoms.stepless.update(declared)
         self._ground([open_part(atom, atom in facts) for atom in declared], 1)
+
+    def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
+        """Make ``facts`` known to the steps."""
+        text = "".join(f"{atom}.\n" for atom in facts)
+        if text:
+            self._control.add("__oclingo_past", [], text)
+            self._ground([("__oclingo_past", [])], self._past.first - 1)
 
     def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
         self._editor.close()
@@ -99,8 +124,9 @@ class Engine:
     def ground_step(self) -> None:
         """Ground the next step; raises RuntimeError as clingo does."""
         self.horizon += 1
-        step = self.horizon
+        step = self._recorder.step = self.horizon
         self._ground([(part, [clingo.Number(step)]) for part in ("cumulative", "volatile")], step)
+        self._recorder.step = None
         for window in self.program.windows:
             guard = self._control.symbolic_atoms[guard_atom(window, step)]
             if guard is not None and window > 0:
@@ -120,13 +146,32 @@ class Engine:
         for guard in guards:
             self._editor.release(guard)
 
-    def declared_between(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the open externals that were declared at steps ``first`` to ``last`` (base counts as 1)."""
+    def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
+        """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
         for atom, literal in self._externals.fresh():
             if literal in self._declared and atom not in self.atoms.stepless:
                 self._declarations.setdefault(self._declared[literal], []).append(atom)
+                if literal in self._of_base:
+                    self._base_externals.add(atom)
         steps = [step for step in self._declarations if first <= step <= last]
-        return [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
+        found = [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
+        return found if base else [one for one in found if one not in self._base_externals]
+
+    def settles(self, atom: clingo.Symbol, value: bool) -> bool:
+        """Tell whether ``atom`` has its fixed ``value`` by itself: as a fact, a closed external or the solver's own."""
+        if atom.name.startswith("__oclingo_"):
+            return True
+        return self.atoms.is_true(atom) if value else self.atoms.is_closed(atom)
+
+    def census(self, start: int, before: int) -> Census:
+        """Tell what is fixed for good, looking at the steps from ``start`` to before ``before``."""
+        census = Census(self._recorder, start, before)
+        self._control.register_propagator(census)
+        free = self._editor.backend.add_atom()
+        self._editor.backend.add_rule([free], choice=True)
+        self._editor.close()
+        self._control.solve(assumptions=[free, -free])  # ends at once, but reads the program
+        return census
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to ``executed``."""
@@ -166,7 +211,8 @@ class Engine:
 
         def keep(model: clingo.Model) -> None:
             if not best or model.optimality_proven:
-                answers.append(frozenset(model.symbols(shown=True)) - self._hidden)
+                self.shown = frozenset(model.symbols(shown=True)) - self._hidden
+                answers.append(self.shown | self._retired)
                 horizons.append(self._ends.horizon_of(model, first, last))
 
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
@@ -174,6 +220,7 @@ class Engine:
                 if stopped():
                     handle.cancel()
             result = handle.get()
+        self.satisfied = bool(result.satisfiable)
         if result.interrupted:
             return Search(None)
         return Search(bool(result.satisfiable), tuple(answers), horizons[-1])

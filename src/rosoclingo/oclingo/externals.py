@@ -54,6 +54,10 @@ class AtomTable:
         # clingo itself no longer keeps track of externals once the program can never be satisfied
         return bool(known.is_external) or (known.literal in self._declared and signature_of(atom) not in self._heads)
 
+    def is_closed(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` is an external that was closed, or defined for good."""
+        return atom in self._closed
+
     def add(self, statement: Statement, guard: Optional[int]) -> None:
         """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""
         body = [self._body_literal(literal) for literal in statement.body] + ([] if guard is None else [guard])

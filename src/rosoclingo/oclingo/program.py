@@ -12,7 +12,15 @@ from rosoclingo.oclingo.directives import Directives, Placed
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.messages import Messages
 from rosoclingo.oclingo.rewriting import Part, open_parts, rewrite
-from rosoclingo.oclingo.signatures import Dependencies, Pattern, Signature, evaluate, occurrences, rule_edges
+from rosoclingo.oclingo.signatures import (
+    Dependencies,
+    Pattern,
+    Signature,
+    evaluate,
+    occurrences,
+    rule_edges,
+    signature_of,
+)
 from rosoclingo.oclingo.sources import Source, parse_constants, read_sources
 
 PathLike = Union[str, Path]
@@ -81,17 +89,28 @@ class ReactiveProgram:
         """Return clingo's command line arguments for the constants."""
         return ["-Wno-atom-undefined"] + [f"-c{name}={value}" for name, value in self.constants.items()]
 
-    def may_see(self, atom: clingo.Symbol, last: int) -> bool:
-        """Tell whether a rule grounded up to step ``last`` could have an instance with the open external ``atom``."""
-        return any(
-            pattern.may_match(atom, self.first_step, last, self._values)
-            for pattern in self._open_patterns.get(Signature(atom.name, len(atom.arguments), atom.positive), ())
-        )
+    def may_see(self, atom: clingo.Symbol, first: int, last: int) -> bool:
+        """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with ``atom``.
 
-    def may_declare(self, atom: clingo.Symbol, last: int) -> bool:
-        """Tell whether some step after ``last`` could declare ``atom`` external."""
-        patterns = self._declarations.get(Signature(atom.name, len(atom.arguments), atom.positive), ())
-        return any(one.parameter and one.may_match(atom, last + 1, _FAR, self._values) for one in patterns)
+        Heads count for open externals alone.
+        """
+        patterns = self._patterns.get(signature_of(atom), ())
+        return any(one.may_match(atom, first, last, self._values) for one in patterns)
+
+    def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
+        """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
+        patterns = self._patterns.get(signature_of(atom), ())
+        in_base = self.is_open_signature(atom)
+        return any((one.parameter or in_base) and one.may_match(atom, first, _FAR, self._values) for one in patterns)
+
+    def is_open_signature(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
+        return signature_of(atom) in self.open_signatures
+
+    def may_declare(self, atom: clingo.Symbol, first: int, last: int = _FAR) -> bool:
+        """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
+        patterns = self._declarations.get(signature_of(atom), ())
+        return any(one.parameter and one.may_match(atom, first, last, self._values) for one in patterns)
 
     def _collect(self) -> None:
         """Gather signatures, dependencies and patterns from the statements."""
@@ -101,7 +120,7 @@ class ReactiveProgram:
         self.open_signatures = {Signature(*one) for one in self._directives.signatures}
         self.external_signatures = set(self.open_signatures)
         self.optimizes = False
-        self._open_patterns: Dict[Signature, List[Pattern]] = {}
+        self._patterns: Dict[Signature, List[Pattern]] = {}
         self._declarations: Dict[Signature, List[Pattern]] = {}
         for part in self.parts:
             for statement in part.statements:
@@ -118,8 +137,8 @@ class ReactiveProgram:
                 self._declarations.setdefault(signature, []).append(Pattern(one.term, part.parameter))
             elif one.head:
                 self.head_signatures.add(signature)
-            if signature in self.open_signatures:
-                self._open_patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter))
+            if not one.head or signature in self.open_signatures:
+                self._patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter))
 
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""

@@ -4,7 +4,6 @@ Works on :mod:`clingo.ast` statements. A *pattern* is an atom as a rule writes i
 which steps a rule could see a given ground atom.
 """
 
-from dataclasses import dataclass
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import clingo
@@ -143,7 +142,6 @@ def _arithmetic(term: AST, left: Optional[clingo.Symbol], right: Optional[clingo
     return None
 
 
-@dataclass(frozen=True)
 class Pattern:
     """An atom as a statement of a program part writes it.
 
@@ -153,13 +151,17 @@ class Pattern:
 
     """
 
-    term: AST
-    parameter: str
+    def __init__(self, term: AST, parameter: str) -> None:
+        """Take the atom's term and the part's parameter."""
+        self.term, self.parameter = term, parameter
+        self._offset: Optional[Tuple[int, int]] = None  # the first argument that is t + c, and c
+        self._known = False
 
     def may_match(self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]) -> bool:
         """Tell whether a ground instance at some step first..last (base: always grounded) could be ``atom``.
 
-        Never wrongly False; variables, intervals and what is hard to evaluate count as a match.
+        Never wrongly False; variables, intervals and what is hard to evaluate count as a match. The constants have to
+        be the same for every call.
         """
         if not self.parameter:
             return _matches(self.term, atom, constants)
@@ -168,16 +170,26 @@ class Pattern:
         pinned = self._pinned_step(atom, constants)
         if pinned is None:
             return _matches(self.term, atom, constants, self.parameter)
-        at_step = dict(constants, **{self.parameter: clingo.Number(pinned)})
-        return first <= pinned <= last and _matches(self.term, atom, at_step)
+        if not first <= pinned <= last:
+            return False
+        return _matches(self.term, atom, dict(constants, **{self.parameter: clingo.Number(pinned)}))
 
     def _pinned_step(self, atom: clingo.Symbol, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
         """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
+        if not self._known:
+            self._offset, self._known = self._find_offset(constants), True
+        if self._offset is None:
+            return None
+        position, offset = self._offset
+        value = atom.arguments[position]
+        return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
+
+    def _find_offset(self, constants: Dict[str, clingo.Symbol]) -> Optional[Tuple[int, int]]:
         arguments = () if self.term.ast_type != ASTType.Function else self.term.arguments
-        for argument, value in zip(arguments, atom.arguments):
+        for position, argument in enumerate(arguments):
             offset = time_offset(argument, self.parameter, constants)
             if offset is not None:
-                return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
+                return position, offset
         return None
 
 

@@ -152,6 +152,16 @@ class ReactiveSolver:
         transaction = Transaction(self._setting, self._state.copy(), self._engine)
         self._guarded(transaction, lambda: transaction.close_cycle(cycle, frozenset(executed)))
 
+    def forget_before(self, step: int) -> None:
+        """Let the steps before ``step`` be over: no update will concern them any more.
+
+        What is decided at them is kept as facts and no longer ground, which keeps a long stream as fast as a short one;
+        their externals are closed, so that a fact for one of them is ignored with a warning. For ``shortest`` solvers
+        alone.
+        """
+        if self.shortest:
+            self._state.keep_from = max(self._state.keep_from, step)
+
     def _run(self, update: Optional[StreamUpdate], stopped: Optional[Callable[[], bool]]) -> SolveResult:
         self._stop = False
         transaction = Transaction(self._setting, self._state.copy(), self._engine)

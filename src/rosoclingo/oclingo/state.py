@@ -52,15 +52,13 @@ class Past:
 
     Attributes:
         first: the first step that is still ground.
-        facts: what later steps may see of those before.
-        opens: the same of open signatures, which base may see as well.
+        facts: what later steps may see of what those before define.
         shown: what answers show of those steps, each with its step.
 
     """
 
     first: int
     facts: FrozenSet[clingo.Symbol]
-    opens: FrozenSet[clingo.Symbol]
     shown: Tuple[Tuple[int, clingo.Symbol], ...] = ()
 
 
@@ -115,9 +113,11 @@ class StreamState:
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
         """Return the state that would be, had none of ``facts`` been told; an action in it was not executed.
 
-        What a retired step holds stays.
+        What has followed from them in retired steps stays.
         """
         less = self.copy()
+        if less.past is not None:
+            less.past = replace(less.past, facts=less.past.facts - facts)
         less.permanent = [statement for statement in less.permanent if not statement.concerns(facts)]
         less.lapsing = [entry for entry in less.lapsing if not entry.statement.concerns(facts)]
         less.waiting = [entry for entry in less.waiting if not entry.statement.concerns(facts)]

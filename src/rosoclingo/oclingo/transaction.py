@@ -15,11 +15,13 @@ from rosoclingo.oclingo.engine import Engine
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import Assert, Cumulative, Forget, Retract, Statement, StreamUpdate, Volatile
+from rosoclingo.oclingo.retiring import first_step, is_due, is_too_late, retire
 from rosoclingo.oclingo.signatures import Dependencies, Signature, signature_of
 from rosoclingo.oclingo.state import FOREVER, UPDATE, Entry, Lifetime, StreamState, Term, lifetime_of
 from rosoclingo.oclingo.strings import holds_string_apart
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
+_TOO_LATE = "Head {} comes too late: what concerns steps before {} is over. The entire rule will be ignored."
 
 
 @dataclass
@@ -69,6 +71,8 @@ class Transaction:
         if update is not None:
             self.warnings.extend(update.warnings)
             self._lapse([entry for entry in state.lapsing + state.waiting if entry.lifetime == UPDATE])
+            if is_due(self.program, state):
+                self._give_up_engine()
             if update.step is not None:
                 state.step = update.step
                 state.bound = None if update.bound is None else update.step + update.bound
@@ -124,17 +128,26 @@ class Transaction:
         fresh: Dict[clingo.Symbol, bool] = {}
         for section, statement in update.sections():
             head = statement.head
-            if head is not None and signature_of(head) in self.program.open_signatures and head not in known:
+            if head is None or head in known or is_too_late(self.program, self.state, head):
+                continue
+            if self.program.is_open_signature(head):
                 fresh[head] = fresh.get(head, False) or (not statement.body and isinstance(section, Cumulative))
         if not fresh:
             return
         self.state.open_atoms.extend(fresh)
         if self.engine is not None:
             new = [atom for atom in fresh if not self.engine.atoms.knows(atom)]
-            if any(self.program.may_see(atom, self.engine.horizon) for atom in new):
-                self.engine = None
+            first = first_step(self.program, self.state)
+            if any(self.program.may_see(atom, first, self.engine.horizon) for atom in new):
+                self._give_up_engine()
             elif new:
                 self.engine.declare(new)
+
+    def _give_up_engine(self) -> None:
+        """Let the program be ground anew, but for the steps that are over."""
+        if self.engine is not None:
+            retire(self.program, self.state, self.engine)
+        self.engine = None
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
@@ -199,6 +212,8 @@ class Transaction:
             return  # said before
         elif engine.conflicting and signature_of(head) in self.program.external_signatures:
             self._wait(statement, lifetime)  # clingo grounds no further; a grounding made anew will tell
+        elif is_too_late(self.program, self.state, head):
+            self.warnings.append(_TOO_LATE.format(head, first_step(self.program, self.state)))
         elif head in self.state.forgotten or engine.atoms.knows(head) or not self._may_come(head):
             self.warnings.append(_NOT_EXTERNAL.format(head))
         else:
@@ -217,7 +232,7 @@ class Transaction:
         return (signature not in known or holds_string_apart(atom)) and not engine.atoms.knows(atom)
 
     def _may_come(self, atom: clingo.Symbol) -> bool:
-        return self.program.may_declare(atom, self.state.horizon)
+        return self.program.may_declare(atom, self.state.horizon + 1)
 
     def _wait(self, statement: Statement, lifetime: Lifetime) -> None:
         self.state.waiting.append(Entry(statement, lifetime))
