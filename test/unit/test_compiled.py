@@ -7,8 +7,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from rosoclingo.navigation.compiled import cast_rays, count_rays, segment_is_clear, update_clearance
-from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell, straighten
+from rosoclingo.navigation.compiled import cast_rays, count_rays, square_distance, update_clearance
+from rosoclingo.navigation.compiled_search import find_cells, line_is_clear, nearest_clear_cell, straighten, tighten
 from rosoclingo.simulation.compiled_shapes import CLEAR, body_hits, shorten_rays
 
 GRIDS = arrays(np.uint8, st.tuples(st.integers(3, 20), st.integers(3, 20)), elements=st.sampled_from([0, 0, 0, 0, 1]))
@@ -187,7 +187,11 @@ def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
     assert tuple(cells[0]) == tuple(start)
     assert tuple(cells[-1]) == tuple(goal)
     assert np.abs(np.diff(cells, axis=0)).max(initial=0) <= 1
-    points = straighten(np.ascontiguousarray(cells[:, ::-1] + 0.5), clearance, least, 5.0, 0.3)
+    body = (clearance, occupied, radius, 5.0, 0.3)
+    points = straighten(np.ascontiguousarray(cells[:, ::-1] + 0.5), *body)
+    tighten(points, *body, 4)
+    assert tuple(points[0]) == (start[1] + 0.5, start[0] + 0.5)
+    assert tuple(points[-1]) == (goal[1] + 0.5, goal[0] + 0.5)
     for a, b in zip(points[:-1], points[1:]):
         for t in np.linspace(0, 1, 25):
             assert distance(occupied, *(a + (b - a) * t)) >= radius - 0.01
@@ -205,14 +209,23 @@ def reachable(free, start, goal):
     return goal in seen
 
 
-def test_segments_near_a_corner():
-    occupied = np.zeros((20, 20), dtype=np.uint8)
-    occupied[:10, 10] = 1
-    clearance = clearance_of(occupied)
-    assert segment_is_clear(clearance, 2.0, 15.0, 18.0, 15.0, 3.0)
-    assert not segment_is_clear(clearance, 2.0, 11.0, 18.0, 11.0, 3.0)
-    assert not segment_is_clear(clearance, 2.0, 5.0, 18.0, 5.0, 0.0)
-    assert not segment_is_clear(clearance, 2.0, 15.0, 25.0, 15.0, 0.0)
+@given(GRIDS, st.tuples(*[st.floats(0.0, 20.0)] * 4), st.floats(0.2, 4.0))
+@settings(max_examples=150, deadline=None)
+def test_a_line_is_clear_if_each_of_its_points_is(occupied, ends, radius):
+    x0, y0, x1, y1 = ends
+    clear = line_is_clear(clearance_of(occupied), occupied, x0, y0, x1, y1, radius)
+    away = [distance(occupied, x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) for t in np.linspace(0, 1, 400)]
+    inside = all(0 <= x < occupied.shape[1] and 0 <= y < occupied.shape[0] for x, y in ((x0, y0), (x1, y1)))
+    if not inside:
+        assert not clear
+    elif abs(min(away) - radius) > 0.05:
+        assert clear == (min(away) > radius)
+
+
+@given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))
+@settings(max_examples=100, deadline=None)
+def test_the_distance_of_a_point_from_what_is_occupied(occupied, x, y, reach):
+    assert abs(square_distance(occupied, x, y, reach) - min(reach, distance(occupied, x, y))) < 1e-9
 
 
 def test_the_nearest_clear_cell():

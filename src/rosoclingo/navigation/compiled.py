@@ -5,12 +5,11 @@ All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (
 """
 
 import math
-from typing import Optional
 
 import numba
 import numpy as np
 
-__all__ = ["cast_rays", "count_rays", "jit", "segment_is_clear", "update_clearance"]
+__all__ = ["cast_rays", "count_rays", "jit", "square_distance", "update_clearance"]
 
 jit = numba.njit(cache=True, nogil=True)
 
@@ -157,25 +156,14 @@ def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, 
 
 
 @jit
-def segment_is_clear(clearance, x0, y0, x1, y1, least) -> Optional[bool]:
-    """Tell whether each point of a segment (in cells) certainly is ``least`` or more away from what is occupied.
-
-    ``clearance`` is a field as :func:`update_clearance` writes it. Distance changes by no more than one walks, so a
-    point is at least as clear as the nearest centre less the way there; that makes the answer safe, never exact.
-    """
-    height, width = clearance.shape
-    length = math.hypot(x1 - x0, y1 - y0)
-    done = 0.0
-    while True:
-        part = done / length if length > 0.0 else 0.0
-        x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
-        column, row = math.floor(x), math.floor(y)
-        if not (0 <= row < height and 0 <= column < width):
-            return False
-        spare = clearance[row, column] - math.hypot(x - column - 0.5, y - row - 0.5) - least
-        if spare < 0.0:
-            return False
-        if done >= length:
-            return True
-        # No point nearer than what is spared can be closer than `least`; a small step covers grazing lines.
-        done = min(length, done + max(spare, 0.1))
+def square_distance(occupied, x, y, reach):
+    """Return the distance (cells) of a point from the nearest occupied square, ``reach`` if none is nearer."""
+    height, width = occupied.shape
+    best = reach * reach
+    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
+        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
+            if occupied[row, column]:
+                dx = max(0.0, max(column - x, x - column - 1.0))
+                dy = max(0.0, max(row - y, y - row - 1.0))
+                best = min(best, dx * dx + dy * dy)
+    return math.sqrt(best)

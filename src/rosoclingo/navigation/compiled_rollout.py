@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit
+from rosoclingo.navigation.compiled import jit, square_distance
 
 __all__ = [
     "best_command",
@@ -100,20 +100,6 @@ def furthest_clear(clearance, x, y, points, least_away, floors):
 
 
 @jit
-def _square_distance(occupied, x, y, reach):
-    """Return the distance (cells) of a point from the nearest occupied square, ``reach`` if none is nearer."""
-    height, width = occupied.shape
-    best = reach * reach
-    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
-        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
-            if occupied[row, column]:
-                dx = max(0.0, max(column - x, x - column - 1.0))
-                dy = max(0.0, max(row - y, y - row - 1.0))
-                best = min(best, dx * dx + dy * dy)
-    return math.sqrt(best)
-
-
-@jit
 def body_clearance(clearance, occupied, body, x, y, yaw):
     """Return how far (cells) a body at a pose is from what is nearest; 0 or less when it touches that.
 
@@ -127,7 +113,7 @@ def body_clearance(clearance, occupied, body, x, y, yaw):
         py = y + s * body[i, 0] + c * body[i, 1]
         spare = point_clearance(clearance, px, py) - body[i, 2]
         if spare + body[i, 2] > -1.0 and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
-            spare = _square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
+            spare = square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
         least = min(least, spare)
     return least
 

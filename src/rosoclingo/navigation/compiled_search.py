@@ -7,11 +7,16 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit, segment_is_clear
+from rosoclingo.navigation.compiled import jit, square_distance
 
-__all__ = ["find_cells", "nearest_clear_cell", "straighten"]
+__all__ = ["find_cells", "nearest_clear_cell", "straighten", "tighten"]
 
 DIAGONAL = math.sqrt(2.0)
+# The search overestimates what is left by that factor: the way found may be that much dearer than the cheapest.
+EAGER = 1.003
+STEPS = ((0, 1, 1.0), (0, -1, 1.0), (1, 0, 1.0), (-1, 0, 1.0))
+STEPS += ((1, 1, DIAGONAL), (1, -1, DIAGONAL), (-1, 1, DIAGONAL), (-1, -1, DIAGONAL))
+ROWS, COLUMNS, LENGTHS = (np.array(part) for part in zip(*STEPS))
 
 
 @jit
@@ -24,9 +29,9 @@ def _price(clearance, comfort, weight):
 
 @jit
 def _octile(row, column, goal_row, goal_column):
-    """Return the length of the shortest 8-connected way on an empty grid."""
+    """Return a little more than the length of the shortest 8-connected way on an empty grid."""
     dr, dc = abs(row - goal_row), abs(column - goal_column)
-    return max(dr, dc) + (DIAGONAL - 1.0) * min(dr, dc)
+    return EAGER * (max(dr, dc) + (DIAGONAL - 1.0) * min(dr, dc))
 
 
 @jit
@@ -93,16 +98,19 @@ def find_cells(clearance, least, comfort, weight, start_row, start_column, goal_
         price = _price(clearance[row, column], comfort, weight)
         if size + 8 >= keys.shape[0]:
             keys, items = _grown_keys(keys), _grown_items(items)
-        for k in range(9):
-            r, c = row + k // 3 - 1, column + k % 3 - 1
-            if k == 4 or r < 0 or c < 0 or r >= height or c >= width:
+        for k in range(8):
+            r, c = row + ROWS[k], column + COLUMNS[k]
+            if r < 0 or c < 0 or r >= height or c >= width:
                 continue
-            if clearance[r, c] < least:
+            room = clearance[r, c]
+            if room < least:
                 continue
-            length = DIAGONAL if k % 2 == 0 else 1.0
             there = r * width + c
-            new = np.float32(cost + 0.5 * length * (price + _price(clearance[r, c], comfort, weight)))
-            if new < costs[there]:
+            old = costs[there]
+            if cost + LENGTHS[k] >= old:
+                continue
+            new = np.float32(cost + 0.5 * LENGTHS[k] * (price + _price(room, comfort, weight)))
+            if new < old:
                 costs[there], origins[there] = new, here
                 key = np.float32(new + _octile(r, c, goal_row, goal_column))
                 size = _push(keys, items, size, key, np.int32(there))
@@ -152,10 +160,38 @@ def _segment_price(clearance, x0, y0, x1, y1, comfort, weight):
 
 
 @jit
-def straighten(points, clearance, least, comfort, weight):
+def line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
+    """Tell whether a segment (in cells) keeps ``radius`` away from what is occupied, and off what is closed.
+
+    Distances are exact (looked at every tenth of a cell) where it is tight, and bounded by the field elsewhere.
+    """
+    height, width = clearance.shape
+    length = math.hypot(x1 - x0, y1 - y0)
+    done = 0.0
+    while True:
+        part = done / length if length > 0.0 else 0.0
+        x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
+        column, row = math.floor(x), math.floor(y)
+        if not (0 <= row < height and 0 <= column < width):
+            return False
+        off_centre = math.hypot(x - column - 0.5, y - row - 0.5)
+        spare = clearance[row, column] - off_centre - radius
+        if spare < 0.0:
+            if clearance[row, column] + off_centre < radius:
+                return False
+            spare = square_distance(occupied, x, y, radius + 0.5) - radius
+            if spare < 0.0:
+                return False
+        if done >= length:
+            return True
+        done = min(length, done + max(spare, 0.1))
+
+
+@jit
+def straighten(points, clearance, occupied, radius, comfort, weight):
     """Return the points (float64 n, 2; x, y) that are left when straight lines replace what they can.
 
-    A line replaces a part of the way when it is as clear as ``least`` and no dearer.
+    A line replaces a part of the way when it keeps ``radius`` from what is ``occupied`` and is no dearer.
     """
     count = points.shape[0]
     cost = np.zeros(count)
@@ -170,7 +206,9 @@ def straighten(points, clearance, least, comfort, weight):
         there, stride = here + 1, 1
         while stride > 0:
             probe = min(count - 1, there + stride)
-            if probe > there and _shortcut(points, cost, here, probe, clearance, least, comfort, weight):
+            if probe > there and _shortcut(
+                clearance, occupied, points[here], points[probe], radius, comfort, weight, cost[probe] - cost[here]
+            ):
                 there, stride = probe, stride * 2
             else:
                 stride //= 2
@@ -180,13 +218,42 @@ def straighten(points, clearance, least, comfort, weight):
 
 
 @jit
-def _shortcut(points, cost, i, j, clearance, least, comfort, weight):
-    """Tell whether the line from point i to point j may replace the way between them."""
-    x0, y0, x1, y1 = points[i, 0], points[i, 1], points[j, 0], points[j, 1]
-    if not segment_is_clear(clearance, x0, y0, x1, y1, least):
+def _shortcut(clearance, occupied, start, end, radius, comfort, weight, cost):
+    """Tell whether the line between two points is clear and costs no more than ``cost``."""
+    x0, y0, x1, y1 = start[0], start[1], end[0], end[1]
+    if not line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
         return False
-    price = _segment_price(clearance, x0, y0, x1, y1, comfort, weight)
-    return price <= (cost[j] - cost[i]) * 1.0005 + 1e-6
+    return _segment_price(clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
+
+
+@jit
+def tighten(points, clearance, occupied, radius, comfort, weight, rounds):
+    """Pull a way (float64 n, 2) tight: move inner points towards the line between their neighbours where that pays."""
+    for _ in range(rounds):
+        for i in range(1, points.shape[0] - 1):
+            a, b = points[i - 1], points[i + 1]
+            x, y = points[i, 0], points[i, 1]
+            dx, dy = b[0] - a[0], b[1] - a[1]
+            square = dx * dx + dy * dy
+            t = 0.5
+            if square > 0.0:
+                t = min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / square))
+            aim_x, aim_y = a[0] + t * dx, a[1] + t * dy
+            now = _segment_price(clearance, a[0], a[1], x, y, comfort, weight)
+            now += _segment_price(clearance, x, y, b[0], b[1], comfort, weight)
+            part = 1.0
+            while part > 0.05:
+                nx, ny = x + part * (aim_x - x), y + part * (aim_y - y)
+                there = _segment_price(clearance, a[0], a[1], nx, ny, comfort, weight)
+                there += _segment_price(clearance, nx, ny, b[0], b[1], comfort, weight)
+                if (
+                    there < now
+                    and line_is_clear(clearance, occupied, a[0], a[1], nx, ny, radius)
+                    and line_is_clear(clearance, occupied, nx, ny, b[0], b[1], radius)
+                ):
+                    points[i, 0], points[i, 1] = nx, ny
+                    break
+                part *= 0.5
 
 
 @jit

@@ -6,11 +6,13 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell, straighten
+from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell, straighten, tighten
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
+
+ROUNDS = 6  # of pulling a path tight
 
 
 class PlanOutcome(enum.Enum):
@@ -111,7 +113,10 @@ class GridPlanner(GlobalPlanner):
         if not len(cells):
             return _failed(PlanOutcome.NO_PATH)
         ends = (self._end(costmap, clearance, start, start_cell), self._end(costmap, clearance, goal, goal_cell))
-        points = straighten(_path(cells, ends), clearance, least, comfort, weight)
+        body = (clearance, costmap.occupied, costmap.limits.robot_radius / costmap.resolution, comfort, weight)
+        points = straighten(_path(cells, ends), *body)
+        tighten(points, *body, ROUNDS)
+        points = straighten(points, *body)
         return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points))
 
     def _comfort(self, costmap: Costmap) -> Tuple[float, float]:
