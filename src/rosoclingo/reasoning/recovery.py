@@ -108,6 +108,13 @@ class _Attempts:
             self.latest = found
         return found
 
+    def known(self, dropped: Sequence[Goal], everything: Recovery) -> Recovery:
+        """As ``without``, unless that has been planned just now, or ``everything`` is dropped."""
+        for found in (everything, self.latest):
+            if found is not None and {loss.goal for loss in found.losses} == set(dropped):
+                return found
+        return self.without([goal for goal in self._question.goals if goal in dropped])
+
     def met(self, kept: Sequence[Goal], seen: Sequence[Observation]) -> bool:
         """Whether there is a plan for the goals that are kept; raises UndecidedError."""
         question = self._question
@@ -131,8 +138,8 @@ def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Op
         return None
     if not choice:
         return None
-    found = everything if len(choice) == len(question.goals) else attempts.latest
-    return found._replace(losses=_losses(attempts, question, choice)) if found else None
+    found = attempts.known([goal for goal, _ in choice], everything)
+    return found._replace(losses=_losses(attempts, question, choice)) if found.met else None
 
 
 def _losses(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[Loss, ...]:
