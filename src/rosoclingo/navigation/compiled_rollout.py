@@ -142,7 +142,7 @@ def best_command(clearance, occupied, body, pose, speeds, turns, carrot, margin,
     ``weights``: of the distance to the carrot (1/cell), the angle to it (1/rad), nearness to obstacles (1/cell).
     """
     now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2])
-    floor = min(margin, now - 1e-3)
+    floor = min(margin, now - 1e-6)
     best, best_i, best_j, best_spare = np.inf, -1, -1, 0.0
     for i in range(speeds.shape[0]):
         for j in range(turns.shape[0]):

@@ -29,6 +29,7 @@ __all__ = ["FollowerLimits", "RolloutFollower"]
 
 # A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
 NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
+CLOSE = 0.005  # m that are kept free even where it is tight, unless there are less already
 STEPS = 12  # places looked at along a trial
 PATIENCE = 10.0  # s that a robot takes to get out of a tight place before it says so
 
@@ -159,7 +160,7 @@ class RolloutFollower(LocalPlanner):
         """Creep, backwards too, to where there is more room."""
         slow = self.limits.creep_vel_x
         speeds = np.array([slow, 0.5 * slow, -0.5 * slow, -slow])
-        found = self._best(now, refuge, Trial(speeds, 0.0, 2.0 * self.radius, (0.1, 0.0, 1.0)))
+        found = self._best(now, refuge, Trial(speeds, CLOSE, 2.0 * self.radius, (0.1, 0.0, 1.0)))
         if found is None or self._patience <= 0.0:
             self._refuge, self._patience = None, PATIENCE
             return Command(FollowOutcome.BLOCKED)
@@ -179,7 +180,7 @@ class RolloutFollower(LocalPlanner):
 
     def _drive(self, now: Situation, carrot: Sequence[float]) -> Command:
         """Try commands that keep the margin; where there is none, slow ones that barely touch nothing."""
-        for margin, top in ((self.limits.margin, self.limits.max_vel_x), (0.0, self.limits.creep_vel_x)):
+        for margin, top in ((self.limits.margin, self.limits.max_vel_x), (CLOSE, self.limits.creep_vel_x)):
             found = self._best(
                 now, carrot, Trial(self._speeds(now, top), margin, self.limits.comfort, (1.0, 0.25, 0.6))
             )
