@@ -16,6 +16,7 @@ EMPTY: Window = (0, 0, 0, 0)
 # A hit counts for so many rays that pass; from SURE on a cell is marked, and LIMIT is as sure as it gets: what hits in
 # less than a third of all scans is noise, and what has gone is forgotten after LIMIT rays have passed.
 GAIN, SURE, LIMIT = 2, 8, 24
+NEARBY = 1.5  # m: what is hit within it and not marked yet is kept, for who has to brake
 
 
 class CostmapLimits(NamedTuple):
@@ -40,6 +41,7 @@ class Costmap:
 
     ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`),
     -1 where nothing may go: unknown cells, unless allowed. ``static_clearance`` is the same for the map alone.
+    ``unmarked`` (n, 2; m) is what the last scan hit nearby that is neither on the map nor marked yet.
     """
 
     def __init__(self, grid: OccupancyGrid, limits: Optional[CostmapLimits] = None) -> None:
@@ -58,6 +60,7 @@ class Costmap:
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
         self.static_clearance = self.clearance.copy()
         near = self.limits.static_tolerance / grid.resolution
+        self.unmarked = np.empty((0, 2))
         self._mapped = np.ascontiguousarray(self.clearance <= near, dtype=np.uint8)
 
     @property
@@ -101,7 +104,21 @@ class Costmap:
         window = count_rays(
             self._counts, self._marks, self._mapped, x, y, turned, lengths, hits, GAIN, LIMIT, SURE
         )  # fmt: skip
-        return self._changed(window)
+        changed = self._changed(window)
+        self.unmarked = self._hits_elsewhere(sensor, turned, far, hits)
+        return changed
+
+    def _hits_elsewhere(self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, hits: np.ndarray) -> np.ndarray:
+        """Return the points (n, 2; m) nearby that a scan hit and that are neither on the map nor marked yet."""
+        near = hits & (ranges < NEARBY)
+        points = np.stack(
+            [sensor.x + ranges[near] * np.cos(angles[near]), sensor.y + ranges[near] * np.sin(angles[near])], axis=1
+        )
+        cells = np.floor((points - (self.grid.origin_x, self.grid.origin_y)) / self.resolution).astype(int)
+        inside = ((cells >= 0) & (cells < self.grid.shape[::-1])).all(axis=1)
+        points, cells = points[inside], cells[inside]
+        apart = self.clearance[cells[:, 1], cells[:, 0]] * self.resolution > self.limits.static_tolerance
+        return np.asarray(points[apart])
 
     def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
         """Drop what the laser marked further than ``beyond`` m (in x or y) from a point; tell whether any was."""

@@ -5,6 +5,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
+from rosoclingo.navigation.brake import braked
 from rosoclingo.navigation.compiled_rollout import path_is_clear
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
@@ -99,7 +100,9 @@ class Navigator:
         tick = self._handlers[self.state](now, pose, velocity, period)
         if tick.result is not None:
             self._go(State.IDLE)
-        return tick
+        follower = self.follower
+        slow = braked(tick.velocity, pose, self.costmap.unmarked, follower.radius, follower.footprint)
+        return tick._replace(velocity=slow)
 
     def blind(self, now: float, outcome: Outcome, reason: str) -> Tick:
         """Stand still for a control period in which pose or obstacles are not known; give up after some patience."""
