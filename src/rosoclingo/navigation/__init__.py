@@ -1,14 +1,18 @@
 """Occupancy grids, costmaps, path planning, path following and recovery (pure)."""
 
-from rosoclingo.navigation.costmap import Costmap, CostmapLimits
-from rosoclingo.navigation.follower import FollowerLimits, RolloutFollower
-from rosoclingo.navigation.geometry import Pose2D, normalize_angle, quaternion_to_yaw, yaw_to_quaternion
-from rosoclingo.navigation.grid import MapError, OccupancyGrid, load_map
-from rosoclingo.navigation.local_planner import Command, FollowOutcome, LocalPlanner, Velocity
-from rosoclingo.navigation.navigation_types import NavigationError, NavigatorLimits, Outcome, Result, State, Tick
-from rosoclingo.navigation.navigator import Navigator
-from rosoclingo.navigation.planner import GlobalPlanner, GridPlanner, GridPlannerLimits, Plan, PlanOutcome
-from rosoclingo.navigation.recovery import ClearCostmap, RecoveryBehavior, RotateRecovery, default_recoveries
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rosoclingo.navigation.costmap import Costmap, CostmapLimits
+    from rosoclingo.navigation.follower import FollowerLimits, RolloutFollower
+    from rosoclingo.navigation.geometry import Pose2D, normalize_angle, quaternion_to_yaw, yaw_to_quaternion
+    from rosoclingo.navigation.grid import MapError, OccupancyGrid, load_map
+    from rosoclingo.navigation.local_planner import Command, FollowOutcome, LocalPlanner, Velocity
+    from rosoclingo.navigation.navigation_types import NavigationError, NavigatorLimits, Outcome, Result, State, Tick
+    from rosoclingo.navigation.navigator import Navigator
+    from rosoclingo.navigation.planner import GlobalPlanner, GridPlanner, GridPlannerLimits, Plan, PlanOutcome
+    from rosoclingo.navigation.recovery import ClearCostmap, RecoveryBehavior, RotateRecovery, default_recoveries
 
 __all__ = [
     "ClearCostmap",
@@ -43,3 +47,44 @@ __all__ = [
     "quaternion_to_yaw",
     "yaw_to_quaternion",
 ]
+
+# Loaded when asked for: numba takes a second, and not everybody who wants a pose drives robots.
+_HOMES = {
+    "ClearCostmap": "recovery",
+    "Command": "local_planner",
+    "Costmap": "costmap",
+    "CostmapLimits": "costmap",
+    "FollowOutcome": "local_planner",
+    "FollowerLimits": "follower",
+    "GlobalPlanner": "planner",
+    "GridPlanner": "planner",
+    "GridPlannerLimits": "planner",
+    "LocalPlanner": "local_planner",
+    "MapError": "grid",
+    "NavigationError": "navigation_types",
+    "Navigator": "navigator",
+    "NavigatorLimits": "navigation_types",
+    "OccupancyGrid": "grid",
+    "Outcome": "navigation_types",
+    "Plan": "planner",
+    "PlanOutcome": "planner",
+    "Pose2D": "geometry",
+    "RecoveryBehavior": "recovery",
+    "Result": "navigation_types",
+    "RolloutFollower": "follower",
+    "RotateRecovery": "recovery",
+    "State": "navigation_types",
+    "Tick": "navigation_types",
+    "Velocity": "local_planner",
+    "default_recoveries": "recovery",
+    "load_map": "grid",
+    "normalize_angle": "geometry",
+    "quaternion_to_yaw": "geometry",
+    "yaw_to_quaternion": "geometry",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)

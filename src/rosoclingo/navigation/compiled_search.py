@@ -14,9 +14,9 @@ __all__ = ["find_cells", "nearest_clear_cell", "straighten", "tighten"]
 DIAGONAL = math.sqrt(2.0)
 # The search overestimates what is left by that factor: the way found may be that much dearer than the cheapest.
 EAGER = 1.003
-STEPS = ((0, 1, 1.0), (0, -1, 1.0), (1, 0, 1.0), (-1, 0, 1.0))
-STEPS += ((1, 1, DIAGONAL), (1, -1, DIAGONAL), (-1, 1, DIAGONAL), (-1, -1, DIAGONAL))
-ROWS, COLUMNS, LENGTHS = (np.array(part) for part in zip(*STEPS))
+# The steps to the eight cells around one.
+ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
+LENGTHS = np.hypot(ROWS, COLUMNS)
 
 
 @jit
