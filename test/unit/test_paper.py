@@ -100,7 +100,7 @@ def test_cancel_while_delivering_comes_too_late(mailbot):
 
 
 def test_failed_action_is_tried_again(mailbot):
-    mailbot.goal("first", "goal(office2,office1,1)").facts("_return(move_base,blocked,1)")
+    mailbot.goal("first", "goal(office2,office1,1)").facts("_return(move_base,failed,1)")
     assert mailbot.awaited == ["_action_lib(move_base,office2,2)"]
     assert mailbot.finish().states("first") == ["active", "succeeded"]
 
