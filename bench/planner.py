@@ -1,9 +1,18 @@
 #!/usr/bin/env python3
-"""Times planning on office-like maps of growing size: median and worst ms of reachable pairs, by map and length."""
+"""Times planning on office-like maps of growing size: median and worst ms of reachable pairs, by map and length.
+
+At the end the same as a service: move_base with a map of 540 x 587 cells, make_plan over 60 to 80 m, 20 calls each.
+Run it in the built workspace: ./dev exec python3 bench/planner.py
+"""
 
 import argparse
+import os
+import signal
+import socket
 import statistics
+import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -33,10 +42,79 @@ def office(height: int, width: int, seed: int, room: int = 60) -> OccupancyGrid:
     return OccupancyGrid(cells, 0.1)
 
 
+def far_apart(grid: OccupancyGrid, seed: int, low: float = 60.0, high: float = 80.0):
+    """Yield pairs of poses that a path of ``low`` to ``high`` m joins."""
+    costmap, planner, random = Costmap(grid, CostmapLimits()), GridPlanner(), np.random.default_rng(seed)
+    free = np.argwhere(costmap.clearance > 3.0)
+    while True:
+        ends = [Pose2D(*grid.centre(*free[random.integers(len(free))])) for _ in range(2)]
+        if ends[0].distance(ends[1]) > 0.6 * low and low <= planner.plan(costmap, *ends).length <= high:
+            yield ends
+
+
+def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> None:
+    """Print what make_plan takes, service call included, in a running system (simulator, map_server, move_base)."""
+    import rospy
+    from nav_msgs.srv import GetPlan, GetPlanRequest
+
+    rospy.init_node("planner_bench")
+    rospy.wait_for_service("move_base/make_plan", 60.0)
+    make_plan = rospy.ServiceProxy("move_base/make_plan", GetPlan)
+    for _, ends in zip(range(pairs), far_apart(grid, seed)):
+        request = GetPlanRequest()
+        for stamped, end in zip((request.start, request.goal), ends):
+            stamped.header.frame_id, stamped.pose.orientation.w = "map", 1.0
+            stamped.pose.position.x, stamped.pose.position.y = end[:2]
+        deadline = time.monotonic() + 60.0
+        while not make_plan(request).plan.poses:  # until there is a map
+            if time.monotonic() > deadline:
+                sys.exit("make_plan finds no way")
+            time.sleep(0.2)
+        times = []
+        for _ in range(20):
+            start = time.perf_counter()
+            poses = make_plan(request).plan.poses
+            times.append(1e3 * (time.perf_counter() - start))
+        points = np.array([(pose.pose.position.x, pose.pose.position.y) for pose in poses])
+        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        print(f"make_plan {length:5.1f} m: median {statistics.median(times):5.1f} ms, worst {max(times):5.1f} ms")
+
+
+def serve(seed: int, pairs: int) -> None:
+    """Start a system of its own and call its service."""
+    grid = office(587, 540, seed)
+    with socket.socket() as free:
+        free.bind(("", 0))
+        os.environ["ROS_MASTER_URI"] = f"http://localhost:{free.getsockname()[1]}"
+    with tempfile.TemporaryDirectory() as folder:
+        levels = np.where(grid.cells[::-1] > 0, 0, 254).astype(np.uint8)
+        header = f"P5 {levels.shape[1]} {levels.shape[0]} 255\n".encode()
+        (Path(folder) / "map.pgm").write_bytes(header + levels.tobytes())
+        values = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n"
+        (Path(folder) / "map.yaml").write_text(values + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+        home = next(far_apart(grid, seed))[0]
+        world = f"map: map.yaml\nrobots: [{{pose: [{home.x}, {home.y}, 0]}}]\n"
+        (Path(folder) / "world.yaml").write_text(world)
+        port = os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        commands = (
+            ["roslaunch", "-p", port, "rosoclingo", "simulation.launch", f"world:={folder}/world.yaml"],
+            ["roslaunch", "--wait", "rosoclingo", "navigation.launch", f"map:={folder}/map.yaml"],
+        )
+        processes = [subprocess.Popen(command, **quiet) for command in commands]
+        try:
+            call_service(grid, seed, pairs)
+        finally:
+            for process in processes[::-1]:
+                process.send_signal(signal.SIGINT)
+                process.wait(30)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--plans", type=int, default=60, help="plans a map")
     parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--pairs", type=int, default=3, help="pairs for make_plan as a service, 0: without ROS")
     arguments = parser.parse_args()
     planner = GridPlanner()
     print("cells      costmap ms   length m  plans  median ms  worst ms")
@@ -60,6 +138,9 @@ def main() -> None:
             row = (width, height, 1e3 * made, length, length + 20, len(values))
             median, worst = 1e3 * statistics.median(values), 1e3 * max(values)
             print("{:4}x{:<4} {:10.1f}  {:4}-{:<4} {:6}".format(*row), f" {median:9.1f} {worst:9.1f}")
+    if arguments.pairs:
+        serve(arguments.seed, arguments.pairs)
+    print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
 
 
 if __name__ == "__main__":
