@@ -56,7 +56,8 @@ class Bag:
         elif topic == "out_rosoclingo":
             self.actions += [parse_atom(fact) for fact in message.facts]
         elif topic == "in_rosoclingo":
-            self.returns += [parse_atom(fact) for fact in message.facts]
+            facts = [parse_atom(fact) for fact in message.facts]
+            self.returns += [fact for fact in facts if fact.name == "_return"]
         elif topic == "rosoclingo/result":
             self.ends[message.status.goal_id.id] = GOAL_STATES[message.status.status]
 

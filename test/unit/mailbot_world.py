@@ -42,8 +42,8 @@ def neighbours(corridors):
 def fewest_steps(graph, capacity, office, packages, astray=False, shut=frozenset(), spared=frozenset()):
     """Return the length of a shortest plan, None where there is none.
 
-    ``packages`` is a tuple of places, those with an index in ``spared`` may stay as they are; ``shut`` holds connections
-    as frozensets of their ends, one office alone for the way back to it.
+    ``packages`` is a tuple of places, those with an index in ``spared`` may stay as they are; ``shut`` holds
+    connections as frozensets of their ends, one office alone for the way back to it.
     """
     first = (office, astray, tuple(packages))
     seen, queue = {first: 0}, deque([first])
@@ -71,7 +71,7 @@ def _successors(graph, capacity, shut, office, astray, packages):
             after = ("rides", place[2])
         elif not (place and place[0] == "rides" and place[1] == office):
             continue
-        yield office, False, packages[:index] + (after,) + packages[index + 1 :]
+        yield office, False, (*packages[:index], after, *packages[index + 1 :])
 
 
 def reachable(graph, shut, office):

@@ -1,4 +1,4 @@
-"""The mailbot encoding: plans are shortest, in every situation, and no situation leaves it without one that there is."""
+"""The mailbot encoding: plans are shortest, in every situation, and there is one wherever there can be one."""
 
 from pathlib import Path
 
@@ -125,12 +125,11 @@ def test_no_failure_is_tried_for_ever(reason):
     """Whatever the robot tries fails: the request ends, and the next one finds the robot ready to try again."""
     robot = Mailbot(6, FLOOR)
     robot.request(1, 3, 6)
-    for cycle in range(100):
-        ahead = robot.plan()
-        if ahead is None:
-            break
+    ahead = robot.plan()
+    while ahead is not None:
+        assert robot.cycle < 20
         robot.act(ahead[0], reason)
-    assert 0 < cycle < 20
+        ahead = robot.plan()
     give_up(robot)
     assert robot.plan() == []
     robot.request(2, 3, 6)
