@@ -50,6 +50,16 @@ def test_whatever_is_commanded_no_robot_is_ever_in_a_wall(commands, square):
         world.place("robot_0", pose)  # raises where the robot would stand in something
 
 
+def test_who_drove_until_he_touched_a_wall_stands_free_of_it():
+    """The wall ends at 0.1 m, the radius is 0.25 m."""
+    world = simulation(room(2.0, 2.0, 0.05), Pose2D(0.5, 0.5), laser=None, radius=0.25, **STRONG)
+    [pose] = drive(world, [(-2.0, 0.0)])
+    assert pose == pytest.approx((0.35, 0.5, 0.0))
+    world.place("robot_0", pose)
+    with pytest.raises(WorldError, match="wall"):
+        world.place("robot_0", pose._replace(x=pose.x - 1e-6))
+
+
 @given(COMMANDS)
 @settings(max_examples=30)
 def test_same_seed_and_commands_same_poses_to_the_last_bit(commands):

@@ -16,6 +16,8 @@ __all__ = ["Collision", "Simulation", "load_simulation"]
 
 Segment = Tuple[float, float, float, float]
 
+# Who touches something stands free of it: a pose that was reached by driving must not be refused by rounding.
+TOUCH = 1e-9
 HITS = {HIT_WALL: "a wall", HIT_SEGMENT: "a door, a box or a robot's side", HIT_DISC: "an obstacle or a robot"}
 
 
@@ -174,8 +176,8 @@ class Simulation:
         around, cells = self._around(robot), self._in_cells(pose)
         return int(
             body_hits(
-                around.occupied, around.segments, around.discs, self._outlines[robot],
-                self._robot(robot).spec.radius / self._scale, cells.x, cells.y, cells.yaw,
+                around.occupied, around.segments, around.discs, self._outlines[robot] * (1.0 - TOUCH),
+                self._robot(robot).spec.radius / self._scale * (1.0 - TOUCH), cells.x, cells.y, cells.yaw,
             )
         )  # fmt: skip
 
