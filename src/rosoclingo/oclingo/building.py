@@ -1,10 +1,23 @@
 """Building a grounding anew from a stream's state."""
 
-from typing import Dict, Tuple
+from typing import Dict, Iterator, Tuple
 
 from rosoclingo.oclingo.engine import Engine
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.state import Lifetime, StreamState
+
+BLOCK = 16
+"""Steps that are grounded at once."""
+
+
+def _block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
+    """Yield the last steps of the blocks from ``first`` to the horizon; one ends where steps may be retired."""
+    while first <= state.horizon:
+        last = min(first + block - 1, state.horizon)
+        if first < state.keep_from <= last:
+            last = state.keep_from - 1
+        yield last
+        first = last + 1
 
 
 def build_engine(program: ReactiveProgram, state: StreamState, shortest: bool) -> Tuple[Engine, Dict[Lifetime, int]]:
@@ -16,8 +29,8 @@ def build_engine(program: ReactiveProgram, state: StreamState, shortest: bool) -
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
     guards: Dict[Lifetime, int] = {}
     engine = Engine(program, state.open_atoms, facts, shortest, state.past)
-    while engine.horizon < state.horizon:
-        engine.ground_step()
+    for last in _block_ends(state, engine.horizon + 1, BLOCK if shortest else 1):
+        engine.ground_to(last)
     for atom in state.forgotten:
         engine.atoms.close(atom)
     for cycle, executed in state.closed_cycles.items():

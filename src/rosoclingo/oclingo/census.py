@@ -11,36 +11,46 @@ BASE = -(2**31)
 
 
 class StepRecorder(Observer):
-    """Notes the literals in the ground rules of each step.
+    """Notes the literals in the ground rules of each block of steps that are grounded at once.
 
     Attributes:
-        step: the step that is being grounded, None for anything else.
-        heads: step -> atoms that its rules define.
-        atoms: step -> all atoms of its rules, and its externals.
+        blocks: first step of a block -> its steps.
+        heads: first step of a block -> atoms that its rules define.
+        atoms: first step of a block -> all atoms of its rules, and its externals.
         opaque: True once something was grounded whose meaning is not in rules alone.
 
     """
 
     def __init__(self) -> None:
-        self.step: Optional[int] = None
+        self._block: Optional[int] = None
+        self.blocks: Dict[int, range] = {}
         self.heads: Dict[int, Set[int]] = {}
         self.atoms: Dict[int, Set[int]] = {}
         self.opaque = False
 
+    def begin(self, steps: range) -> None:
+        """Take what comes as the rules of ``steps``."""
+        self._block = steps[0]
+        self.blocks[steps[0]] = steps
+
+    def end(self) -> None:
+        """Take what comes as nobody's."""
+        self._block = None
+
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """A rule of some step."""
-        if self.step is not None:
-            self._note(self.step, head, body)
+        if self._block is not None:
+            self._note(self._block, head, body)
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
         """A rule with a weighted body of some step."""
-        if self.step is not None:
-            self._note(self.step, head, [literal for literal, _ in body])
+        if self._block is not None:
+            self._note(self._block, head, [literal for literal, _ in body])
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
         """An external of some step."""
-        if self.step is not None:
-            self._note(self.step, (), (atom,))
+        if self._block is not None:
+            self._note(self._block, (), (atom,))
 
     def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
         """Edges of all steps make one graph."""
@@ -50,9 +60,9 @@ class StepRecorder(Observer):
         """A theory's atoms may mean anything."""
         self.opaque = True
 
-    def _note(self, step: int, head: Sequence[int], body: Sequence[int]) -> None:
-        self.heads.setdefault(step, set()).update(head)
-        atoms = self.atoms.setdefault(step, set())
+    def _note(self, block: int, head: Sequence[int], body: Sequence[int]) -> None:
+        self.heads.setdefault(block, set()).update(head)
+        atoms = self.atoms.setdefault(block, set())
         atoms.update(head)
         atoms.update(map(abs, body))
 
@@ -61,7 +71,7 @@ class Census(Propagator):
     """Reads, at the start of a search, what is fixed whatever further steps and externals bring.
 
     Attributes:
-        first: the first step, up to ``before``, with an atom that is not fixed; 0 where nothing could be read.
+        first: the first step, up to ``before``, of a block that is not decided; 0 where nothing could be read.
         values: the fixed atoms and their truth values.
         literals: the atoms' literals.
 
@@ -87,11 +97,11 @@ class Census(Propagator):
         # what base defines without a name can't be told to a later grounding
         nameless = self._recorder.heads.get(BASE, set()) - set(self.literals.values())
         self.first = self._start
-        while self.first < self._before:
+        while self.first in self._recorder.blocks and self._recorder.blocks[self.first][-1] < self._before:
             atoms = self._recorder.atoms.get(self.first, set())
             if atoms & nameless or any(_fixed(init, atom) is None for atom in atoms):
                 break
-            self.first += 1
+            self.first = self._recorder.blocks[self.first][-1] + 1
 
     @property
     def base(self) -> Set[int]:
@@ -99,7 +109,7 @@ class Census(Propagator):
         return self._recorder.atoms.get(BASE, set())
 
     def steps(self) -> Dict[int, int]:
-        """Return for the atoms that decided steps mention the first such step."""
+        """Return for the atoms that decided blocks mention the first step of the first such block."""
         found: Dict[int, int] = {}
         for step in range(self._start, self.first):
             for atom in self._recorder.atoms.get(step, ()):

@@ -50,6 +50,7 @@ class Engine:
         messages: what clingo said since they were last cleared.
         shown: the shown atoms of the last answer.
         satisfied: whether the last search had an answer.
+        tried: before which step it was tried last to retire steps.
 
     """
 
@@ -86,14 +87,15 @@ class Engine:
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
         self.satisfied = False
+        self.tried = 0
         self._past = past or Past(program.first_step, frozenset())
         self._retired = frozenset(atom for _, atom in self._past.shown)
         self.horizon = self._past.first - 1
         self._ends = HorizonLiterals(self._control, self._editor, self.horizon)
         self.declare(open_atoms, facts)
-        self._recorder.step = BASE
+        self._recorder.begin(range(BASE, BASE + 1))
         self._ground([("base", [])], 1)
-        self._recorder.step = None
+        self._recorder.end()
         self._of_base = frozenset(self._declared)
         self._base_externals: Set[clingo.Symbol] = set()
         self._tell(self._past.facts)
@@ -121,12 +123,20 @@ class Engine:
         self._returns.expire()
         self._actions.expire()
 
-    def ground_step(self) -> None:
-        """Ground the next step; raises RuntimeError as clingo does."""
-        self.horizon += 1
-        step = self._recorder.step = self.horizon
-        self._ground([(part, [clingo.Number(step)]) for part in ("cumulative", "volatile")], step)
-        self._recorder.step = None
+    def ground_to(self, last: int) -> None:
+        """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
+        steps = range(self.horizon + 1, last + 1)
+        parts = [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")]
+        self.horizon = last
+        self._recorder.begin(steps)
+        self._ground(parts, steps[0])
+        self._recorder.end()
+        for step in steps:
+            self._bound(step)
+        self.atoms.resolve_absent()
+
+    def _bound(self, step: int) -> None:
+        """Tie what holds at ``step`` to the horizon and to the cycles that have been closed."""
         for window in self.program.windows:
             guard = self._control.symbolic_atoms[guard_atom(window, step)]
             if guard is not None and window > 0:
@@ -135,7 +145,6 @@ class Engine:
         if self._shortest:
             self._ends.forbid_beyond(step)
         self._actions.forbid_late(step)
-        self.atoms.resolve_absent()
 
     def new_guard(self) -> int:
         """Return a literal that holds until it is released."""
@@ -150,7 +159,9 @@ class Engine:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
         for atom, literal in self._externals.fresh():
             if literal in self._declared and atom not in self.atoms.stepless:
-                self._declarations.setdefault(self._declared[literal], []).append(atom)
+                block = self._recorder.blocks.get(self._declared[literal], range(1, 2))
+                step = self.program.declaring_step(atom, block) if len(block) > 1 else self._declared[literal]
+                self._declarations.setdefault(step, []).append(atom)
                 if literal in self._of_base:
                     self._base_externals.add(atom)
         steps = [step for step in self._declarations if first <= step <= last]
@@ -224,3 +235,12 @@ class Engine:
         if result.interrupted:
             return Search(None)
         return Search(bool(result.satisfiable), tuple(answers), horizons[-1])
+
+
+def explain(error: RuntimeError, engine: Optional[Engine]) -> str:
+    """Return what clingo's ``error`` means for the update that was fed to ``engine``."""
+    said = engine.messages.text() if engine is not None else ""
+    text = f"the update was refused: {error}"
+    if "redefinition" in text:
+        text += " (the rules of two steps define it: give the head the step, like p(t))"
+    return f"{text}\n{said}" if said else text

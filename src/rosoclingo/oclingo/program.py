@@ -40,6 +40,7 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         warnings: what is odd but usable, as text.
+        may_idle: whether steps may be idle (see :mod:`~rosoclingo.oclingo.idling`), None as long as nobody has looked.
 
     """
 
@@ -52,6 +53,7 @@ class ReactiveProgram:
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
         self._directives = Directives()
         self.warnings: List[str] = []
+        self.may_idle: Optional[bool] = None
         parsed = read_sources(sources, self._directives, self.warnings)
         self.parts: List[Part] = rewrite(parsed, self._directives)
         self.parts += rewrite(read_sources([closing_text(self.parts)], Directives(), []), Directives())
@@ -111,6 +113,10 @@ class ReactiveProgram:
         """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
         patterns = self._declarations.get(signature_of(atom), ())
         return any(one.parameter and one.may_match(atom, first, last, self._values) for one in patterns)
+
+    def declaring_step(self, atom: clingo.Symbol, steps: Sequence[int]) -> int:
+        """Return which of ``steps``, where it was declared external, declared ``atom``."""
+        return next((step for step in steps if self.may_declare(atom, step, step)), steps[0])
 
     def _collect(self) -> None:
         """Gather signatures, dependencies and patterns from the statements."""

@@ -16,21 +16,37 @@ class Query:
 
     """
 
-    def __init__(self, models: int, shortest: bool, hint: int, halt: Callable[[], bool]) -> None:
-        """Prepare to search for ``models`` answers; ``hint`` is a likely horizon (that of the last one)."""
+    def __init__(self, models: int, shortest: bool, hint: int, block: int, halt: Callable[[], bool]) -> None:
+        """Prepare to search for ``models`` answers.
+
+        ``hint`` is a likely horizon (that of the last one), ``block`` the number of steps to grow by.
+        """
         self._models, self._shortest, self._hint, self._halt = models, shortest, hint, halt
+        self._block = block
         self.seconds = 0.0
         self.permanent = False
 
     def run(self, transaction: Transaction) -> Search:
-        """Search at the grounded horizons, then grow one by one until there is an answer or no more may be grounded."""
+        """Search at the grounded horizons, then grow until there is an answer or no more may be grounded."""
         found = self._search_grounded(transaction)
         while found.satisfiable is False and not self.permanent and transaction.may_grow():
             if self._halt():
                 return Search(None)
-            transaction.grow()
-            horizon = transaction.state.horizon
-            found = self._ask(transaction, horizon, horizon)
+            first = transaction.state.horizon + 1
+            transaction.grow(self._block)
+            found = self._search_block(transaction, first, transaction.state.horizon)
+        return found
+
+    def _search_block(self, transaction: Transaction, first: int, last: int) -> Search:
+        found = self._ask(transaction, first, last)
+        if not found.satisfiable or first == last:
+            return found
+        return self._complete(transaction, self._improve(transaction, first, found))
+
+    def _complete(self, transaction: Transaction, found: Search) -> Search:
+        """Find all answers, or the best, of the least horizon, where more than any is asked for."""
+        if found.satisfiable and (self._models != 1 or transaction.program.optimizes):
+            return self._ask(transaction, found.horizon, found.horizon)
         return found
 
     def _search_grounded(self, transaction: Transaction) -> Search:
@@ -38,10 +54,7 @@ class Query:
         first = min(max(transaction.state.step, transaction.program.first_step), horizon)
         if not self._shortest or first == horizon:
             return self._ask(transaction, horizon, horizon)
-        found = self._search_range(transaction, first, horizon)
-        if found.satisfiable and (self._models != 1 or transaction.program.optimizes):
-            found = self._ask(transaction, found.horizon, found.horizon)
-        return found
+        return self._complete(transaction, self._search_range(transaction, first, horizon))
 
     def _search_range(self, transaction: Transaction, first: int, last: int) -> Search:
         """Find an answer of the least horizon in first..last; the hint and below are asked first."""

@@ -27,9 +27,9 @@ def first_step(program: ReactiveProgram, state: StreamState) -> int:
     return program.first_step if state.past is None else state.past.first
 
 
-def is_due(program: ReactiveProgram, state: StreamState) -> bool:
-    """Tell whether so many steps are over that it is worth a grounding of its own."""
-    return state.keep_from - first_step(program, state) >= RETIRE_AFTER
+def is_due(program: ReactiveProgram, state: StreamState, engine: Engine) -> bool:
+    """Tell whether so many steps are over, since the last try as well, that it is worth a grounding of its own."""
+    return state.keep_from - max(first_step(program, state), engine.tried) >= RETIRE_AFTER
 
 
 def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbol) -> bool:
@@ -54,6 +54,7 @@ def retire(program: ReactiveProgram, state: StreamState, engine: Engine) -> bool
     before = min(state.keep_from, state.step + 1 - max(program.windows), engine.horizon + 1)
     if before <= start or not engine.satisfied:
         return False
+    engine.tried = state.keep_from
     _close(state, engine, start, before)
     census = engine.census(start, before)
     if census.first <= start:

@@ -11,14 +11,18 @@ from typing import Callable, Dict, FrozenSet, Iterable, Optional, Tuple, TypeVar
 
 import clingo
 
-from rosoclingo.oclingo.engine import Engine, Search
+from rosoclingo.oclingo.engine import Engine, Search, explain
 from rosoclingo.oclingo.errors import SolverError
+from rosoclingo.oclingo.idling import may_idle
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.query import Query
 from rosoclingo.oclingo.state import StreamState
 from rosoclingo.oclingo.strings import strings_apart
 from rosoclingo.oclingo.transaction import Setting, Transaction
+
+BLOCK = 8
+"""Steps to grow by at once where the program allows it."""
 
 T = TypeVar("T")
 Answer = FrozenSet[clingo.Symbol]
@@ -39,7 +43,7 @@ class SolveResult:
     Attributes:
         outcome: satisfiable; unsatisfiable up to the bound or for good; or interrupted.
         answers: the shown atoms of each answer, in the order in which they were found.
-        horizon: N, the last grounded step.
+        horizon: that of the answers, else the last one that was searched.
         step: k, the step of the update.
         warnings: what was ignored and why.
         permanent: True where no further step and no external can make the program satisfiable.
@@ -177,7 +181,7 @@ class ReactiveSolver:
         try:
             result = action()
         except RuntimeError as error:
-            raise SolverError(transaction.explain(error)) from None
+            raise SolverError(explain(error, transaction.engine)) from None
         except SolverError:
             self._engine = engine if not transaction.touched else None
             raise
@@ -188,7 +192,8 @@ class ReactiveSolver:
         self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]
     ) -> SolveResult:
         start = time.perf_counter()
-        query = Query(self.models, self.shortest, self._hint, halt)
+        block = BLOCK if self.shortest and may_idle(self.program, halt) else 1
+        query = Query(self.models, self.shortest, self._hint, block, halt)
         search = Search(None)
         if transaction.begin(update, halt):
             search = query.run(transaction)
@@ -199,4 +204,5 @@ class ReactiveSolver:
             outcome = SolveOutcome.SATISFIABLE if search.satisfiable else SolveOutcome.UNSATISFIABLE
         spent = {"solve": query.seconds, "ground": time.perf_counter() - start - query.seconds}
         state, warnings = transaction.state, tuple(transaction.warnings)
-        return SolveResult(outcome, search.answers, state.horizon, state.step, warnings, query.permanent, spent)
+        horizon = search.horizon if search.satisfiable else state.horizon
+        return SolveResult(outcome, search.answers, horizon, state.step, warnings, query.permanent, spent)

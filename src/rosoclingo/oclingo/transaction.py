@@ -61,6 +61,7 @@ class Transaction:
         self._dependencies = setting.dependencies
         self._shortest = setting.shortest
         self._guards: Dict[Lifetime, int] = {}
+        self._given: Set[clingo.Symbol] = set()  # facts of this update that the grounding knows already
 
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
@@ -71,8 +72,8 @@ class Transaction:
         if update is not None:
             self.warnings.extend(update.warnings)
             self._lapse([entry for entry in state.lapsing + state.waiting if entry.lifetime == UPDATE])
-            if is_due(self.program, state):
-                self._give_up_engine()
+            if self.engine is not None and is_due(self.program, state, self.engine):
+                self._give_up_engine(always=False)
             if update.step is not None:
                 state.step = update.step
                 state.bound = None if update.bound is None else update.step + update.bound
@@ -105,17 +106,10 @@ class Transaction:
         bound, horizon = self.state.bound, self.state.horizon
         return (bound is None or horizon < bound) and (self._limit is None or horizon < self._limit)
 
-    def grow(self) -> None:
-        """Ground one more step."""
-        self._step_on(self._standing())
-
-    def explain(self, error: RuntimeError) -> str:
-        """Return what clingo's ``error`` means for this update."""
-        said = self.engine.messages.text() if self.engine is not None else ""
-        text = f"the update was refused: {error}"
-        if "redefinition" in text:
-            text += " (the rules of two steps define it: give the head the step, like p(t))"
-        return f"{text}\n{said}" if said else text
+    def grow(self, steps: int = 1) -> None:
+        """Ground ``steps`` more steps at once, or fewer where bound or limit come first."""
+        ends = (end for end in (self.state.bound, self._limit) if end is not None)
+        self._advance(self._standing(), min([self.state.horizon + steps, *ends]))
 
     def _check_limit(self, horizon: int) -> None:
         if self._limit is not None and horizon > self._limit:
@@ -141,13 +135,13 @@ class Transaction:
             if any(self.program.may_see(atom, first, self.engine.horizon) for atom in new):
                 self._give_up_engine()
             elif new:
-                self.engine.declare(new)
+                self._given = {atom for atom in new if fresh[atom]}
+                self.engine.declare(new, self._given)
 
-    def _give_up_engine(self) -> None:
-        """Let the program be ground anew, but for the steps that are over."""
-        if self.engine is not None:
-            retire(self.program, self.state, self.engine)
-        self.engine = None
+    def _give_up_engine(self, always: bool = True) -> None:
+        """Let the program be ground anew, but for the steps that are over, or only where there are any such."""
+        over = self.engine is not None and retire(self.program, self.state, self.engine)
+        self.engine = None if over or always else self.engine
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
@@ -155,13 +149,13 @@ class Transaction:
         while self.state.horizon < horizon:
             if halt():
                 return False
-            self._step_on(engine)
+            self._advance(engine, horizon if self._shortest else self.state.horizon + 1)
         return True
 
-    def _step_on(self, engine: Engine) -> None:
-        """Ground the next step, with all that falls due at it."""
-        self.state.horizon += 1
-        engine.ground_step()
+    def _advance(self, engine: Engine, horizon: int) -> None:
+        """Ground up to ``horizon``, with all that falls due there."""
+        self.state.horizon = horizon
+        engine.ground_to(horizon)
         self._fall_due(engine)
 
     def _fall_due(self, engine: Engine) -> None:
@@ -206,7 +200,9 @@ class Transaction:
             return  # its window has passed
         engine = self._standing()
         head = statement.head
-        if head is None or engine.atoms.is_open(head) or self._is_new(head, engine):
+        if head in self._given and not statement.body and lifetime == FOREVER:
+            self.state.permanent.append(statement)
+        elif head is None or engine.atoms.is_open(head) or self._is_new(head, engine):
             self._put(statement, lifetime)
         elif not statement.body and engine.atoms.is_true(head):
             return  # said before
