@@ -275,3 +275,15 @@ def test_two_robots_pass_each_other_in_a_corridor():
         collisions += world.step()
     assert results == {"a": Outcome.REACHED, "b": Outcome.REACHED}
     assert collisions == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_tight_door_is_not_touched(seed):
+    """Four and a half centimetres on either side, entered from anywhere, to and fro."""
+    random = np.random.default_rng(seed)
+    gap = 2.0 + 0.05 * random.integers(0, 20)
+    drive = Drive(simulation(room(6.0, 5.0, walls=[(2.9, 0.0, 3.1, gap), (2.9, gap + 0.45, 3.1, 5.0)]), START))
+    for i in range(4):
+        goal = Pose2D((4.8, 1.2)[i % 2], random.uniform(0.6, 4.4), random.uniform(-3.0, 3.0))
+        assert drive.to(goal).outcome is Outcome.REACHED
+    assert drive.collisions == []
