@@ -137,7 +137,7 @@ def test_twice_and_unknown_and_after_the_end(preempt):
 
 @PREEMPT
 def test_one_of_several(preempt):
-    office = Office(preempt).ask(3, 2, 1).ask(3, 4, 2).until("pickup,2").cancel("1").finish()
+    office = Office(preempt).ask(3, 2, 1).ask(3, 4, 2).succeed().cancel("1").finish()
     assert office.states("1")[-1] == "preempted"
     assert office.states("2")[-1] == "succeeded"
     assert office.world.places == {"1": "office3", "2": "office4"}
@@ -150,3 +150,13 @@ def test_an_action_that_serves_another_goal_as_well_goes_on(preempt):
     office.cancel("1")
     assert office.preempted == []
     assert office.finish().states("2")[-1] == "succeeded"
+
+
+def test_a_goal_that_cannot_be_met_is_told_in_the_programs_words():
+    office = Office().ask(3, 4, 1).until("move_base,office4").refuse("blocked").finish()
+    assert office.message("1") == (
+        "goal 1 cannot be met: office4 is unreachable since the connection office3-office4 was blocked in cycle 4"
+    )
+    assert office.states("1")[-1] == "aborted"
+    assert office.world.places == {"1": "office3"}, "it is brought back"
+    assert office.ask(3, 4, 2).finish().states("2")[-1] == "succeeded", "asked again, it is tried again"
