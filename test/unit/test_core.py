@@ -63,6 +63,9 @@ class Procrastinator:
     def close_cycle(self, cycle, executed):
         pass
 
+    def forget_before(self, step):
+        pass
+
     def snapshot(self):
         return None
 

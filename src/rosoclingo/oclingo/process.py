@@ -108,6 +108,10 @@ class SolverProcess:
         self._taken[place.number] = len(log) + 1
         return reply
 
+    def shorten(self, place: Place, length: int) -> None:
+        """Note that a log of ``length`` entries now leads to the state of the solver at ``place``."""
+        self._taken[place.number] = length
+
     def _guarded(self, action: Callable[[], Message], rebuilt: Sequence[Any]) -> Message:
         """Do ``action``; where the child is lost have another one under way, which takes what it is to know again."""
         if self._closed:

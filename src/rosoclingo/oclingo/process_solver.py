@@ -1,17 +1,23 @@
 """A reactive solver that works in a :class:`~rosoclingo.oclingo.process.SolverProcess`."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Callable, FrozenSet, Iterable, List, Optional, Tuple
 
 import clingo
 
+from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.process_wire import Message, result_from_message, symbols_from_text, symbols_to_text
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.progression_parser import parse_update
 from rosoclingo.oclingo.solver import SolveResult
+from rosoclingo.oclingo.state_wire import state_from_message, state_to_message
 
 if TYPE_CHECKING:
     from rosoclingo.oclingo.process import SolverProcess
+
+LOG_LIMIT = 50
+"""Entries of a log from which on the child's state takes their place."""
 
 Stopped = Callable[[], bool]
 
@@ -85,6 +91,15 @@ class ProcessSolver:
         """Fix the actions of ``cycle`` to those in ``executed``; the child hears of it with the next search."""
         self._log.append({"do": "close", "cycle": cycle, "executed": symbols_to_text(executed)})
 
+    def forget_before(self, step: int) -> None:
+        """Let the steps before ``step`` be over; from now on the log begins with a state now and then."""
+        self._log.append({"do": "forget", "step": step})
+        if len(self._log) > LOG_LIMIT:
+            with suppress(SolverError):  # a child that was lost takes the whole log again, and is asked another time
+                state = self._process.ask(self._place, self._log, {"do": "state"}, None)["state"]
+                self._log = [{"do": "restore", "state": state}]
+                self._process.shorten(self._place, 1)
+
     def _search(self, command: Message, stopped: Optional[Stopped]) -> SolveResult:
         result = result_from_message(self._process.ask(self._place, self._log, command, stopped))
         self._log.append(dict(command, horizon=result.horizon))
@@ -93,6 +108,8 @@ class ProcessSolver:
 
 
 def _entry_less(entry: Message, facts: FrozenSet[clingo.Symbol]) -> Message:
+    if "state" in entry:
+        return dict(entry, state=state_to_message(state_from_message(entry["state"]).less(facts)))
     if "executed" in entry:
         return dict(entry, executed=symbols_to_text(symbols_from_text(entry["executed"]) - facts))
     text = entry.get("update", "")

@@ -45,9 +45,14 @@ def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
     return ",".join(map(str, symbols))
 
 
+def symbol_list(text: str) -> List[clingo.Symbol]:
+    """Return the symbols that :func:`symbols_to_text` printed, in order."""
+    return list(clingo.parse_term(f"({text},)").arguments) if text else []
+
+
 def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
-    """Return the symbols that :func:`symbols_to_text` printed."""
-    return frozenset(clingo.parse_term(f"({text},)").arguments) if text else frozenset()
+    """Return the set of the symbols that :func:`symbols_to_text` printed."""
+    return frozenset(symbol_list(text))
 
 
 def program_to_message(program: ReactiveProgram) -> Message:

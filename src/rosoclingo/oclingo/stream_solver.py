@@ -36,6 +36,9 @@ class StreamSolver(Protocol):
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to those in ``executed``."""
 
+    def forget_before(self, step: int) -> None:
+        """Let the steps before ``step`` be over."""
+
     def snapshot(self) -> Any:
         """Return the present state, a :class:`Snapshot`, for :meth:`restore`."""
 

@@ -24,6 +24,7 @@ from rosoclingo.oclingo.process_wire import (
 )
 from rosoclingo.oclingo.progression_parser import parse_update
 from rosoclingo.oclingo.solver import ReactiveSolver
+from rosoclingo.oclingo.state_wire import state_from_message, state_to_message
 
 _CHUNK = 1 << 20
 
@@ -70,6 +71,7 @@ class Worker:
             "rebuild": self._rebuild,
             "solve": self._solve,
             "update": self._update,
+            "state": self._state,
         }
 
     def run(self, answer: Callable[[Message], None]) -> None:
@@ -105,12 +107,20 @@ class Worker:
         solver, update = self._solver_of(command), parse_update(command["update"])
         return result_to_message(solver.update(update, self._commands.interrupted))
 
+    def _state(self, command: Message) -> Message:
+        """Tell the state, from which a log can go on instead of from the start."""
+        return {"state": state_to_message(self._solver_of(command).snapshot())}
+
     def _solver_of(self, command: Message) -> ReactiveSolver:
         """Return the solver of a command, which takes what is new in its log, without searching."""
         solver = self._solvers[command["solver"]]
         for entry in command["log"]:
             if entry["do"] == "close":
                 solver.close_cycle(entry["cycle"], symbols_from_text(entry["executed"]))
+            elif entry["do"] == "forget":
+                solver.forget_before(entry["step"])
+            elif entry["do"] == "restore":
+                solver.restore(state_from_message(entry["state"]))
             else:
                 text = entry.get("update")
                 solver.replay(None if text is None else parse_update(text), entry["horizon"])

@@ -151,7 +151,8 @@ class Core:
         executed = self._intake.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         if self._step and not self._untaken:
-            self._planner.end_cycle(self._step, [action.atom for action in executed])
+            since = min((goal.request_cycle or self._step for goal in self._desk.fed), default=self._step)
+            self._planner.end_cycle(self._step, [action.atom for action in executed], since - 1)
         self._step += 0 if self._untaken else 1
         self._unanswered = self._untaken = False
         batch = self._feeder.next_update(self._step, executed)

@@ -20,6 +20,13 @@ from rosoclingo.oclingo import (
 SolverFactory = Callable[[], StreamSolver]
 
 
+#: Cycles that stay as they were fed, so that an observation can still be named as the reason of a failure.
+RECENT = 30
+
+#: Cycles after which even what an open request saw is over.
+LONG_AGO = 150
+
+
 class Halt(NamedTuple):
     """Why a search must end.
 
@@ -72,9 +79,13 @@ class Planner:
         """Solve before any update."""
         return self._search(StreamUpdate(step=1), self._lookahead)
 
-    def end_cycle(self, cycle: int, executed: Iterable[Symbol]) -> None:
-        """``cycle`` is past: only the ``executed`` action atoms may ever be in a plan at it."""
+    def end_cycle(self, cycle: int, executed: Iterable[Symbol], since: int = 0) -> None:
+        """``cycle`` is past: only the ``executed`` action atoms may ever be in a plan at it.
+
+        ``since`` is the cycle of the oldest request that still matters. What lies well before it is over.
+        """
         self._solver.close_cycle(cycle, executed)
+        self._solver.forget_before(max(min(since, cycle - RECENT), cycle - LONG_AGO))
 
     def update(self, update: StreamUpdate) -> SolveResult:
         """Feed an update, which names its step, and solve; raises SolverError, with nothing changed, when refused."""
