@@ -211,4 +211,4 @@ class CoreMachine(RuleBasedStateMachine):
 
 
 TestCoreMachine = CoreMachine.TestCase
-TestCoreMachine.settings = settings(max_examples=max(6, settings.default.max_examples // 16), stateful_step_count=30)
+TestCoreMachine.settings = settings(max_examples=settings.default.max_examples // 8, stateful_step_count=40)
