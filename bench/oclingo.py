@@ -77,6 +77,7 @@ class Robot:
         start = time.perf_counter()
         if self.cycle > 1:
             self.solver.close_cycle(self.cycle - 1, [] if before is None else [before])
+            self.solver.forget_before(self.cycle - 1)
         result = self.solver.update(StreamUpdate(self.cycle, None, tuple(items)))
         seconds = time.perf_counter() - start
         assert result.outcome is SolveOutcome.SATISFIABLE, result
