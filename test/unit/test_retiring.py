@@ -42,6 +42,7 @@ seen(X,t) :- sees(X,T), T <= t.
 def at_once(monkeypatch):
     """Retire whatever can be retired with every update, step by step."""
     monkeypatch.setattr(retiring, "RETIRE_AFTER", 1)
+    monkeypatch.setattr(retiring, "RETIRE_ALONG", 1)
     monkeypatch.setattr(building, "BLOCK", 1)
     monkeypatch.setattr(solver_module, "BLOCK", 1)
 

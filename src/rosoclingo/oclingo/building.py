@@ -6,7 +6,7 @@ from rosoclingo.oclingo.engine import Engine
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.state import Lifetime, StreamState
 
-BLOCK = 16
+BLOCK = 64
 """Steps that are grounded at once."""
 
 

@@ -18,6 +18,9 @@ from rosoclingo.oclingo.state import Past, StreamState
 RETIRE_AFTER = 100
 """Steps to retire that are worth a grounding of its own; fewer wait for one that has another reason."""
 
+RETIRE_ALONG = 16
+"""Steps to retire that are worth a look when the program is ground anew for another reason."""
+
 SHOWN_STEPS = 1000
 """For so many steps answers still tell what was shown of a retired step."""
 
@@ -27,9 +30,10 @@ def first_step(program: ReactiveProgram, state: StreamState) -> int:
     return program.first_step if state.past is None else state.past.first
 
 
-def is_due(program: ReactiveProgram, state: StreamState, engine: Engine) -> bool:
-    """Tell whether so many steps are over, since the last try as well, that it is worth a grounding of its own."""
-    return state.keep_from - max(first_step(program, state), engine.tried) >= RETIRE_AFTER
+def is_due(program: ReactiveProgram, state: StreamState, engine: Engine, along: bool = False) -> bool:
+    """Tell whether enough steps are over, since the last try as well, to retire them now, ``along`` or on their own."""
+    over = state.keep_from - max(first_step(program, state), engine.tried)
+    return over >= (RETIRE_ALONG if along else RETIRE_AFTER)
 
 
 def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbol) -> bool:

@@ -72,8 +72,7 @@ class Transaction:
         if update is not None:
             self.warnings.extend(update.warnings)
             self._lapse([entry for entry in state.lapsing + state.waiting if entry.lifetime == UPDATE])
-            if self.engine is not None and is_due(self.program, state, self.engine):
-                self._give_up_engine(always=False)
+            self._retire(along=False)
             if update.step is not None:
                 state.step = update.step
                 state.bound = None if update.bound is None else update.step + update.bound
@@ -133,15 +132,16 @@ class Transaction:
             new = [atom for atom in fresh if not self.engine.atoms.knows(atom)]
             first = first_step(self.program, self.state)
             if any(self.program.may_see(atom, first, self.engine.horizon) for atom in new):
-                self._give_up_engine()
+                self._retire(along=True)
+                self.engine = None
             elif new:
                 self._given = {atom for atom in new if fresh[atom]}
                 self.engine.declare(new, self._given)
 
-    def _give_up_engine(self, always: bool = True) -> None:
-        """Let the program be ground anew, but for the steps that are over, or only where there are any such."""
-        over = self.engine is not None and retire(self.program, self.state, self.engine)
-        self.engine = None if over or always else self.engine
+    def _retire(self, along: bool) -> None:
+        """Let go of the steps that are over, if there are enough: the program is then ground anew without them."""
+        if self.engine is not None and is_due(self.program, self.state, self.engine, along):
+            self.engine = None if retire(self.program, self.state, self.engine) else self.engine
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
