@@ -28,12 +28,16 @@ from rosoclingo.oclingo.terms import MAX_DEPTH
 IDENTIFIERS = st.from_regex(r"_{0,2}[a-z][A-Za-z0-9_']{0,5}", fullmatch=True).filter(lambda name: name != "not")
 LEAVES = st.one_of(
     st.integers(-(2**31), 2**31 - 1).map(clingo.Number),
-    IDENTIFIERS.map(clingo.Function),
+    st.builds(clingo.Function, IDENTIFIERS, st.just([]), st.booleans()),
+    st.sampled_from([clingo.Infimum, clingo.Supremum]),
     st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=5).map(clingo.String),
 )
 TERMS = st.recursive(
     LEAVES,
-    lambda inner: st.builds(clingo.Function, IDENTIFIERS, st.lists(inner, min_size=1, max_size=3)),
+    lambda inner: st.one_of(
+        st.builds(clingo.Function, IDENTIFIERS, st.lists(inner, min_size=1, max_size=3), st.booleans()),
+        st.lists(inner, max_size=3).map(lambda arguments: clingo.Function("", arguments)),
+    ),
     max_leaves=8,
 )
 ATOMS = st.builds(clingo.Function, IDENTIFIERS, st.lists(TERMS, max_size=3), st.booleans())
@@ -149,7 +153,7 @@ def test_stop_ends_an_update():
         ("  %* x", (1, 3), "comment without end"),
         ("p(1", (1, 4), "argument"),
         ("not a.", (1, 1), "atom"),
-        ("p(- x).", (1, 5), "number"),
+        ("p(- .).", (1, 5), "number"),
         ("p(1..2).", (1, 4), "argument"),
         ("#step x.", (1, 7), "number"),
         ("#assert. #endstep.", (1, 8), "term"),

@@ -47,6 +47,13 @@ def at_once(monkeypatch):
     monkeypatch.setattr(solver_module, "BLOCK", 1)
 
 
+def test_old_actions_are_shown_longer_than_all_else():
+    solver = walk()
+    answers = drive(solver, 80, 0)
+    assert sum("_action_lib" in atom for atom in answers[-1]) > 50
+    assert not any(atom.startswith("at(") and atom.endswith(",10)") for atom in answers[-1])
+
+
 def walk():
     return ReactiveSolver(ReactiveProgram.from_text(WALK), shortest=True, oclingo_strings=False)
 

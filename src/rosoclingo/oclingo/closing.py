@@ -7,11 +7,12 @@ constraints on the atoms of the closed cycle, the second by the rules that are m
 
 from typing import List, Sequence, Set, Tuple
 
+import clingo
 from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.horizon import BEYOND
 from rosoclingo.oclingo.rewriting import Part
-from rosoclingo.oclingo.signatures import Signature, occurrences
+from rosoclingo.oclingo.signatures import Signature, occurrences, signature_of
 from rosoclingo.oclingo.sources import Source
 
 ACTION = Signature("_action_lib", 3)
@@ -22,6 +23,11 @@ _RULES = """
 #external {beyond}({cycle}){domain}.
 :- _action_lib(A__,P__,{cycle}), {beyond}({cycle}).
 """
+
+
+def is_action(atom: clingo.Symbol) -> bool:
+    """Tell whether ``atom`` is an ``_action_lib(A,P,C)``."""
+    return signature_of(atom) == ACTION
 
 
 def closing_text(parts: Sequence[Part]) -> Source:

@@ -10,6 +10,7 @@ from typing import List, Optional, Sequence, Set
 import clingo
 
 from rosoclingo.oclingo.census import Census
+from rosoclingo.oclingo.closing import is_action
 from rosoclingo.oclingo.engine import Engine
 from rosoclingo.oclingo.program import ReactiveProgram
 from rosoclingo.oclingo.progression import Literal, Statement
@@ -21,8 +22,11 @@ RETIRE_AFTER = 100
 RETIRE_ALONG = 16
 """Steps to retire that are worth a look when the program is ground anew for another reason."""
 
-SHOWN_STEPS = 1000
+SHOWN_STEPS = 50
 """For so many steps answers still tell what was shown of a retired step."""
+
+SHOWN_ACTIONS = 1000
+"""The same for its actions."""
 
 
 def first_step(program: ReactiveProgram, state: StreamState) -> int:
@@ -124,13 +128,14 @@ def _move(
     steps, defined = census.steps(), census.defined()
     true = {atom for atom, value in census.values.items() if value}
     told = {atom for atom in true if census.literals[atom] in defined} | (old.facts if old is not None else set())
-    shown = [] if old is None else [one for one in old.shown if one[0] >= first - SHOWN_STEPS]
+    shown = [] if old is None else list(old.shown)
     fresh = {atom for atom in engine.shown & true if census.literals[atom] in steps.keys() - census.base}
     fresh |= engine.shown & statements.facts
     fresh -= {atom for _, atom in shown}
     shown += [(steps.get(census.literals[atom], first - 1), atom) for atom in fresh]
     facts = set(filter(matters, statements.facts))
     known = {atom for atom in facts if program.is_open_signature(atom) or program.may_declare(atom, first)}
+    shown = [one for one in shown if one[0] >= first - (SHOWN_ACTIONS if is_action(one[1]) else SHOWN_STEPS)]
     state.past = Past(first, frozenset(filter(matters, told)) | facts - known, tuple(shown))
     state.permanent = [*map(Statement, known), *statements.kept, *_ties(engine, census, set(statements.kept))]
     state.open_atoms = [atom for atom in state.open_atoms if atom not in census.values or matters(atom)]

@@ -1,10 +1,11 @@
 """Ground terms and atoms as text: parsed as data into :class:`clingo.Symbol`, never evaluated.
 
 The grammar is that of oClingo's online progressions: identifiers, "strings", integers, ``f(terms)``; atoms may carry
-classical negation (``-p(1)``).
+classical negation (``-p(1)``). What clingo's terms have besides is read too: tuples, ``-f(terms)``, ``#inf``, ``#sup``.
 """
 
-from typing import List, Optional, Tuple
+from dataclasses import dataclass, field
+from typing import List, Optional, Union
 
 import clingo
 
@@ -15,6 +16,7 @@ MAX_DEPTH = 256
 """Deepest nesting of terms that is read; far beyond any use, and safe for the recursion in clingo."""
 
 _LOWEST, _HIGHEST = -(2**31), 2**31 - 1
+_LIMITS = {"#inf": clingo.Infimum, "#sup": clingo.Supremum}
 _ESCAPES = {"\\n": "\n", '\\"': '"', "\\\\": "\\"}
 
 
@@ -46,17 +48,14 @@ def read_atom(tokens: TokenStream) -> clingo.Symbol:
     positive = not tokens.accept("-")
     if tokens.next.kind != "name" or tokens.at("not"):
         tokens.fail("expected an atom: a name in lower case, like p or p(1)")
-    name = tokens.take()
-    return clingo.Function(name.text, _read_arguments(tokens, name), positive)
+    name = tokens.take().text
+    return _read_compound(tokens, _Compound(name, positive)) if tokens.accept("(") else _function(name, [], positive)
 
 
 def read_term(tokens: TokenStream) -> clingo.Symbol:
     """Read a term from ``tokens``."""
-    simple = _read_simple(tokens)
-    if simple is not None:
-        return simple
-    name = tokens.take()
-    return clingo.Function(name.text, _read_arguments(tokens, name))
+    value = _read_simple(tokens)
+    return _read_compound(tokens, value) if isinstance(value, _Compound) else value
 
 
 def read_number(tokens: TokenStream, what: str) -> int:
@@ -66,42 +65,69 @@ def read_number(tokens: TokenStream, what: str) -> int:
     return _number(tokens.take(), 1)
 
 
-def _read_simple(tokens: TokenStream) -> Optional[clingo.Symbol]:
-    """Read a string or an integer; None where a name follows."""
+@dataclass
+class _Compound:
+    """A function, or a tuple where it has no name, whose arguments are being read."""
+
+    name: str
+    positive: bool = True
+    arguments: List[clingo.Symbol] = field(default_factory=list)
+    comma: bool = False
+
+    def value(self) -> clingo.Symbol:
+        """Return the symbol; a term in brackets is no tuple without a comma."""
+        if not self.name and len(self.arguments) == 1 and not self.comma:
+            return self.arguments[0]
+        return _function(self.name, self.arguments, self.positive)
+
+
+def _function(name: str, arguments: List[clingo.Symbol], positive: bool = True) -> clingo.Symbol:
+    return clingo.Function(name, arguments, positive)
+
+
+def _read_simple(tokens: TokenStream) -> Union[clingo.Symbol, _Compound]:
+    """Read a term as far as the bracket that begins its arguments, if it has any."""
     if tokens.next.kind == "string":
         return clingo.String(_unescape(tokens.take().text[1:-1]))
-    sign = -1 if tokens.accept("-") else 1
+    if tokens.at(*_LIMITS):
+        return _LIMITS[tokens.take().text]
+    positive = not tokens.accept("-")
     if tokens.next.kind == "number":
-        return clingo.Number(_number(tokens.take(), sign))
-    if sign == -1:
-        tokens.fail("expected a number behind '-'")
-    if tokens.next.kind != "name" or tokens.at("not"):
-        tokens.fail('expected a ground term: a name in lower case, an integer, a "string" or f(terms)')
-    return None
+        return clingo.Number(_number(tokens.take(), 1 if positive else -1))
+    if tokens.next.kind == "name" and not tokens.at("not"):
+        name = tokens.take().text
+        return _Compound(name, positive) if tokens.accept("(") else _function(name, [], positive)
+    if not positive:
+        tokens.fail("expected a number or a name behind '-'")
+    if tokens.accept("("):
+        return _Compound("")
+    tokens.fail('expected a ground term: a name in lower case, an integer, a "string", f(terms) or a tuple')
 
 
-def _read_arguments(tokens: TokenStream, name: Token) -> List[clingo.Symbol]:
-    """Read ``(terms)`` behind ``name``, where there is one, without recursion in depth."""
-    if not tokens.at("("):
-        return []
-    tokens.take()
-    stack: List[Tuple[str, List[clingo.Symbol]]] = [(name.text, [])]
+def _read_compound(tokens: TokenStream, outermost: _Compound) -> clingo.Symbol:
+    """Read the arguments of ``outermost`` and its end, without recursion in depth."""
+    stack = [outermost]
     while True:
-        value = _read_simple(tokens)
-        if value is None:
-            token = tokens.take()
-            if tokens.accept("("):
-                _check_depth(len(stack), token)
-                stack.append((token.text, []))
+        value: Optional[clingo.Symbol] = None
+        inner = stack[-1]
+        if not (tokens.at(")") and not inner.name and (inner.comma or not inner.arguments)):
+            place = tokens.next
+            read = _read_simple(tokens)
+            if isinstance(read, _Compound):
+                _check_depth(len(stack), place)
+                stack.append(read)
                 continue
-            value = clingo.Function(token.text)
-        stack[-1][1].append(value)
-        while tokens.accept(")"):
-            function, arguments = stack.pop()
+            value = read
+        while True:
+            if value is not None:
+                stack[-1].arguments.append(value)
+            if not tokens.accept(")"):
+                break
+            value = stack.pop().value()
             if not stack:
-                return arguments
-            stack[-1][1].append(clingo.Function(function, arguments))
+                return value
         tokens.expect(",", "or ')' behind an argument")
+        stack[-1].comma = True
 
 
 def _check_depth(depth: int, token: Token) -> None:
