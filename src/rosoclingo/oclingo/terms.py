@@ -99,9 +99,9 @@ def _read_simple(tokens: TokenStream) -> Union[clingo.Symbol, _Compound]:
         return _Compound(name, positive) if tokens.accept("(") else _function(name, [], positive)
     if not positive:
         tokens.fail("expected a number or a name behind '-'")
-    if tokens.accept("("):
-        return _Compound("")
-    tokens.fail('expected a ground term: a name in lower case, an integer, a "string", f(terms) or a tuple')
+    if not tokens.accept("("):
+        tokens.fail('expected a ground term: a name in lower case, an integer, a "string", f(terms) or a tuple')
+    return _Compound("")
 
 
 def _read_compound(tokens: TokenStream, outermost: _Compound) -> clingo.Symbol:
