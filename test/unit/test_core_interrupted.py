@@ -156,7 +156,7 @@ def test_a_goal_whose_update_is_dropped_is_aborted_and_nothing_else():
     driver.drops = lambda update: "run" in str(update)
     driver.run()
     assert driver.states("b") == ["active", "aborted"]
-    assert driver.message("b") == "do(run,2) cannot be met: ended by the test"
+    assert driver.message("b") == "do(run,2) is given up without a plan: ended by the test"
     assert driver.awaited == ["_action_lib(walk,1,2)"], "the failure was heard"
     driver.drops = lambda update: False
     assert driver.finish().states("a")[-1] == "succeeded"

@@ -124,3 +124,9 @@ def test_five_requests_with_capacity_three(mailbot):
     assert carried == 0
     assert most <= 3
     assert all(mailbot.states(str(number)) == ["active", "succeeded"] for number in range(1, 6))
+
+
+def test_a_goal_that_the_program_does_not_know_is_rejected(mailbot):
+    mailbot.goal("odd", "dance(98)").goal("first", "goal(office1,office2,1)").finish()
+    assert mailbot.states("odd")[-1] == "rejected"
+    assert mailbot.states("first")[-1] == "succeeded"

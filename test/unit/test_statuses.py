@@ -11,13 +11,14 @@ def answer(*atoms):
     return frozenset(clingo.parse_term(atom) for atom in atoms)
 
 
-def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False):
+def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False, speaks=False, known=False):
     goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
     goal.request_cycle = request_cycle
+    goal.known = known
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)
     shown = answer(*atoms)
-    judge(goal, Statuses(shown), extract_plan(shown), cycle, horizon)
+    judge(goal, Statuses(shown), extract_plan(shown), cycle, horizon, speaks)
     return goal
 
 
@@ -106,3 +107,13 @@ def test_before_the_requests_own_cycle(atoms, horizon, state):
 
 def test_empty_plan():
     assert TaskPlan().remaining(1) == ()
+
+
+def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
+    unknown = judged("_status(2,accepted,5)", speaks=True)
+    assert unknown.state.value == "rejected"
+    assert unknown.message == "the program rejects go(1): it has no word for it"
+    assert judged(speaks=True, request_cycle=6).state.value == "pending"
+    assert judged(speaks=True, known=True).state.value == "succeeded"
+    assert judged(speaks=False).state.value == "succeeded"
+    assert judged("_status(1,accepted,5)", speaks=True).known

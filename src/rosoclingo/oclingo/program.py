@@ -76,6 +76,10 @@ class ReactiveProgram:
         """Tell whether some external of this name and arity is declared."""
         return Signature(name, arity) in self.external_signatures
 
+    def defines(self, name: str, arity: int) -> bool:
+        """Tell whether some rule has a head of this name and arity."""
+        return Signature(name, arity) in self.head_signatures
+
     def load_into(self, control: clingo.Control) -> None:
         """Add all statements to ``control``; raises RuntimeError as clingo does, details go to its logger."""
         with ProgramBuilder(control) as builder:

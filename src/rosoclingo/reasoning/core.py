@@ -21,7 +21,7 @@ from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
 from rosoclingo.reasoning.intake import Intake
 from rosoclingo.reasoning.judge import judge
-from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.keywords import STATUS, Action
 from rosoclingo.reasoning.planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover, requests_of
@@ -54,6 +54,7 @@ class Core:
         self._settings = settings
         self._planner = Planner(make_solver, settings.horizon_limit, watch)
         self._watch_recovery = watch_recovery
+        self._speaks = program.defines(STATUS, 3)
         self._feeder = InputFeeder()
         self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle)
         self._intake = Intake(program, self._feeder, observer, lambda: self.cycle)
@@ -208,7 +209,7 @@ class Core:
             self._problem(fault)
         self._tell_plan(result)
         for goal in self._desk.fed:
-            judge(goal, statuses, self._plan, self._step, result.horizon)
+            judge(goal, statuses, self._plan, self._step, result.horizon, self._speaks)
         for goal in self._desk.fed:
             self._tell(GoalProgress(self._step, goal.key, goal.state, self._plan.actions))
         actions = self._plan.at(self._step)

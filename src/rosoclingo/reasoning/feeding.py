@@ -20,7 +20,7 @@ def feed(planner: Planner, batch: Batch, desk: GoalDesk, problem: Callable[[str]
         dropped = isinstance(error, DroppedError)
         why = ": ".join(filter(None, (planner.ended_by if dropped else "", str(error))))
         problem(f"update {batch.update.step} is {'dropped' if dropped else 'refused by the solver'}: {why}")
-        text = f"cannot be met: {why}" if dropped else f"is refused by the solver: {why}"
+        text = f"is given up without a plan: {why}" if dropped else f"is refused by the solver: {why}"
         desk.end(goals, Outcome.ABORTED if dropped else Outcome.REJECTED, text)
 
     try:

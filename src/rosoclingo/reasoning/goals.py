@@ -90,8 +90,8 @@ class Goal:
     """One client's goal.
 
     ``key`` is the client's handle (actionlib's goal id), ``term`` the goal as the program sees it, ``identifier`` its
-    last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``observer`` is called
-    with the goal and the event after each transition.
+    last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``known`` tells whether
+    the program has said something of it. ``observer`` is called with the goal and the event after each transition.
     """
 
     def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
@@ -101,6 +101,7 @@ class Goal:
         self.state = GoalState.PENDING
         self.request_cycle: Optional[int] = None
         self.outcome: Optional[Outcome] = None
+        self.known = False
         self.message = ""
         self._observer = observer
 

@@ -14,19 +14,24 @@ _TEXTS = {
 }
 
 
-def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: int) -> None:
+def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: int, speaks: bool = False) -> None:
     """Bring a fed, live goal to the state that the answer of ``cycle`` gives it.
 
     The program's ``_status`` of the cycle decides. Where it says nothing of a goal, the goal is accepted, and met (or
-    its cancellation done) as soon as no action is left in the plan. Before the request's own cycle a program may say
-    nothing yet: then acceptance and rejection are read at that cycle, as all else would be a prediction.
+    its cancellation done) as soon as no action is left in the plan; but a program that ``speaks`` of its goals, as it
+    has rules for ``_status``, and has never said a word of this one does not know it, and the goal is rejected. Before
+    the request's own cycle a program may say nothing yet: then acceptance and rejection are read at that cycle, as all
+    else would be a prediction.
     """
     first = goal.request_cycle or cycle
     status = statuses.read(goal.identifier, cycle)
     if status is not None:
+        goal.known = True
         _obey(goal, status)
     elif first > cycle:
-        _judge_early(goal, statuses.read(goal.identifier, first), horizon >= first)
+        _judge_early(goal, statuses.read(goal.identifier, first), horizon >= first and not speaks)
+    elif speaks and not goal.known:
+        _end(goal, Outcome.REJECTED, "it has no word for it")
     else:
         goal.accept()
         if not plan.remaining(cycle):
