@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs what ``./dev test`` was asked for, one after the other, and closes with "N passed, N failed"."""
+"""Runs what ``./dev test`` was asked for, on all cores, and closes with "N passed, N failed"."""
 
 import argparse
 import fnmatch
@@ -10,6 +10,7 @@ import sys
 import time
 import uuid
 import xml.etree.ElementTree as ElementTree
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence
 
@@ -17,6 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PYTHON_FOLDERS = ("src", "scripts", "test", "bench", "doc", "setup.py")
 MARK = "ROSOCLINGO_TEST_RUN"  # an environment variable: by it a test's processes are known
 UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 900.0, 300.0, 180.0  # seconds
+CORES = min(os.cpu_count() or 1, 4)  # so many tests run at a time
 ROSTEST_MARGIN = 60.0  # seconds for master and nodes to start and stop, besides the tests' own time limits
 
 LINTERS: Dict[str, List[str]] = {
@@ -177,19 +179,22 @@ class Tests:
     def unit(self, arguments: Sequence[str]) -> Outcome:
         """The tests of the pure packages."""
         reports = self.results / "unit"
-        command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={reports}/unit.xml", *arguments]
+        command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={reports}/unit.xml"]
+        command += arguments or [f"--numprocesses={CORES}", "--dist=worksteal"]
         return self._run("unit", command, UNIT_LIMIT, reports)
 
     def rostest(self, names: Sequence[str]) -> Outcome:
         """The tests of the nodes, each file with a master of its own."""
-        outcome = Outcome(0, 0)
-        for path in _chosen(sorted((ROOT / "test" / "rostest").glob("*.test")), names):
-            reports = self.results / path.stem
-            limit = ROSTEST_MARGIN + sum(_time_limits(path))
-            command = ["rostest", "--pkgdir", str(ROOT), "--package", "rosoclingo"]
-            command += ["--results-filename", path.stem + ".xml", "--results-base-dir", str(reports), str(path)]
-            outcome += self._run(f"rostest {path.stem}", command, limit, reports)
-        return outcome
+        paths = _chosen(sorted((ROOT / "test" / "rostest").glob("*.test")), names)
+        with ThreadPoolExecutor(CORES) as pool:
+            return sum(pool.map(self._rostest, paths), Outcome(0, 0))
+
+    def _rostest(self, path: Path) -> Outcome:
+        reports = self.results / path.stem
+        limit = ROSTEST_MARGIN + sum(_time_limits(path))
+        command = ["rostest", "--pkgdir", str(ROOT), "--package", "rosoclingo"]
+        command += ["--results-filename", path.stem + ".xml", "--results-base-dir", str(reports), str(path)]
+        return self._run(f"rostest {path.stem}", command, limit, reports)
 
     def install(self, _names: Sequence[str]) -> Outcome:
         """The install space, on its own."""
@@ -231,6 +236,8 @@ def main() -> int:
     parser.add_argument("group", nargs="?", choices=groups, help="the group to run, all without one")
     parser.add_argument("names", nargs=argparse.REMAINDER, help="rostests, or arguments for pytest")
     arguments = parser.parse_args()
+    # a shell that runs this in the background has it ignored, and every process of the tests would do so too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     tests, begin = Tests(arguments.work), time.monotonic()
     outcome = Outcome(0, 0)
     for group in [arguments.group] if arguments.group else groups:
