@@ -1,9 +1,8 @@
-"""The account of a run as a node: it listens to public topics only, so it reads a bag as well."""
+"""The account of a run as a node: it listens to public topics only."""
 
 import threading
 from typing import Any, Callable, Dict, Optional
 
-import rosbag
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
 from nav_msgs.msg import Odometry
@@ -109,12 +108,3 @@ class AccountNode(TopicAccount):
 
     def _on_message(self, message: Any, topic: str) -> None:
         self.take(topic, message, rospy.get_time())
-
-
-def account_of_bag(path: str, say: Callable[[str], None], labels: Optional[LabelTable] = None) -> Summary:
-    """The account of a recorded run; raises rosbag.ROSBagException when the file is no bag."""
-    account = TopicAccount(say, labels)
-    with rosbag.Bag(path) as bag:
-        for topic, message, time in bag.read_messages(topics=["/" + name for name in TOPICS]):
-            account.take(topic.lstrip("/"), message, time.to_sec())
-    return account.finish()

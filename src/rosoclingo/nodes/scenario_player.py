@@ -82,12 +82,15 @@ class ScenarioPlayer:
         waiting = list(self._scenario.events)
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
+        clock = _Clock(self._start)
         while waiting or not all(goal.ended for goal in self.goals):
             elapsed = rospy.get_time() - self._start
             if rospy.is_shutdown():
                 raise PlayError("shut down before the scenario's end")
             if elapsed > self._scenario.timeout:
                 raise PlayError(f"not done after {elapsed:g} s: {self._open(waiting)}")
+            if clock.stands_still(rospy.get_time()):
+                raise PlayError(f"time has stood still for {STILL:g} s: is the simulator paused or gone?")
             for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
                 waiting.remove(event)
                 self._do(event)

@@ -74,10 +74,6 @@ class RobotTopics:
                 self._scan_message.ranges = scan()
                 self._scan.publish(self._scan_message)
 
-    def restart(self) -> None:
-        """Forget when the next scan is due."""
-        self._next_scan = 0.0
-
 
 def _frames(prefix: str) -> List[TransformStamped]:
     return [
