@@ -115,14 +115,19 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.assertEqual(self.core.receive(), ["_return(absent,preempted,2)"])
 
     def test_a_server_that_never_acknowledges(self):
+        goals, cancels = [], []
         topics = [
             rospy.Publisher("mute/status", GoalStatusArray, queue_size=1),
             rospy.Publisher("mute/result", TestActionResult, queue_size=1),
-            rospy.Subscriber("mute/goal", TestActionGoal, lambda _: None),
-            rospy.Subscriber("mute/cancel", GoalID, lambda _: None),
+            rospy.Subscriber("mute/goal", TestActionGoal, goals.append),
+            rospy.Subscriber("mute/cancel", GoalID, cancels.append),
         ]
         wait_until(lambda: all(topic.get_num_connections() for topic in topics), "the interface to connect")
         self.assertEqual(self.core.run("mute", "_action_lib(mute,a,1)"), ["_return(mute,server_lost,1)"])
+        self.core.send("mute", "_action_lib(mute,a,2)", "_cancel(mute,a,2)")
+        wait_until(lambda: goals[1:] and cancels and cancels[-1].id == goals[-1].goal_id.id, "goal and cancel")
+        topics[0].publish(GoalStatusArray())  # says nothing of the goal, which is not lost for that
+        self.assertEqual(self.core.receive(), ["_return(mute,preempted,2)"])
 
     def test_a_server_that_dies_and_comes_back(self):
         for end in (signal.SIGKILL, signal.SIGINT):

@@ -162,7 +162,7 @@ class Interface(abc.ABC):
         if effect is Effect.SEND:
             attempt.handle = self._link.send(attempt.goal, functools.partial(self._report, attempt))
         if effect in (Effect.CANCEL, Effect.ABANDON) and attempt.handle is not None:
-            attempt.handle.cancel()
+            self._link.cancel(attempt.handle)
         if effect in (Effect.FINISH, Effect.ABANDON):
             self._finish(attempt)
 

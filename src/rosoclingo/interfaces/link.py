@@ -3,6 +3,7 @@
 from typing import Any, Callable, Optional, Set
 
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
+from actionlib_msgs.msg import GoalID
 
 from rosoclingo.interfaces.runs import Event
 from rosoclingo.interfaces.templates import Ended
@@ -63,6 +64,17 @@ class ServerLink:
     def send(self, goal: Any, report: Report) -> ClientGoalHandle:
         """Send a goal; `report` is called on rospy's threads and may only enqueue."""
         return self._client.send_goal(goal, transition_cb=lambda handle: _report_transition(handle, report))
+
+    def cancel(self, handle: ClientGoalHandle) -> None:
+        """Cancel a goal.
+
+        actionlib's client takes a goal for lost that it cancels before it was acknowledged: so that one is cancelled
+        without its knowledge. A cancel that comes before its goal counts as well.
+        """
+        if handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK:
+            self._client.pub_cancel.publish(GoalID(id=handle.comm_state_machine.action_goal.goal_id.id))
+        else:
+            handle.cancel()
 
 
 def _report_transition(handle: ClientGoalHandle, report: Report) -> None:

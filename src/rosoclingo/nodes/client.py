@@ -20,6 +20,8 @@ OUTCOME_WORDS = {
     GoalStatus.LOST: "lost",
 }
 
+_CANCELLABLE = (CommState.PENDING, CommState.ACTIVE)
+
 
 class SentGoal:
     """One goal on its way: ``outcome`` is a word of OUTCOME_WORDS and ``message`` the reason, once it has ended."""
@@ -31,6 +33,7 @@ class SentGoal:
         self.feedback: Optional[ROSoClingoFeedback] = None
         self._on_change = on_change
         self._handle: Optional[ClientGoalHandle] = None
+        self._unwanted = False
 
     @property
     def ended(self) -> bool:
@@ -42,8 +45,15 @@ class SentGoal:
         self._handle = client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
 
     def cancel(self) -> None:
-        """Ask the server to cancel it; it ends when the server says so."""
-        if self._handle is not None and not self.ended:
+        """Ask the server to cancel it, once it has acknowledged it; it ends when the server says so.
+
+        actionlib's client takes a goal that was cancelled before it was acknowledged for lost.
+        """
+        self._unwanted = True
+        self._cancel_if_unwanted()
+
+    def _cancel_if_unwanted(self) -> None:
+        if self._unwanted and self._handle is not None and self._handle.get_comm_state() in _CANCELLABLE:
             self._handle.cancel()
 
     def _on_transition(self, handle: ClientGoalHandle) -> None:
@@ -52,6 +62,8 @@ class SentGoal:
             self.message = result.message if result is not None and result.message else handle.get_goal_status_text()
             self.outcome = OUTCOME_WORDS[handle.get_terminal_state()]
             self._on_change()
+        else:
+            self._cancel_if_unwanted()
 
     def _on_feedback(self, _handle: ClientGoalHandle, feedback: ROSoClingoFeedback) -> None:
         self.feedback = feedback
