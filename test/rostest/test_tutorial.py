@@ -17,7 +17,7 @@ import rospy
 import rostest
 
 PAGE = (Path(__file__).resolve().parents[2] / "doc" / "tutorial.md").read_text()
-PATIENCE = 60.0  # seconds of wall time for one command
+PATIENCE = 120.0  # seconds of wall time for one command
 STAYING = ("roslaunch", "python3")  # these commands run in terminals of their own, until the end
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODES = {"canceled": 2, "rejected": 3, "aborted": 4}  # of the exit, by the word that is printed last
