@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from rosoclingo.navigation.compiled import cast_rays, count_rays, square_distance, update_clearance
-from rosoclingo.navigation.compiled_search import find_cells, line_is_clear, nearest_clear_cell, straighten, tighten
+from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell
+from rosoclingo.navigation.compiled_straightening import line_is_clear, straighten, tighten
+from rosoclingo.navigation.landmarks import Landmarks, Tariff
 from rosoclingo.simulation.compiled_shapes import CLEAR, body_hits, shorten_rays
 
 GRIDS = arrays(np.uint8, st.tuples(st.integers(3, 20), st.integers(3, 20)), elements=st.sampled_from([0, 0, 0, 0, 1]))
@@ -173,7 +175,7 @@ def test_hits_on_the_map_are_left_out():
 @given(GRIDS, st.floats(0.3, 2.5), st.data())
 @settings(max_examples=150, deadline=None)
 def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
-    """Against a flood fill; each point of the straightened way is as clear as the radius."""
+    """Against a flood fill, with and without landmarks; the straightened way is as clear as the radius."""
     clearance = clearance_of(occupied, 8.0)
     least = math.sqrt(radius * radius + 0.5)
     good = np.argwhere(clearance >= least)
@@ -181,7 +183,10 @@ def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
         return
     start = good[data.draw(st.integers(0, len(good) - 1))]
     goal = good[data.draw(st.integers(0, len(good) - 1))]
-    cells = find_cells(clearance, least, 5.0, 0.3, *start, *goal)
+    landmarks = Landmarks(clearance, Tariff(least, 5.0, 0.3))
+    for _ in range(data.draw(st.integers(0, 8))):
+        landmarks.go_on()
+    cells = find_cells(clearance, least, 5.0, 0.3, *start, *goal, landmarks.costs)
     assert bool(len(cells)) == reachable(clearance >= least, tuple(start), tuple(goal))
     if not len(cells):
         return
@@ -235,3 +240,37 @@ def test_the_nearest_clear_cell():
     assert nearest_clear_cell(clearance, 2.0, 4, 4, 3.5) == (4, 7)
     assert nearest_clear_cell(clearance, 2.0, 4, 4, 2.5) == (-1, -1)
     assert nearest_clear_cell(clearance, 4.0, 4, 4, 9.0) == (-1, -1)
+
+
+def test_landmarks_lead_to_ways_as_cheap_and_tell_that_there_is_none():
+    """Whatever the laser has marked since; a pocket that few ways lead to is no landmark's place."""
+    random = np.random.default_rng(5)
+    occupied = np.zeros((60, 60), dtype=np.uint8)
+    occupied[:, 30] = occupied[20, :12] = occupied[:20, 12] = 1  # two halves, and a room in one of them
+    occupied[28:31, 30] = 0
+    occupied[56, 56:] = occupied[56:, 56] = 1  # a pocket
+    alone = clearance_of(occupied, 8.0)
+    tariff = Tariff(1.3, 5.0, 0.3)
+    landmarks = Landmarks(alone, tariff)
+    while not landmarks.done:
+        landmarks.go_on()
+    assert landmarks.costs.shape[1] >= 3
+    marked = occupied.copy()
+    marked[tuple(random.integers(2, 58, (2, 40)))] = 1
+    clearance = clearance_of(marked, 8.0)
+    good = np.argwhere(clearance >= tariff.least)
+    none = np.empty((clearance.size, 0), dtype=np.float32)
+    for _ in range(100):
+        ends = good[random.integers(len(good), size=2)]
+        led = find_cells(clearance, *tariff, *ends[0], *ends[1], landmarks.costs)
+        plain = find_cells(clearance, *tariff, *ends[0], *ends[1], none)
+        assert len(led) > 0 or len(plain) == 0
+        if len(plain):
+            assert cost_of(led, clearance, tariff) <= 1.004 * cost_of(plain, clearance, tariff) + 0.02
+
+
+def cost_of(cells, clearance, tariff):
+    """What travel along cells costs by the planner's tariff."""
+    prices = 1.0 + tariff.weight * np.maximum(0.0, 1.0 - clearance[tuple(cells.T)] / tariff.comfort)
+    lengths = np.hypot(*np.diff(cells, axis=0).T)
+    return float((lengths * 0.5 * (prices[1:] + prices[:-1])).sum())

@@ -6,9 +6,11 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell, straighten, tighten
+from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell
+from rosoclingo.navigation.compiled_straightening import straighten, tighten
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
+from rosoclingo.navigation.landmarks import Landmarks, Tariff
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
 
@@ -74,6 +76,9 @@ class GlobalPlanner:
         """Return a path, or why there is none. ``tolerance`` (m) is default_tolerance unless given."""
         raise NotImplementedError
 
+    def prepare(self, costmap: Costmap) -> None:
+        """Do some of what makes later plans faster; called again and again while nothing is driven. Be brief."""
+
 
 class GridPlanner(GlobalPlanner):
     """Cheapest path by A* on the clearance field, straightened: never closer to anything than the robot's radius."""
@@ -81,6 +86,7 @@ class GridPlanner(GlobalPlanner):
     def __init__(self, parameters: Optional[dict] = None) -> None:
         super().__init__(parameters)
         self.limits = GridPlannerLimits(**self.parameters)
+        self._landmarks: Optional[Landmarks] = None
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return the path; see :class:`GlobalPlanner`."""
@@ -108,20 +114,33 @@ class GridPlanner(GlobalPlanner):
             return _failed(PlanOutcome.GOAL_IN_OBSTACLE if on_map else PlanOutcome.GOAL_IN_UNMAPPED)
         if start_cell is None:
             return _failed(PlanOutcome.START_BLOCKED)
-        comfort, weight = self._comfort(costmap)
-        cells = find_cells(clearance, least, comfort, weight, *start_cell, *goal_cell)
+        tariff = self._tariff(costmap)
+        cells = find_cells(clearance, *tariff, *start_cell, *goal_cell, self._costs_of_landmarks(costmap, tariff))
         if not len(cells):
             return _failed(PlanOutcome.NO_PATH)
         ends = (self._end(costmap, clearance, start, start_cell), self._end(costmap, clearance, goal, goal_cell))
-        body = (clearance, costmap.occupied, costmap.limits.robot_radius / costmap.resolution, comfort, weight)
+        body = (clearance, costmap.occupied, costmap.limits.robot_radius / costmap.resolution, *tariff[1:])
         points = straighten(_path(cells, ends), *body)
         tighten(points, *body, ROUNDS)
         points = straighten(points, *body)
         return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points))
 
-    def _comfort(self, costmap: Costmap) -> Tuple[float, float]:
+    def prepare(self, costmap: Costmap) -> None:
+        """Find landmarks on the map, part by part; see :class:`GlobalPlanner`."""
+        if self._landmarks is None or self._landmarks.clearance is not costmap.static_clearance:
+            self._landmarks = Landmarks(costmap.static_clearance, self._tariff(costmap))
+        self._landmarks.go_on()
+
+    def _costs_of_landmarks(self, costmap: Costmap, tariff: Tariff) -> np.ndarray:
+        """Return what the search is led by (float32; cells, n), n 0 where nothing has been prepared for this map."""
+        found = self._landmarks
+        if found is None or found.clearance is not costmap.static_clearance or found.tariff != tariff:
+            return np.empty((costmap.static_clearance.size, 0), dtype=np.float32)
+        return found.costs
+
+    def _tariff(self, costmap: Costmap) -> Tariff:
         comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
-        return comfort / costmap.resolution, self.limits.comfort_weight
+        return Tariff(least_clearance(costmap), comfort / costmap.resolution, self.limits.comfort_weight)
 
     @staticmethod
     def _near(

@@ -26,7 +26,7 @@ from rosoclingo.nodes.map_server import grid_from_message
 from rosoclingo.nodes.move_base_display import Display, View
 from rosoclingo.nodes.move_base_parameters import read_settings
 from rosoclingo.nodes.move_base_planning import PlanService
-from rosoclingo.nodes.move_base_plugins import make_global_planner, make_local_planner, make_recoveries
+from rosoclingo.nodes.move_base_plugins import make_global_planner, make_local_planner, make_recoveries, warm_up
 from rosoclingo.nodes.move_base_reports import Reports, stamped_pose
 from rosoclingo.nodes.move_base_sensing import Located, Sensing
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
@@ -65,6 +65,7 @@ class MoveBaseNode:
         self._recoveries = make_recoveries()
         self._navigator: Optional[Navigator] = None
         self._ready = False
+        self._prepares = True  # until the planner's preparation fails, which costs nothing but its gain
         self._last_tick = -float("inf")
         self._pose: Optional[Pose2D] = None
         self._worker = Worker(settle=self._settle, period=0.02)
@@ -126,22 +127,11 @@ class MoveBaseNode:
             self._navigator.on_plan = lambda points: self._display.plan(points, self._goal_yaw())
             self._navigator.on_recovery = self._reports.recovery
             self._navigator.on_log = rospy.logwarn
-            self._guarded(lambda: self._warm_up(costmap))
+            self._guarded(lambda: warm_up(self._planner, self._follower, costmap))
         else:
             self._navigator.costmap = costmap
             self._navigator.obstacles_changed()
         self._display.new_map(costmap)
-
-    def _warm_up(self, costmap: Costmap) -> None:
-        """Have what numba compiles compiled before the first goal."""
-        row, column = np.unravel_index(int(costmap.clearance.argmax()), costmap.clearance.shape)
-        pose = Pose2D(*costmap.grid.centre(int(row), int(column)))
-        plan = self._planner.plan(costmap, pose, pose)
-        self._follower.set_plan(plan.points + [[0.0, 0.0], [0.5, 0.0]][: len(plan.points)], pose)
-        self._follower.compute(costmap, pose, Velocity(), 0.1)
-        costmap.observe(pose, np.zeros(1), np.ones(1), 2.0)
-        costmap.observe(pose, np.zeros(1), np.full(1, 2.0), 2.0)
-        costmap.forget(pose.x, pose.y)
 
     def _goal_yaw(self) -> float:
         return self._navigator.goal.yaw if self._navigator else 0.0
@@ -168,11 +158,19 @@ class MoveBaseNode:
                     self._navigator.obstacles_changed()
                 frame = self._sensing.local_frame(self._settings.local_frame)
                 self._display.see(View(self._navigator.costmap, located.pose, *frame))
-        if self._navigator.active:
+        self._act(now, located)
+        self._display.costmaps(now)  # last, as the command is what others wait for
+
+    def _act(self, now: float, located: Located) -> None:
+        """Drive on, or have the planner use the time."""
+        navigator = self._navigator
+        assert navigator is not None
+        if navigator.active:
             fault = self._guarded(lambda: self._control(now, located))
             if fault:
                 self._abort(f"A planner or recovery plugin failed: {fault}")
-        self._display.costmaps(now)  # last, as the command is what others wait for
+        elif self._prepares:
+            self._prepares = not self._guarded(lambda: self._planner.prepare(navigator.costmap))
 
     def _guarded(self, work: Callable[[], None]) -> str:
         """Do what calls plugins, which may be anybody's; return what one of them raised, empty for nothing."""

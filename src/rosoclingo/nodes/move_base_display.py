@@ -5,31 +5,17 @@ from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
 from rosoclingo.navigation import Costmap, Pose2D
 from rosoclingo.nodes.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
-from rosoclingo.nodes.localization import fill_pose
 from rosoclingo.nodes.move_base_parameters import Settings
 from rosoclingo.nodes.move_base_plugins import global_planner_namespace, local_planner_namespace
+from rosoclingo.nodes.path_messages import path_message
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.worker import Worker
 
 GLOBAL, LOCAL = 0, 1
-
-
-def path_message(points: np.ndarray, frame: str, stamp: rospy.Time, final_yaw: float = 0.0) -> Path:
-    """Return points (n, 2; m) as a path; each pose looks to the next, the last one to ``final_yaw``."""
-    message = Path()
-    message.header.frame_id, message.header.stamp = frame, stamp
-    yaws = [*np.arctan2(*np.diff(points, axis=0).T[::-1]).tolist(), final_yaw]
-    for (x, y), yaw in zip(points.tolist(), yaws):
-        pose = PoseStamped()
-        pose.header = message.header
-        fill_pose(pose.pose, Pose2D(x, y, yaw))
-        message.poses.append(pose)
-    return message
 
 
 class View(NamedTuple):

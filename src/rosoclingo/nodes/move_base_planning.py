@@ -9,9 +9,9 @@ from nav_msgs.srv import GetPlan, GetPlanResponse
 
 from rosoclingo.navigation import Costmap, GlobalPlanner, PlanOutcome, Pose2D
 from rosoclingo.nodes.localization import to_pose2d
-from rosoclingo.nodes.move_base_display import path_message
 from rosoclingo.nodes.move_base_plugins import global_planner_namespace
 from rosoclingo.nodes.move_base_sensing import Sensing
+from rosoclingo.nodes.path_messages import PlanResponse, path_message
 from rosoclingo.nodes.worker import Worker
 
 
@@ -53,9 +53,8 @@ class PlanService:
             rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
             return response
         if plan.outcome is PlanOutcome.FOUND:
-            response.plan = path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), goal.yaw)
-        else:
-            rospy.logwarn("make_plan: %s", plan.outcome.value)
+            return PlanResponse(path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), goal.yaw))
+        rospy.logwarn("make_plan: %s", plan.outcome.value)
         return response
 
     def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:

@@ -3,18 +3,22 @@
 import importlib
 from typing import Any, Dict, List, NamedTuple, Type
 
+import numpy as np
 import rospy
 
 from rosoclingo.navigation import (
     ClearCostmap,
+    Costmap,
     FollowerLimits,
     GlobalPlanner,
     GridPlanner,
     GridPlannerLimits,
     LocalPlanner,
+    Pose2D,
     RecoveryBehavior,
     RolloutFollower,
     RotateRecovery,
+    Velocity,
     default_recoveries,
 )
 from rosoclingo.nodes.parameters import ParameterError, not_negative, parameter
@@ -117,6 +121,19 @@ def _planner(name: str, default: str, base: type) -> _Plugin:
 def _namespace(path: str) -> str:
     """Return the last part of a class path."""
     return path.replace("/", ".").rsplit(".", 1)[-1]
+
+
+def warm_up(planner: GlobalPlanner, follower: LocalPlanner, costmap: Costmap) -> None:
+    """Have what numba compiles compiled before the first goal."""
+    row, column = np.unravel_index(int(costmap.clearance.argmax()), costmap.clearance.shape)
+    pose = Pose2D(*costmap.grid.centre(int(row), int(column)))
+    planner.prepare(costmap)
+    plan = planner.plan(costmap, pose, pose)
+    follower.set_plan(plan.points + [[0.0, 0.0], [0.5, 0.0]][: len(plan.points)], pose)
+    follower.compute(costmap, pose, Velocity(), 0.1)
+    costmap.observe(pose, np.zeros(1), np.ones(1), 2.0)
+    costmap.observe(pose, np.zeros(1), np.full(1, 2.0), 2.0)
+    costmap.forget(pose.x, pose.y)
 
 
 def _plugin(named_by: str, path: str, namespace: str, base: type) -> _Plugin:

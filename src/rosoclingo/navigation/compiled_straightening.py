@@ -1,0 +1,122 @@
+"""The compiled straightening of what the grid planner's search finds.
+
+Lengths are in cells, as in :mod:`rosoclingo.navigation.compiled`.
+"""
+
+import math
+
+import numpy as np
+
+from rosoclingo.navigation.compiled import jit, square_distance
+from rosoclingo.navigation.compiled_search import price
+
+__all__ = ["straighten", "tighten"]
+
+
+@jit
+def _segment_price(clearance, x0, y0, x1, y1, comfort, weight):
+    """Return what a straight segment costs, sampled twice a cell."""
+    length = math.hypot(x1 - x0, y1 - y0)
+    count = int(2.0 * length) + 1
+    total = 0.0
+    for i in range(count):
+        part = (i + 0.5) / count
+        total += price(clearance[int(y0 + (y1 - y0) * part), int(x0 + (x1 - x0) * part)], comfort, weight)
+    return total * length / count
+
+
+@jit
+def line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
+    """Tell whether a segment (in cells) keeps ``radius`` away from what is occupied, and off what is closed.
+
+    Distances are exact (looked at every tenth of a cell) where it is tight, and bounded by the field elsewhere.
+    """
+    height, width = clearance.shape
+    length = math.hypot(x1 - x0, y1 - y0)
+    done = 0.0
+    while True:
+        part = done / length if length > 0.0 else 0.0
+        x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
+        column, row = math.floor(x), math.floor(y)
+        if not (0 <= row < height and 0 <= column < width):
+            return False
+        off_centre = math.hypot(x - column - 0.5, y - row - 0.5)
+        spare = clearance[row, column] - off_centre - radius
+        if spare < 0.0:
+            if clearance[row, column] + off_centre < radius:
+                return False
+            spare = square_distance(occupied, x, y, radius + 0.5) - radius
+            if spare < 0.0:
+                return False
+        if done >= length:
+            return True
+        done = min(length, done + max(spare, 0.1))
+
+
+@jit
+def straighten(points, clearance, occupied, radius, comfort, weight):
+    """Return the points (float64 n, 2; x, y) that are left when straight lines replace what they can.
+
+    A line replaces a part of the way when it keeps ``radius`` from what is ``occupied`` and is no dearer.
+    """
+    count = points.shape[0]
+    cost = np.zeros(count)
+    for i in range(1, count):
+        cost[i] = cost[i - 1] + _segment_price(
+            clearance, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1], comfort, weight
+        )
+    kept = np.empty((count, 2))
+    kept[0] = points[0]
+    size, here = 1, 0
+    while here < count - 1:
+        there, stride = here + 1, 1
+        while stride > 0:
+            probe = min(count - 1, there + stride)
+            if probe > there and _shortcut(
+                clearance, occupied, points[here], points[probe], radius, comfort, weight, cost[probe] - cost[here]
+            ):
+                there, stride = probe, stride * 2
+            else:
+                stride //= 2
+        kept[size] = points[there]
+        size, here = size + 1, there
+    return kept[:size].copy()
+
+
+@jit
+def _shortcut(clearance, occupied, start, end, radius, comfort, weight, cost):
+    """Tell whether the line between two points is clear and costs no more than ``cost``."""
+    x0, y0, x1, y1 = start[0], start[1], end[0], end[1]
+    if not line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
+        return False
+    return _segment_price(clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
+
+
+@jit
+def tighten(points, clearance, occupied, radius, comfort, weight, rounds):
+    """Pull a way (float64 n, 2) tight: move inner points towards the line between their neighbours where that pays."""
+    for _ in range(rounds):
+        for i in range(1, points.shape[0] - 1):
+            a, b = points[i - 1], points[i + 1]
+            x, y = points[i, 0], points[i, 1]
+            dx, dy = b[0] - a[0], b[1] - a[1]
+            square = dx * dx + dy * dy
+            t = 0.5
+            if square > 0.0:
+                t = min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / square))
+            aim_x, aim_y = a[0] + t * dx, a[1] + t * dy
+            now = _segment_price(clearance, a[0], a[1], x, y, comfort, weight)
+            now += _segment_price(clearance, x, y, b[0], b[1], comfort, weight)
+            part = 1.0
+            while part > 0.05:
+                nx, ny = x + part * (aim_x - x), y + part * (aim_y - y)
+                there = _segment_price(clearance, a[0], a[1], nx, ny, comfort, weight)
+                there += _segment_price(clearance, nx, ny, b[0], b[1], comfort, weight)
+                if (
+                    there < now
+                    and line_is_clear(clearance, occupied, a[0], a[1], nx, ny, radius)
+                    and line_is_clear(clearance, occupied, nx, ny, b[0], b[1], radius)
+                ):
+                    points[i, 0], points[i, 1] = nx, ny
+                    break
+                part *= 0.5
