@@ -109,6 +109,17 @@ def test_what_is_open_is_ground_as_ever():
     assert solver.snapshot().past is None
 
 
+def test_what_the_past_has_decided_of_base_stays_decided():
+    text = "#base.\n{ a }.\n#cumulative t.\nc(t) :- not a.\n:- c(t-1).\n#volatile t.\n"
+    solver = ReactiveSolver(ReactiveProgram.from_text(text), models=0, shortest=True)
+    for step in (3, 4, 5):
+        solver.forget_before(step)
+        answers = solver.update(parse_update(f"#step {step} : 0. #endstep.")).answers
+        assert answers == (frozenset([parse_atom("a")]),)
+    assert solver.snapshot().past.first > 2
+    assert len(solver.snapshot().permanent) == 1
+
+
 TIED = """
 #program cumulative(t).
 tied(t) :- odd, at(a,t).

@@ -168,12 +168,6 @@ class Engine:
         found = [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
         return found if base else [one for one in found if one not in self._base_externals]
 
-    def settles(self, atom: clingo.Symbol, value: bool) -> bool:
-        """Tell whether ``atom`` has its fixed ``value`` by itself: as a fact, a closed external or the solver's own."""
-        if atom.name.startswith("__oclingo_"):
-            return True
-        return self.atoms.is_true(atom) if value else self.atoms.is_closed(atom)
-
     def census(self, start: int, before: int) -> Census:
         """Tell what is fixed for good, looking at the steps from ``start`` to before ``before``."""
         census = Census(self._recorder, start, before)

@@ -148,7 +148,8 @@ def _ties(engine: Engine, census: Census, kept: Set[Statement]) -> List[Statemen
     mentioned = census.steps().keys() & census.base
     found: List[Statement] = []
     for atom, value in census.values.items():
-        if census.literals[atom] in mentioned and not engine.settles(atom, value):
+        # clingo calls facts what constraints have fixed: whether the atom is one tells nothing
+        if census.literals[atom] in mentioned and (value or not engine.atoms.is_closed(atom)):
             statement = Statement(None, (Literal(atom, not value),))
             found += [statement] if statement not in kept else []
     return found
