@@ -3,11 +3,12 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from rosoclingo.navigation.compiled import cast_rays, count_rays, square_distance, update_clearance
+from rosoclingo.navigation.compiled import cast_rays, count_rays, hits_apart, square_distance, update_clearance
 from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell
 from rosoclingo.navigation.compiled_straightening import line_is_clear, straighten, tighten
 from rosoclingo.navigation.landmarks import Landmarks, Tariff
@@ -274,3 +275,17 @@ def cost_of(cells, clearance, tariff):
     prices = 1.0 + tariff.weight * np.maximum(0.0, 1.0 - clearance[tuple(cells.T)] / tariff.comfort)
     lengths = np.hypot(*np.diff(cells, axis=0).T)
     return float((lengths * 0.5 * (prices[1:] + prices[:-1])).sum())
+
+
+@given(GRIDS, st.integers(0, 2**32 - 1))
+@settings(max_examples=50, deadline=None)
+def test_hits_apart_are_those_near_and_away_from_what_is_known(occupied, seed):
+    """Against the same by numpy, with rays that leave the grid too."""
+    random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)
+    x, y = random.uniform(0.0, occupied.shape[::-1])
+    angles, ranges, hits = random.uniform(-4, 4, 60), random.uniform(0, 20, 60), random.random(60) < 0.8
+    found = hits_apart(clearance, x, y, angles, ranges, hits, 9.0, 1.5)
+    points = np.stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles)], axis=1)[hits & (ranges < 9.0)]
+    points = points[((points >= 0.0) & (points < occupied.shape[::-1])).all(axis=1)]
+    column, row = points.astype(int).T
+    assert found == pytest.approx(points[clearance[row, column] > 1.5])

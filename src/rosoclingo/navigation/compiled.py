@@ -9,7 +9,7 @@ import math
 import numba
 import numpy as np
 
-__all__ = ["cast_rays", "count_rays", "jit", "square_distance", "update_clearance"]
+__all__ = ["cast_rays", "count_rays", "hits_apart", "jit", "square_distance", "update_clearance"]
 
 jit = numba.njit(cache=True, nogil=True)
 
@@ -153,6 +153,25 @@ def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, 
     if high_r < 0:
         return 0, 0, 0, 0
     return low_r, high_r + 1, low_c, high_c + 1
+
+
+@jit
+def hits_apart(clearance, x, y, angles, ranges, hits, near, apart):
+    """Return the points (float64 n, 2) that rays from (x, y) ``hit``, more than ``apart`` from what is occupied.
+
+    Only those closer than ``near``, and on the grid of ``clearance``.
+    """
+    height, width = clearance.shape
+    points = np.empty((angles.shape[0], 2))
+    size = 0
+    for i in range(angles.shape[0]):
+        if hits[i] and ranges[i] < near:
+            px, py = x + ranges[i] * math.cos(angles[i]), y + ranges[i] * math.sin(angles[i])
+            column, row = int(math.floor(px)), int(math.floor(py))
+            if 0 <= row < height and 0 <= column < width and clearance[row, column] > apart:
+                points[size, 0], points[size, 1] = px, py
+                size += 1
+    return points[:size].copy()
 
 
 @jit

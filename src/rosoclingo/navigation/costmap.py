@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import count_rays, update_clearance
+from rosoclingo.navigation.compiled import count_rays, hits_apart, update_clearance
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
 
@@ -105,20 +105,11 @@ class Costmap:
             self._counts, self._marks, self._mapped, x, y, turned, lengths, hits, GAIN, LIMIT, SURE
         )  # fmt: skip
         changed = self._changed(window)
-        self.unmarked = self._hits_elsewhere(sensor, turned, far, hits)
+        # What is neither on the map nor marked yet.
+        known = self.limits.static_tolerance / self.resolution
+        seen = hits_apart(self.clearance, x, y, turned, far / self.resolution, hits, NEARBY / self.resolution, known)
+        self.unmarked = seen * self.resolution + (self.grid.origin_x, self.grid.origin_y)
         return changed
-
-    def _hits_elsewhere(self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, hits: np.ndarray) -> np.ndarray:
-        """Return the points (n, 2; m) nearby that a scan hit and that are neither on the map nor marked yet."""
-        near = hits & (ranges < NEARBY)
-        points = np.stack(
-            [sensor.x + ranges[near] * np.cos(angles[near]), sensor.y + ranges[near] * np.sin(angles[near])], axis=1
-        )
-        cells = np.floor((points - (self.grid.origin_x, self.grid.origin_y)) / self.resolution).astype(int)
-        inside = ((cells >= 0) & (cells < self.grid.shape[::-1])).all(axis=1)
-        points, cells = points[inside], cells[inside]
-        apart = self.clearance[cells[:, 1], cells[:, 0]] * self.resolution > self.limits.static_tolerance
-        return np.asarray(points[apart])
 
     def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
         """Drop what the laser marked further than ``beyond`` m (in x or y) from a point; tell whether any was."""

@@ -38,6 +38,9 @@ class Command(NamedTuple):
     velocity: Velocity = STOP
 
 
+SHOWN = np.linspace(0.0, 1.0, 8)  # s ahead
+
+
 class LocalPlanner:
     """What a local planner plugin does: subclasses are named by class path in ``base_local_planner``.
 
@@ -64,8 +67,10 @@ class LocalPlanner:
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the points (n, 2; m) that a command leads through, for display."""
-        times = np.linspace(0.0, 1.0, 8)
-        return np.array([pose.moved(velocity.linear, velocity.angular, t)[:2] for t in times])
+        half = 0.5 * velocity.angular * SHOWN
+        chord = velocity.linear * SHOWN * np.sinc(half / math.pi)
+        direction = pose.yaw + half
+        return np.stack([pose.x + chord * np.cos(direction), pose.y + chord * np.sin(direction)], axis=1)
 
 
 def body_discs(radius: float, footprint: Sequence, resolution: float) -> np.ndarray:

@@ -103,8 +103,8 @@ class CostmapTopics:
         """Publish where the robot's corners (m) are at a pose in a frame."""
         message = PolygonStamped()
         message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
-        placed = [pose.compose(Pose2D(x, y)) for x, y in corners]
-        message.polygon.points = [Point32(corner.x, corner.y, 0.0) for corner in placed]
+        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+        message.polygon.points = [Point32(pose.x + c * x - s * y, pose.y + s * x + c * y, 0.0) for x, y in corners]
         self._outline.publish(message)
 
 

@@ -17,6 +17,7 @@ from rosoclingo.nodes.worker import Worker
 
 # A time stamp is that much (s) ahead of this node's clock at most; else time has gone back.
 ON_ITS_WAY = 0.3
+NEWEST = rospy.Time(0)
 
 
 class Located(NamedTuple):
@@ -40,6 +41,7 @@ class Sensing:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._odom_frame = "odom"
+        self._odom_in_map: Optional[Pose2D] = None  # as of the last look at where the robot is
         self._scan: Optional[Any] = None
         self._angles: Tuple[Tuple[float, float, int], np.ndarray] = ((0.0, 0.0, 0), np.empty(0))
         self.velocity = Velocity()
@@ -88,14 +90,19 @@ class Sensing:
 
     def locate(self, now: float) -> Located:
         """Return where the robot is in the map, now (s)."""
-        pose = self._pose_in_map(self._frames.base, rospy.Time(0))
+        pose, late = Pose2D(0.0, 0.0), ""
         for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
-            stamp = self._newest(parent, child)
-            if stamp is None:
+            found = self._newest(parent, child)
+            if found is None:
+                self._odom_in_map = None
                 return Located(None, f"there is no transform from {parent} to {child}")
-            if stamp > 0.0 and now - stamp > self._frames.tolerance:
-                return Located(pose, f"the transform from {parent} to {child} is {now - stamp:.1f} s old")
-        return Located(pose, "" if pose else f"there is no transform from {self._frames.map} to the robot")
+            part, stamp = found
+            if child == self._odom_frame:
+                self._odom_in_map = part
+            pose = pose.compose(part)
+            if not late and stamp > 0.0 and now - stamp > self._frames.tolerance:
+                late = f"the transform from {parent} to {child} is {now - stamp:.1f} s old"
+        return Located(pose, late)
 
     def laser_age(self, now: float) -> float:
         """Return the age (s) of the newest scan."""
@@ -111,9 +118,10 @@ class Sensing:
         scan = self._scan
         if scan is None:
             return False
-        pose = self._pose_in_map(scan.header.frame_id.lstrip("/"), scan.header.stamp)
-        if pose is None:  # odometry of that time may still come
+        in_odom = self._lookup(self._odom_frame, scan.header.frame_id.lstrip("/"), scan.header.stamp)
+        if in_odom is None or self._odom_in_map is None:  # odometry of that time may still come
             return False
+        pose = self._odom_in_map.compose(in_odom)
         self._scan = None
         ranges = np.asarray(scan.ranges, dtype=np.float64)
         ranges = np.where(ranges < scan.range_min, np.nan, ranges)
@@ -129,7 +137,8 @@ class Sensing:
     def local_frame(self, name: str) -> Tuple[str, Pose2D]:
         """Return a frame (empty: odometry's) and its pose in the map; the map itself while that is unknown."""
         frame = name or self._odom_frame
-        pose = self._lookup(self._frames.map, frame, rospy.Time(0))
+        known = self._odom_in_map if frame == self._odom_frame else None
+        pose = known or self._lookup(self._frames.map, frame, rospy.Time(0))
         return (frame, pose) if pose else (self._frames.map, Pose2D(0.0, 0.0, 0.0))
 
     def _beam_angles(self, scan: LaserScan) -> np.ndarray:
@@ -138,19 +147,16 @@ class Sensing:
             self._angles = (key, scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges)))
         return self._angles[1]
 
-    def _pose_in_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
-        map_to_odom = self._lookup(self._frames.map, self._odom_frame, rospy.Time(0))
-        odom_to_frame = self._lookup(self._odom_frame, frame, stamp)
-        return map_to_odom.compose(odom_to_frame) if map_to_odom and odom_to_frame else None
-
     def _lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Pose2D]:
         try:
             return from_transform(self._buffer.lookup_transform_core(parent, child, stamp).transform)
         except tf2_ros.TransformException:
             return None
 
-    def _newest(self, parent: str, child: str) -> Optional[float]:
+    def _newest(self, parent: str, child: str) -> Optional[Tuple[Pose2D, float]]:
+        """Return the newest transform and its time (s), 0 for one that always holds."""
         try:
-            return float(self._buffer.get_latest_common_time(parent, child).to_sec())
+            found = self._buffer.lookup_transform_core(parent, child, NEWEST)
         except tf2_ros.TransformException:
             return None
+        return from_transform(found.transform), found.header.stamp.to_sec()

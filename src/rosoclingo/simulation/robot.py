@@ -41,7 +41,7 @@ class Laser:
         if self.spec.noise > 0.0:
             hit = out < self.spec.range
             out[hit] += self._random.normal(0.0, self.spec.noise, int(hit.sum()))
-        return np.clip(out, self.spec.min_range, self.spec.range).astype(np.float32)
+        return np.minimum(np.maximum(out, self.spec.min_range), self.spec.range).astype(np.float32)
 
 
 class Robot:
