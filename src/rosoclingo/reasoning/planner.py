@@ -21,7 +21,7 @@ SolverFactory = Callable[[], StreamSolver]
 
 
 #: Cycles that stay as they were fed, so that an observation can still be named as the reason of a failure.
-RECENT = 20
+RECENT = 10
 
 #: Cycles after which even what an open request saw is over.
 LONG_AGO = 150

@@ -39,27 +39,24 @@ class Statuses:
 
     def __init__(self, answer: FrozenSet[Symbol]) -> None:
         self.faults: List[str] = []
-        self._table: Dict[Tuple[Symbol, int], List[Status]] = {}
-        for atom in sorted((atom for atom in answer if is_keyword(atom, STATUS)), key=str):
-            self._enter(atom)
+        self._table: Dict[Tuple[Symbol, int], List[Symbol]] = {}
+        for atom in answer:
+            if is_keyword(atom, STATUS):
+                self._enter(atom)
+        self.faults.sort()
 
     def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
         """The goal's status in a cycle; of several the worst. None when the program says nothing."""
-        found = self._table.get((identifier, cycle), [])
-        return min(found, key=lambda status: list(WORDS).index(status.word), default=None)
+        found = map(_status_of, self._table.get((identifier, cycle), []))
+        return min(found, key=lambda status: (list(WORDS).index(status.word), status.reason), default=None)
 
     def _enter(self, atom: Symbol) -> None:
-        status = _status_of(atom)
-        if status is None:
-            self.faults.append("'{}' is no status: write _status(Id,S,C), S one of {}".format(atom, ", ".join(WORDS)))
+        identifier, word, cycle = atom.arguments if len(atom.arguments) == 3 else (atom, atom, atom)
+        if cycle.type is SymbolType.Number and word.type is SymbolType.Function and word.name in WORDS:
+            self._table.setdefault((identifier, cycle.number), []).append(word)
         else:
-            self._table.setdefault((atom.arguments[0], atom.arguments[2].number), []).append(status)
+            self.faults.append("'{}' is no status: write _status(Id,S,C), S one of {}".format(atom, ", ".join(WORDS)))
 
 
-def _status_of(atom: Symbol) -> Optional[Status]:
-    if len(atom.arguments) != 3 or atom.arguments[2].type is not SymbolType.Number:
-        return None
-    word = atom.arguments[1]
-    if word.type is not SymbolType.Function or word.name not in WORDS:
-        return None
+def _status_of(word: Symbol) -> Status:
     return Status(word.name, ", ".join(text_of(argument) for argument in word.arguments))
