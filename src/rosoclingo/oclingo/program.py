@@ -118,9 +118,11 @@ class ReactiveProgram:
         patterns = self._declarations.get(signature_of(atom), ())
         return any(one.parameter and one.may_match(atom, first, last, self._values) for one in patterns)
 
-    def declaring_step(self, atom: clingo.Symbol, steps: Sequence[int]) -> int:
+    def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
-        return next((step for step in steps if self.may_declare(atom, step, step)), steps[0])
+        patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
+        found = (one.first_match(atom, steps[0], steps[-1], self._values) for one in patterns)
+        return min((step for step in found if step is not None), default=steps[0])
 
     def _collect(self) -> None:
         """Gather signatures, dependencies and patterns from the statements."""

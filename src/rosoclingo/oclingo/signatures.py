@@ -165,14 +165,21 @@ class Pattern:
         """
         if not self.parameter:
             return _matches(self.term, atom, constants)
+        return self.first_match(atom, first, last, constants) is not None
+
+    def first_match(
+        self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]
+    ) -> Optional[int]:
+        """Return the first step in first..last whose ground instance could be ``atom``, None where there is none."""
         if first > last:
-            return False
+            return None
         pinned = self._pinned_step(atom, constants)
         if pinned is None:
-            return _matches(self.term, atom, constants, self.parameter)
+            return first if _matches(self.term, atom, constants, self.parameter) else None
         if not first <= pinned <= last:
-            return False
-        return _matches(self.term, atom, dict(constants, **{self.parameter: clingo.Number(pinned)}))
+            return None
+        at_step = dict(constants, **{self.parameter: clingo.Number(pinned)})
+        return pinned if _matches(self.term, atom, at_step) else None
 
     def _pinned_step(self, atom: clingo.Symbol, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
         """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
