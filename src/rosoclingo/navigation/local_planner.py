@@ -38,7 +38,7 @@ class Command(NamedTuple):
     velocity: Velocity = STOP
 
 
-SHOWN = np.linspace(0.0, 1.0, 8)  # s ahead
+SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s ahead
 
 
 class LocalPlanner:
@@ -67,10 +67,7 @@ class LocalPlanner:
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the points (n, 2; m) that a command leads through, for display."""
-        half = 0.5 * velocity.angular * SHOWN
-        chord = velocity.linear * SHOWN * np.sinc(half / math.pi)
-        direction = pose.yaw + half
-        return np.stack([pose.x + chord * np.cos(direction), pose.y + chord * np.sin(direction)], axis=1)
+        return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])
 
 
 def body_discs(radius: float, footprint: Sequence, resolution: float) -> np.ndarray:

@@ -73,6 +73,7 @@ class CostmapTopics:
         """``on_subscriber`` is called, in any thread, with the function that sends a message to a new subscriber."""
         self._send_full = send_full
         self._last: Optional[Picture] = None
+        self._polygon = PolygonStamped()
         listener = _Listener(on_subscriber)
         self._whole = prompt_publisher(f"~{name}/costmap", numpy_msg(OccupancyGrid), 2, subscriber_listener=listener)
         self._updates = prompt_publisher(f"~{name}/costmap_updates", numpy_msg(OccupancyGridUpdate), 2)
@@ -101,10 +102,13 @@ class CostmapTopics:
 
     def footprint(self, frame: str, pose: Pose2D, corners: Sequence[Tuple[float, float]]) -> None:
         """Publish where the robot's corners (m) are at a pose in a frame."""
-        message = PolygonStamped()
+        message = self._polygon  # one for all times: to make its points anew takes longer than all else
         message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
+        if len(message.polygon.points) != len(corners):
+            message.polygon.points = [Point32() for _ in corners]
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-        message.polygon.points = [Point32(pose.x + c * x - s * y, pose.y + s * x + c * y, 0.0) for x, y in corners]
+        for point, (x, y) in zip(message.polygon.points, corners):
+            point.x, point.y = pose.x + c * x - s * y, pose.y + s * x + c * y
         self._outline.publish(message)
 
 
