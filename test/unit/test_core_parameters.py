@@ -33,9 +33,10 @@ def test_all_parameters(program):
         "search_timeout": 0,
         "recovery_timeout": 2,
         "preempt": True,
+        "goals_at_once": 0,
     }
     found = core_parameters(values)
-    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True), 0.0, 2.0)
+    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 0), 0.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -55,6 +56,7 @@ def test_all_parameters(program):
         ("action_timeout", "long", "give seconds"),
         ("search_timeout", float("inf"), "give seconds"),
         ("recovery_timeout", -0.1, "give seconds"),
+        ("goals_at_once", -1, "whole number from 0"),
         ("preempt", 1, "give true or false"),
         ("preempt", "true", "give true or false"),
     ],
@@ -81,5 +83,5 @@ def test_documented_defaults_are_the_real_ones():
     documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false)\)", node))
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
     real.update(search_timeout=CoreParameters.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
-    real["preempt"] = CoreSettings.preempt
+    real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real

@@ -47,6 +47,8 @@ class CoreNode:
         ~constants (map, default {}): values of the program's ``#const`` names.
         ~labels (map or list, default {}): named locations; each is given to the program's base part as ``label(Name).``
         ~horizon_limit (int, default 100): steps that a plan may reach beyond the current cycle.
+        ~goals_at_once (int, default 8): goals that the program is told of at the same time; further ones wait, pending,
+            the oldest first. 0 for no limit.
         ~search_timeout (float, default 10.0): seconds of wall time for one search, 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
             failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.

@@ -29,6 +29,7 @@ def core_parameters(values: Mapping[str, Any]) -> CoreParameters:
         horizon_limit=_whole(values, "horizon_limit", defaults.horizon_limit),
         action_timeout=_seconds(values, "action_timeout", defaults.action_timeout),
         preempt=_switch(values, "preempt", defaults.preempt),
+        goals_at_once=_whole(values, "goals_at_once", defaults.goals_at_once, 0),
     )
     return CoreParameters(
         program_files=_files(values),
@@ -83,10 +84,10 @@ def _term(text: str, what: str) -> None:
         raise ParameterError(f"{what} '{text}' is no ASP term: {error}") from error
 
 
-def _whole(values: Mapping[str, Any], name: str, default: int) -> int:
+def _whole(values: Mapping[str, Any], name: str, default: int, least: int = 1) -> int:
     found = values.get(name, default)
-    if isinstance(found, bool) or not isinstance(found, int) or found < 1:
-        raise ParameterError(f"~{name} is {found!r}: give a whole number from 1")
+    if isinstance(found, bool) or not isinstance(found, int) or found < least:
+        raise ParameterError(f"~{name} is {found!r}: give a whole number from {least}")
     return found
 
 

@@ -56,7 +56,7 @@ class Core:
         self._watch_recovery = watch_recovery
         self._speaks = program.defines(STATUS, 3)
         self._feeder = InputFeeder()
-        self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle)
+        self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle, settings.goals_at_once)
         self._intake = Intake(program, self._feeder, observer, lambda: self.cycle)
         self._preemption = Preemption(self._feeder, self._intake)
         self._step = 0

@@ -10,16 +10,26 @@ from rosoclingo.reasoning.keywords import REQUEST, request
 
 
 class GoalDesk:
-    """The goals of all clients. ``tell`` hears of each change, ``cycle`` gives the logical time point."""
+    """The goals of all clients. ``tell`` hears of each change, ``cycle`` gives the logical time point.
+
+    At most ``at_once`` goals (0: any number) are with the program at a time; further ones wait for their turn.
+    """
 
     def __init__(
-        self, program: ReactiveProgram, feeder: InputFeeder, tell: Callable[[Event], None], cycle: Callable[[], int]
+        self,
+        program: ReactiveProgram,
+        feeder: InputFeeder,
+        tell: Callable[[Event], None],
+        cycle: Callable[[], int],
+        at_once: int = 0,
     ) -> None:
         self._program = program
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
         self._book = GoalBook()
+        self._at_once = at_once
+        self._waiting: List[Goal] = []
 
     @property
     def live(self) -> List[Goal]:
@@ -41,7 +51,8 @@ class GoalDesk:
         except GoalError as error:
             self._tell(GoalRefused(self._cycle(), key, text, str(error)))
         else:
-            self._feeder.add_goal(goal)
+            self._waiting.append(goal)
+            self._admit()
 
     def cancel(self, key: str) -> None:
         """A client cancels; nothing happens to a goal that has ended or is being cancelled already."""
@@ -52,7 +63,7 @@ class GoalDesk:
         if goal.fed:
             self._feeder.add_cancellation(goal.identifier)
         else:
-            self._feeder.withdraw(goal)
+            self._withdraw(goal)
             goal.end(Outcome.CANCELED, f"{goal.term} is cancelled before it was planned for")
 
     def drop(self, goals: Sequence[Goal], why: str) -> None:
@@ -65,6 +76,7 @@ class GoalDesk:
         """End those of the goals that have not ended, each with its term and the reason as its message."""
         for goal in goals:
             if goal.live:
+                self._withdraw(goal)
                 goal.end(outcome, f"{goal.term} {why}")
 
     def reject_undeclared(self, goals: Iterable[Goal], warnings: Sequence[str]) -> None:
@@ -77,4 +89,16 @@ class GoalDesk:
     def _changed(self, goal: Goal, event: GoalEvent) -> None:
         if not goal.live:
             self._book.remove(goal)
+            self._admit()
         self._tell(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
+
+    def _admit(self) -> None:
+        """Let goals in that wait, as long as there is room."""
+        while self._waiting and not 0 < self._at_once <= len(self._book.live) - len(self._waiting):
+            self._feeder.add_goal(self._waiting.pop(0))
+
+    def _withdraw(self, goal: Goal) -> None:
+        """Let a goal that the program has not been told of wait no longer."""
+        self._waiting = [other for other in self._waiting if other is not goal]
+        if not goal.fed:
+            self._feeder.withdraw(goal)

@@ -9,9 +9,12 @@ class CoreSettings:
 
     ``horizon_limit``: steps that a plan may reach beyond the current cycle. ``action_timeout``: seconds until an
     action that has not returned counts as failed with the value ``timeout``; 0 waits for ever. ``preempt``: whether
-    an action under way that a new plan does not want is ended at once.
+    an action under way that a new plan does not want is ended at once. ``goals_at_once``: goals that the program is
+    told of at the same time, since the search for a shortest plan takes ever longer with their number; more of them
+    wait, the oldest first; 0 for no limit.
     """
 
     horizon_limit: int = 100
     action_timeout: float = 600.0
     preempt: bool = False
+    goals_at_once: int = 8
