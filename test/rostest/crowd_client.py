@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""One client of the crowd: one goal after the other, many of them cancelled; prints how each of them ended, as JSON."""
+"""One client of the crowd: all its goals at once, many of them cancelled; prints how each of them ended, as JSON."""
 
+import collections
 import json
 import queue
 import sys
@@ -23,27 +24,29 @@ class CrowdClient:
 
     def run(self):
         """Return when all have ended."""
-        for errand in self._errands:
-            news = queue.Queue()
-            handle = self._client.send_goal(
-                ROSoClingoGoal(errand.request),
-                lambda handle, news=news: news.put(handle.get_comm_state()),
-                lambda *_, news=news: news.put(None),
-            )
-            self._follow(errand, handle, news)
-            self.ends[errand.number] = (handle.get_terminal_state(), handle.get_result().message)
-
-    @staticmethod
-    def _follow(errand, handle, news):
-        """Wait for the end; the news are states, and None for feedback.
-
-        What the server has not acknowledged is not cancelled: actionlib's client may lose such a goal.
-        """
-        heard = 0
-        for state in iter(news.get, CommState.DONE):
-            heard += state is None
-            if heard == errand.patience and state in (CommState.PENDING, CommState.ACTIVE, None):
+        news = queue.Queue()
+        handles = [self._send(errand, news) for errand in self._errands]
+        heard = collections.Counter()
+        while len(self.ends) < len(handles):
+            number, state = news.get()
+            errand, handle = handles[number]
+            if state == CommState.DONE:
+                self.ends[errand.number] = (handle.get_terminal_state(), handle.get_result().message)
+                continue
+            heard[number] += state is None
+            # what the server has not acknowledged is not cancelled: actionlib's client may lose such a goal
+            if heard[number] == errand.patience and state in (CommState.PENDING, CommState.ACTIVE, None):
                 handle.cancel()
+
+    def _send(self, errand, news):
+        """The errand and its goal's handle; the news are the errand's place and states, None for feedback."""
+        number = self._errands.index(errand)
+        handle = self._client.send_goal(
+            ROSoClingoGoal(errand.request),
+            lambda handle: news.put((number, handle.get_comm_state())),
+            lambda *_: news.put((number, None)),
+        )
+        return errand, handle
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from typing import List, NamedTuple, Optional
 
 OFFICES = ("office1", "office2")
 CLIENTS = 4
-GOALS = 25  # of each client
+GOALS = 25  # of each client, all at once
 
 
 class Errand(NamedTuple):
