@@ -6,9 +6,15 @@ from typing import NamedTuple
 from clingo import Function, Symbol
 
 from rosoclingo.interfaces.terms import TermError, read_atom
-from rosoclingo.reasoning.keywords import ACTION_LIB, Action, KeywordError, Return, action_of, is_keyword
-
-CANCEL_ACTION = "_cancel"
+from rosoclingo.reasoning.keywords import (
+    ACTION_LIB,
+    CANCEL_ACTION,
+    Action,
+    KeywordError,
+    Return,
+    action_of,
+    is_keyword,
+)
 
 
 class FactError(ValueError):

@@ -129,7 +129,8 @@ def _move(
     true = {atom for atom, value in census.values.items() if value}
     told = {atom for atom in true if census.literals[atom] in defined} | (old.facts if old is not None else set())
     shown = [] if old is None else list(old.shown)
-    fresh = {atom for atom in engine.shown & true if census.literals[atom] in steps.keys() - census.base}
+    theirs = steps.keys() - census.base
+    fresh = {atom for atom in engine.shown & true if census.literals[atom] in theirs}
     fresh |= engine.shown & statements.facts
     fresh -= {atom for _, atom in shown}
     shown += [(steps.get(census.literals[atom], first - 1), atom) for atom in fresh]
