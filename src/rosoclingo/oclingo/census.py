@@ -1,5 +1,6 @@
 """What is decided for good: a look at which atoms clingo has fixed, step by step."""
 
+from functools import cached_property
 from typing import Dict, List, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -70,6 +71,8 @@ class StepRecorder(Observer):
 class Census(Propagator):
     """Reads, at the start of a search, what is fixed whatever further steps and externals bring.
 
+    ``steps`` and ``defined`` are for afterwards.
+
     Attributes:
         first: the first step, up to ``before``, of a block that is not decided; 0 where nothing could be read.
         values: the fixed atoms and their truth values.
@@ -108,16 +111,18 @@ class Census(Propagator):
         """The atoms that base defines or declares external."""
         return self._recorder.atoms.get(BASE, set())
 
+    @cached_property
     def steps(self) -> Dict[int, int]:
-        """Return for the atoms that decided blocks mention the first step of the first such block."""
+        """For the atoms that decided blocks mention the first step of the first such block."""
         found: Dict[int, int] = {}
         for step in range(self._start, self.first):
             for atom in self._recorder.atoms.get(step, ()):
                 found.setdefault(atom, step)
         return found
 
+    @cached_property
     def defined(self) -> Set[int]:
-        """Return the atoms that rules of decided steps define."""
+        """The atoms that rules of decided steps define."""
         heads: List[Set[int]] = [self._recorder.heads.get(step, set()) for step in range(self._start, self.first)]
         return set().union(*heads)
 

@@ -88,7 +88,7 @@ class _Statements:
 
     def __init__(self, engine: Engine, census: Census, statements: Sequence[Statement]) -> None:
         self._engine, self._values = engine, census.values
-        defined = census.defined()
+        defined = census.defined
         self._past = {atom for atom, literal in census.literals.items() if literal in defined}
         self.facts = {one.head for one in statements if one.head is not None and not one.body}
         self.kept: List[Statement] = []
@@ -125,7 +125,7 @@ def _move(
     def matters(atom: clingo.Symbol) -> bool:
         return program.may_mention(atom, first) or program.may_declare(atom, first)
 
-    steps, defined = census.steps(), census.defined()
+    steps, defined = census.steps, census.defined
     true = {atom for atom, value in census.values.items() if value}
     told = {atom for atom in true if census.literals[atom] in defined} | (old.facts if old is not None else set())
     shown = [] if old is None else list(old.shown)
@@ -146,7 +146,7 @@ def _move(
 
 def _ties(engine: Engine, census: Census, kept: Set[Statement]) -> List[Statement]:
     """Return constraints for what retired steps have decided of atoms that are not theirs, a choice of base say."""
-    mentioned = census.steps().keys() & census.base
+    mentioned = census.steps.keys() & census.base
     found: List[Statement] = []
     for atom, value in census.values.items():
         # clingo calls facts what constraints have fixed: whether the atom is one tells nothing
