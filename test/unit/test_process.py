@@ -20,6 +20,7 @@ from rosoclingo.oclingo import (
     SolverError,
     parse_atom,
     parse_update,
+    process_solver,
 )
 from rosoclingo.oclingo.process import SolverProcess
 from rosoclingo.oclingo.state import Past
@@ -295,3 +296,40 @@ def test_states_travel_as_messages():
     assert twin == state
     fact = parse_atom("_request(2,2)")
     assert not any(statement.concerns(frozenset([fact])) for statement in twin.less(frozenset([fact])).permanent)
+
+
+def test_states_that_come_with_searches_lead_back_whatever_ends_the_child(monkeypatch):
+    monkeypatch.setattr(process_solver, "LOG_LIMIT", 2)
+    with process_of(RUN, shortest=True, oclingo_strings=False, horizon_limit=100) as process:
+        solver = process.solver()
+        done, now = [], None
+        for cycle in range(1, 25):
+            now, answer = goes(solver, cycle, now)
+            past = [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number < cycle]
+            assert set(past) == set(done), "what was executed, and no more"
+            done += now
+            before = solver.snapshot()
+            if cycle % 3 == 0:
+                kill(process)
+            if cycle % 4 == 0:
+                with pytest.raises(SolverError, match="beyond the horizon limit"):
+                    solver.update(parse_update("#step 101. #endstep."))
+                assert solver.snapshot() == before
+        assert len(done) >= 3
+        assert len(before.log) <= 3
+
+
+def test_the_state_of_a_search_that_was_ended_has_its_update(monkeypatch):
+    monkeypatch.setattr(process_solver, "LOG_LIMIT", 0)
+    with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100_000) as process:
+        solver = process.solver()
+        solver.forget_before(0)
+        result = solver.update(parse_update("#step 1. e(1). #endstep."))
+        assert atoms(result) == [["c(1)", "e(1)"]]
+        result = solver.update(parse_update("#step 2. #endstep."), at_look(5))
+        assert (result.outcome, solver.step) == (SolveOutcome.INTERRUPTED, 2)
+        assert [entry["do"] for entry in solver.snapshot().log] == ["restore"]
+        kill(process)
+        late = solver.update(parse_update(f"#step {result.horizon} : 0. e({result.horizon}). #endstep."))
+        assert late.outcome is SolveOutcome.SATISFIABLE
+        assert parse_atom("e(1)") in late.answers[0]

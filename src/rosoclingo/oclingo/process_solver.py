@@ -1,12 +1,10 @@
 """A reactive solver that works in a :class:`~rosoclingo.oclingo.process.SolverProcess`."""
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Callable, FrozenSet, Iterable, List, Optional, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.process_wire import Message, result_from_message, symbols_from_text, symbols_to_text
 from rosoclingo.oclingo.progression import StreamUpdate
 from rosoclingo.oclingo.progression_parser import parse_update
@@ -53,6 +51,7 @@ class ProcessSolver:
         self._process = process
         self._place = process.place()
         self._log: List[Message] = []
+        self._forgets = False
         self._step, self._horizon = 1, 1
 
     @property
@@ -92,17 +91,19 @@ class ProcessSolver:
         self._log.append({"do": "close", "cycle": cycle, "executed": symbols_to_text(executed)})
 
     def forget_before(self, step: int) -> None:
-        """Let the steps before ``step`` be over; from now on the log begins with a state now and then."""
+        """Let the steps before ``step`` be over; from now on a search brings a state for the log now and then."""
         self._log.append({"do": "forget", "step": step})
-        if len(self._log) > LOG_LIMIT:
-            with suppress(SolverError):  # a child that was lost takes the whole log again, and is asked another time
-                state = self._process.ask(self._place, self._log, {"do": "state"}, None)["state"]
-                self._log = [{"do": "restore", "state": state}]
-                self._process.shorten(self._place, 1)
+        self._forgets = True
 
     def _search(self, command: Message, stopped: Optional[Stopped]) -> SolveResult:
-        result = result_from_message(self._process.ask(self._place, self._log, command, stopped))
-        self._log.append(dict(command, horizon=result.horizon))
+        checkpoint = self._forgets and len(self._log) > LOG_LIMIT
+        reply = self._process.ask(self._place, self._log, dict(command, checkpoint=checkpoint), stopped)
+        result = result_from_message(reply)
+        if checkpoint:
+            self._log = [{"do": "restore", "state": reply["state"]}]
+            self._process.shorten(self._place, 1)
+        else:
+            self._log.append(dict(command, horizon=result.horizon))
         self._step, self._horizon = result.step, result.horizon
         return result
 

@@ -23,7 +23,7 @@ from rosoclingo.oclingo.process_wire import (
     symbols_from_text,
 )
 from rosoclingo.oclingo.progression_parser import parse_update
-from rosoclingo.oclingo.solver import ReactiveSolver
+from rosoclingo.oclingo.solver import ReactiveSolver, SolveResult
 from rosoclingo.oclingo.state_wire import state_from_message, state_to_message
 
 _CHUNK = 1 << 20
@@ -71,7 +71,6 @@ class Worker:
             "rebuild": self._rebuild,
             "solve": self._solve,
             "update": self._update,
-            "state": self._state,
         }
 
     def run(self, answer: Callable[[Message], None]) -> None:
@@ -101,15 +100,12 @@ class Worker:
         return {}
 
     def _solve(self, command: Message) -> Message:
-        return result_to_message(self._solver_of(command).solve(self._commands.interrupted))
+        solver = self._solver_of(command)
+        return _reply(command, solver, solver.solve(self._commands.interrupted))
 
     def _update(self, command: Message) -> Message:
         solver, update = self._solver_of(command), parse_update(command["update"])
-        return result_to_message(solver.update(update, self._commands.interrupted))
-
-    def _state(self, command: Message) -> Message:
-        """Tell the state, from which a log can go on instead of from the start."""
-        return {"state": state_to_message(self._solver_of(command).snapshot())}
+        return _reply(command, solver, solver.update(update, self._commands.interrupted))
 
     def _solver_of(self, command: Message) -> ReactiveSolver:
         """Return the solver of a command, which takes what is new in its log, without searching."""
@@ -125,6 +121,12 @@ class Worker:
                 text = entry.get("update")
                 solver.replay(None if text is None else parse_update(text), entry["horizon"])
         return solver
+
+
+def _reply(command: Message, solver: ReactiveSolver, result: SolveResult) -> Message:
+    """Return ``result``, with the state from which a log can go on instead of from the start if that is wanted."""
+    reply = result_to_message(result)
+    return dict(reply, state=state_to_message(solver.snapshot())) if command["checkpoint"] else reply
 
 
 def end_with(lifeline: int) -> None:
