@@ -7,9 +7,11 @@ from rosoclingo.oclingo import (
     ReactiveSolver,
     SolveOutcome,
     SolverError,
+    idling,
     parse_atom,
     parse_update,
 )
+from rosoclingo.oclingo.engine import Engine, Search
 
 WALK = """
 #program base.
@@ -208,3 +210,26 @@ def test_steps_are_grounded_at_once_only_where_they_may_be_idle(program, idles):
     answer = play(solver, "#step 1. _request(3,1).")
     assert plan(answer) == [f"_action_lib(move,{i},{i})" for i in range(1, 4)]
     assert solver.horizon == (9 if idles else 3)
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_whether_steps_may_be_idle_stays_unknown_where_the_trial_was_ended(monkeypatch, number):
+    searches = []
+
+    class Ended(Engine):
+        def search(self, *arguments):
+            searches.append(arguments)
+            return Search(None) if len(searches) == number else super().search(*arguments)
+
+    program = ReactiveProgram.from_text(WALK)
+    monkeypatch.setattr(idling, "Engine", Ended)
+    assert not idling.may_idle(program, lambda: True)
+    assert program.may_idle is None
+    assert idling.may_idle(program, lambda: False), "it is tried again"
+
+
+def test_a_base_that_cannot_be_ground_is_told_by_the_search():
+    program = ReactiveProgram.from_text("{ p(1..3) }. :- #sum { 2147483647,X : p(X) } > 3. #program cumulative(t).")
+    assert not idling.may_idle(program, lambda: False)
+    with pytest.raises(SolverError, match="Integer overflow"):
+        ReactiveSolver(program, shortest=True).solve()
