@@ -31,10 +31,10 @@ class Messages:
         """Return all messages as one text."""
         return "\n".join(text for _, text in self._said)
 
-    def faults(self) -> List[Fault]:
-        """Return the errors among the messages, or all messages where none is marked as error."""
+    def faults(self, error: RuntimeError) -> List[Fault]:
+        """Return the errors among the messages; where there is none what ``error`` itself says, then all messages."""
         errors = [text for code, text in self._said if code == clingo.MessageCode.RuntimeError]
-        return [_fault(text) for text in errors or [text for _, text in self._said]]
+        return [_fault(text) for text in errors or [str(error).strip(), *(text for _, text in self._said)]]
 
 
 def _fault(text: str) -> Fault:

@@ -158,8 +158,8 @@ class ReactiveProgram:
         try:
             self.load_into(control)
             control.ground([("__oclingo_no_part", [])])  # now clingo looks for unsafe variables
-        except RuntimeError:
-            raise ProgramError(messages.faults()) from None
+        except RuntimeError as error:
+            raise ProgramError(messages.faults(error)) from None
         return control
 
     def _evaluate_directives(self, control: clingo.Control) -> None:
@@ -219,5 +219,5 @@ class ReactiveProgram:
     def _redefinitions(self, control: clingo.Control, messages: Messages) -> List[Fault]:
         try:
             return checks.redefinitions(control, self.parts, self.first_step)
-        except RuntimeError:
-            return messages.faults()
+        except RuntimeError as error:
+            return messages.faults(error)

@@ -99,8 +99,8 @@ def _parse(name: str, text: str, found: Directives, faults: List[Fault]) -> Pars
     messages, statements = Messages(), []  # type: Messages, List[AST]
     try:
         parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
-    except RuntimeError:
-        faults.extend(_named(fault, name) for fault in messages.faults())
+    except RuntimeError as error:
+        faults.extend(_named(fault, name) for fault in messages.faults(error))
     for statement in statements:
         _relocate(statement, name)
     return Parsed(name, statements)
