@@ -1,6 +1,7 @@
 """The rules of the house (CONTRIBUTING.md) that a program can check."""
 
 import ast
+import importlib
 import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -56,7 +57,9 @@ def imports_of(path):
 
 
 def subpackages_of(names):
-    return {name.split(".")[1] for name in names if name.startswith("rosoclingo.")}
+    """The packages of the house among the names; modules beside them serve everybody."""
+    found = {name.split(".")[1] for name in names if name.startswith("rosoclingo.")}
+    return found - {path.stem for path in PACKAGES.glob("*.py")}
 
 
 def dependencies():
@@ -69,7 +72,7 @@ def test_imports_go_one_way(path):
     parts = path.relative_to(PACKAGES).parts
     names = imports_of(path)
     if len(parts) == 1:
-        assert not subpackages_of(names), "rosoclingo/__init__.py imports nothing of the package"
+        assert not subpackages_of(names), "modules beside the packages import none of them"
         return
     allowed = MAY_IMPORT[parts[0]] | {parts[0]} | (set() if parts[0] in PURE else {"msg", "srv"})
     assert subpackages_of(names) <= allowed
@@ -87,6 +90,15 @@ def test_pure_packages_know_nothing_of_ros_and_start_no_threads(path):
 
 def test_every_subpackage_is_in_the_layers():
     assert {path.name for path in PACKAGES.iterdir() if (path / "__init__.py").exists()} == set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize("name", ["navigation", "simulation"])
+def test_names_that_are_loaded_when_asked_for(name):
+    package = importlib.import_module(f"rosoclingo.{name}")
+    for one in package.__all__:
+        assert getattr(package, one).__module__.startswith(f"rosoclingo.{name}.")
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        _ = package.nothing
 
 
 def test_setup_py_lists_every_subpackage():

@@ -1,7 +1,8 @@
 """Occupancy grids, costmaps, path planning, path following and recovery (pure)."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rosoclingo.lazy import loader
 
 if TYPE_CHECKING:
     from rosoclingo.navigation.costmap import Costmap, CostmapLimits
@@ -48,43 +49,39 @@ __all__ = [
     "yaw_to_quaternion",
 ]
 
-# Loaded when asked for: numba takes a second, and not everybody who wants a pose drives robots.
-_HOMES = {
-    "ClearCostmap": "recovery",
-    "Command": "local_planner",
-    "Costmap": "costmap",
-    "CostmapLimits": "costmap",
-    "FollowOutcome": "local_planner",
-    "FollowerLimits": "follower",
-    "GlobalPlanner": "planner",
-    "GridPlanner": "planner",
-    "GridPlannerLimits": "planner",
-    "LocalPlanner": "local_planner",
-    "MapError": "grid",
-    "NavigationError": "navigation_types",
-    "Navigator": "navigator",
-    "NavigatorLimits": "navigation_types",
-    "OccupancyGrid": "grid",
-    "Outcome": "navigation_types",
-    "Plan": "planner",
-    "PlanOutcome": "planner",
-    "Pose2D": "geometry",
-    "RecoveryBehavior": "recovery",
-    "Result": "navigation_types",
-    "RolloutFollower": "follower",
-    "RotateRecovery": "recovery",
-    "State": "navigation_types",
-    "Tick": "navigation_types",
-    "Velocity": "local_planner",
-    "default_recoveries": "recovery",
-    "load_map": "grid",
-    "normalize_angle": "geometry",
-    "quaternion_to_yaw": "geometry",
-    "yaw_to_quaternion": "geometry",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+__getattr__ = loader(
+    __name__,
+    {
+        "ClearCostmap": "recovery",
+        "Command": "local_planner",
+        "Costmap": "costmap",
+        "CostmapLimits": "costmap",
+        "FollowOutcome": "local_planner",
+        "FollowerLimits": "follower",
+        "GlobalPlanner": "planner",
+        "GridPlanner": "planner",
+        "GridPlannerLimits": "planner",
+        "LocalPlanner": "local_planner",
+        "MapError": "grid",
+        "NavigationError": "navigation_types",
+        "Navigator": "navigator",
+        "NavigatorLimits": "navigation_types",
+        "OccupancyGrid": "grid",
+        "Outcome": "navigation_types",
+        "Plan": "planner",
+        "PlanOutcome": "planner",
+        "Pose2D": "geometry",
+        "RecoveryBehavior": "recovery",
+        "Result": "navigation_types",
+        "RolloutFollower": "follower",
+        "RotateRecovery": "recovery",
+        "State": "navigation_types",
+        "Tick": "navigation_types",
+        "Velocity": "local_planner",
+        "default_recoveries": "recovery",
+        "load_map": "grid",
+        "normalize_angle": "geometry",
+        "quaternion_to_yaw": "geometry",
+        "yaw_to_quaternion": "geometry",
+    },
+)

@@ -1,7 +1,8 @@
 """The two-dimensional world: robots, sensors, doors, obstacles, packages (pure)."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rosoclingo.lazy import loader
 
 if TYPE_CHECKING:
     from rosoclingo.simulation.robot import Laser, Robot
@@ -35,26 +36,22 @@ __all__ = [
     "load_world",
 ]
 
-# Loaded when asked for: numba takes a second, and not everybody who wants a pose drives robots.
-_HOMES = {
-    "Box": "spec",
-    "Collision": "simulation",
-    "DoorSpec": "spec",
-    "Laser": "robot",
-    "LaserSpec": "spec",
-    "ObstacleSpec": "spec",
-    "PackageSpec": "spec",
-    "Robot": "robot",
-    "RobotSpec": "spec",
-    "Simulation": "simulation",
-    "WorldError": "world_reader",
-    "WorldSpec": "spec",
-    "load_simulation": "simulation",
-    "load_world": "world_file",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+__getattr__ = loader(
+    __name__,
+    {
+        "Box": "spec",
+        "Collision": "simulation",
+        "DoorSpec": "spec",
+        "Laser": "robot",
+        "LaserSpec": "spec",
+        "ObstacleSpec": "spec",
+        "PackageSpec": "spec",
+        "Robot": "robot",
+        "RobotSpec": "spec",
+        "Simulation": "simulation",
+        "WorldError": "world_reader",
+        "WorldSpec": "spec",
+        "load_simulation": "simulation",
+        "load_world": "world_file",
+    },
+)
