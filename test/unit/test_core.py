@@ -245,6 +245,15 @@ def test_action_timeout():
     assert driver.finish().states("a")[-1] == "succeeded"
 
 
+def test_action_timeout_of_a_program_without_returns():
+    text = ERRANDS.replace("#external _return/3.", "")
+    driver = Driver(text, CoreSettings(horizon_limit=8, action_timeout=10.0)).goal("a", "do(walk,1)")
+    driver.now = 11.0
+    assert driver.run().awaited == []
+    assert any("no external _return/3" in problem for problem in driver.journal.problems)
+    assert driver.states("a")[-1] == "succeeded", "the program is told of no failure"
+
+
 def test_no_action_timeout():
     driver = Driver(settings=CoreSettings(action_timeout=0.0)).goal("a", "do(walk,1)")
     driver.now = 1e9

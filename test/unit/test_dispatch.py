@@ -2,7 +2,7 @@ import pytest
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.dispatch import Dispatch, ReturnError
-from rosoclingo.reasoning.keywords import action_of, return_of
+from rosoclingo.reasoning.keywords import TIMEOUT, action_of, return_of
 
 
 def dispatch(*actions):
@@ -96,3 +96,15 @@ def test_success_is_no_failure():
     take(under_way, "_return(drive,f(a),1)")
     assert missing(under_way) == ["_action_lib(drive,a,1)"]
     assert failures(under_way) == []
+
+
+def test_what_has_not_returned_in_time_is_a_failure_whatever_the_reason_names():
+    under_way = dispatch(*(f"_action_lib(drive,{what},1)" for what in ("timeout", "a", "b")), "_action_lib(arm,c,1)")
+    take(under_way, "_return(drive,a,1)")
+    assert [str(action.parameter) for action in under_way.expire(TIMEOUT)] == ["timeout", "b", "c"]
+    assert missing(under_way) == []
+    assert failures(under_way) == [
+        ("_return(drive,timeout,1)", ["timeout", "b"]),
+        ("_return(drive,timeout,1)", ["timeout", "b"]),
+        ("_return(arm,timeout,1)", ["c"]),
+    ]

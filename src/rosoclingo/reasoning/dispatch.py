@@ -31,6 +31,7 @@ class _Group:
         return [*named, *((value, tuple(self._unanswered)) for value in self._failures)]
 
     def take(self, value: Symbol) -> None:
+        """Count a returned value; raises ReturnError when it answers no action that has not returned."""
         if not self.missing:
             raise ReturnError("every action of this interface has returned already")
         parameter = self._about(value)
@@ -40,6 +41,10 @@ class _Group:
             raise ReturnError("this action has returned already")
         else:
             self._answers[parameter] = value
+
+    def expire(self, value: Symbol) -> None:
+        """Count ``value`` as the failure of each action that has not returned."""
+        self._failures += [value] * len(self.missing)
 
     @property
     def _unanswered(self) -> List[Action]:
@@ -90,3 +95,10 @@ class Dispatch:
         if answer.interface not in self._groups:
             raise ReturnError(f"no action of '{answer.interface}' is under way in cycle {self.cycle}")
         self._groups[answer.interface].take(answer.value)
+
+    def expire(self, value: Symbol) -> Tuple[Action, ...]:
+        """Count the actions that have not returned as failed with ``value``, whatever it names; return them."""
+        expired = self.missing
+        for group in self._groups.values():
+            group.expire(value)
+        return expired

@@ -1,6 +1,7 @@
 """What interfaces tell the core: returns of the actions under way, and other facts; what of it makes no sense."""
 
-from typing import Callable, Optional, Sequence, Tuple
+from contextlib import contextmanager
+from typing import Callable, Iterator, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
@@ -37,10 +38,8 @@ class Intake:
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
         for text in facts:
-            try:
-                self._take(text)
-            except (ProgressionError, KeywordError, ReturnError, FactError) as error:
-                self._tell(Problem(self._cycle(), f"'{text}' from '{origin}' is ignored: {error}", origin))
+            with self._guarded(origin, text):
+                self._take(parse_atom(text))
 
     def expire(self, now: float, limit: float) -> None:
         """Actions that have not returned within ``limit`` seconds count as failed; 0 waits for ever."""
@@ -49,10 +48,12 @@ class Intake:
         self.dispatch.started = min(self.dispatch.started, now)  # time jumped back: the wait begins anew
         if now - self.dispatch.started < limit:
             return
-        for action in self.dispatch.missing:
+        for action in self.dispatch.expire(TIMEOUT):
             text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
             self._tell(Problem(self._cycle(), text, action.interface_name))
-            self._take(str(Return(action.interface, TIMEOUT, action.cycle).atom))
+            atom = Return(action.interface, TIMEOUT, action.cycle).atom
+            with self._guarded(action.interface_name, str(atom)):
+                self._feed_return(atom)
 
     def end_cycle(self) -> Tuple[Action, ...]:
         """The actions that were executed in the cycle, which is over."""
@@ -63,29 +64,33 @@ class Intake:
             self.observations.add_failure(answer, actions)
         return dispatch.actions
 
-    def _take(self, text: str) -> None:
-        atom = parse_atom(text)
-        if self._is_return(atom):
-            self._tell(ReturnTaken(self._cycle(), atom))
-            self._check(atom)
+    @contextmanager
+    def _guarded(self, origin: str, text: str) -> Iterator[None]:
+        """Tell as a problem why the fact ``text`` makes no sense."""
+        try:
+            yield
+        except (ProgressionError, KeywordError, ReturnError, FactError) as error:
+            self._tell(Problem(self._cycle(), f"'{text}' from '{origin}' is ignored: {error}", origin))
+
+    def _take(self, atom: Symbol) -> None:
+        """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
+        if is_keyword(atom, RETURN):
+            answer = return_of(atom)
+            if self.dispatch is None:
+                raise ReturnError("no action is under way")
+            self.dispatch.take(answer)
+            self._feed_return(atom)
         else:
             self._check(atom)
             self.observations.add_fact(atom, self._cycle())
             self._tell(FactTaken(self._cycle(), atom))
+            self._feeder.add_fact(atom)
+
+    def _feed_return(self, atom: Symbol) -> None:
+        """Pass on a return that has been counted."""
+        self._tell(ReturnTaken(self._cycle(), atom))
+        self._check(atom)
         self._feeder.add_fact(atom)
-
-    def _is_return(self, atom: Symbol) -> bool:
-        """Count ``atom`` as the return of an action under way; False when it is no return at all.
-
-        Raises KeywordError when it is a malformed return, and ReturnError when no action waits for it.
-        """
-        if not is_keyword(atom, RETURN):
-            return False
-        answer = return_of(atom)
-        if self.dispatch is None:
-            raise ReturnError("no action is under way")
-        self.dispatch.take(answer)
-        return True
 
     def _check(self, atom: Symbol) -> None:
         """Raises FactError when ``atom`` is one of the core's own keywords or no external of the program."""
