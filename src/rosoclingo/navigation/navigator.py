@@ -123,7 +123,6 @@ class Navigator:
         self._planned_at = -math.inf
         self._tries = self._recovery = 0
         self._running: Optional[RecoveryBehavior] = None
-        self._trigger = Trigger.PLANNING
         self._reason = ""
         self._best = math.inf
         self._detours = 0
@@ -187,7 +186,6 @@ class Navigator:
 
     def _recover(self, now: float, pose: Pose2D, trigger: Trigger) -> Tick:
         """Start the next recovery behaviour, or give up when there is none left."""
-        self._trigger = trigger
         outcome, words = trigger.value
         if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
             return Tick(result=Result(outcome, f"{words}: {self._reason or outcome.name.lower()}."))
