@@ -82,13 +82,6 @@ class Costmap:
         """Return a point (m) in cells, as the compiled functions take it."""
         return (x - self.grid.origin_x) / self.resolution, (y - self.grid.origin_y) / self.resolution
 
-    def clearance_at(self, x: float, y: float) -> float:
-        """Return the distance (m) from a point's cell to what is nearest, negative inside of it, -inf off the map."""
-        row, column = self.grid.cell(x, y)
-        if not (0 <= row < self.grid.shape[0] and 0 <= column < self.grid.shape[1]):
-            return -math.inf
-        return float(self.clearance[row, column]) * self.resolution
-
     def observe(self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, range_max: float) -> bool:
         """Mark what a scan hit and clear what it looked through; tell whether anything changed.
 
