@@ -12,6 +12,7 @@ from rosoclingo.navigation import (
     Velocity,
     default_recoveries,
 )
+from rosoclingo.navigation.local_planner import inscribed_radius
 from rosoclingo.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
 LASER = LaserSpec(range=6.0, noise=0.01)
@@ -34,21 +35,29 @@ def room(width=6.0, height=6.0, resolution=0.05, walls=()):
 
 
 def simulation(grid, pose, doors=(), obstacles=(), laser=LASER, **robot):
-    return Simulation(WorldSpec(grid, (RobotSpec(pose=pose, laser=laser, **robot),), doors, obstacles))
+    return Simulation(
+        WorldSpec(grid, (RobotSpec(pose=pose, lasers=(laser,) if laser else (), **robot),), doors, obstacles)
+    )
 
 
 class Drive:
-    """A navigator that drives a simulated robot whose pose it knows."""
+    """A navigator that drives a simulated robot whose pose it knows.
 
-    def __init__(self, world, limits=None, **costmap):
+    It ticks each ``control`` steps of the world, sees a scan each ``scan`` steps, and its commands are ``late`` steps.
+    """
+
+    def __init__(self, world, limits=None, control=1, scan=1, late=0, **costmap):
         self.world = world
         self.robot = next(iter(world.robots.values()))
-        self.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=self.robot.spec.radius, **costmap))
-        follower = RolloutFollower(radius=self.robot.spec.radius, footprint=self.robot.spec.footprint)
+        spec = self.robot.spec
+        radius = inscribed_radius(spec.radius, spec.footprint)
+        self.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=radius, **costmap))
+        follower = RolloutFollower(radius=radius, footprint=spec.footprint)
         self.navigator = Navigator(self.costmap, GridPlanner(), follower, default_recoveries(), limits)
         self.collisions = []
         self.recoveries = []
         self.navigator.on_recovery = lambda behavior, *rest: self.recoveries.append(behavior.name)
+        self._rhythm, self._under_way = (control, scan, late), []
 
     def to(self, goal, limit=2000.0, each=lambda drive: None):
         """Drive to a pose; return the result. Fails where there is none in ``limit`` simulated s."""
@@ -56,14 +65,34 @@ class Drive:
         end = self.world.time + limit
         while self.world.time < end:
             each(self)
-            laser = self.robot.laser
-            ranges = self.world.scan(self.robot.spec.name).astype(np.float64)
-            if self.costmap.observe(self.robot.pose.compose(laser.spec.pose), laser.angles, ranges, laser.spec.range):
-                self.navigator.obstacles_changed()
-            velocity = Velocity(self.robot.v, self.robot.w)
-            tick = self.navigator.tick(self.world.time, self.robot.pose, velocity, self.world.spec.interval)
-            self.world.command(self.robot.spec.name, *tick.velocity)
-            self.collisions += self.world.step()
-            if tick.result:
-                return tick.result
+            result = self.step()
+            if result:
+                return result
         raise AssertionError(f"no end within {limit} s")
+
+    def step(self):
+        """Go on by one step of the world; return the result if that is the goal's end."""
+        number, name, result = self.world.steps, self.robot.spec.name, None
+        control, scan, late = self._rhythm
+        if number % scan == 0:
+            self.look()
+        if number % control == 0:
+            tick = self.tick(control * self.world.spec.interval)
+            self._under_way.append((number + late, tick.velocity))
+            result = tick.result
+        while self._under_way and self._under_way[0][0] <= number:
+            self.world.command(name, *self._under_way.pop(0)[1])
+        self.collisions += self.world.step()
+        return result
+
+    def look(self):
+        """Take a scan."""
+        laser = self.robot.lasers[0]
+        ranges = self.world.scan(self.robot.spec.name).astype(np.float64)
+        if self.costmap.observe(self.robot.pose.compose(laser.spec.pose), laser.angles, ranges, laser.spec.range):
+            self.navigator.obstacles_changed()
+
+    def tick(self, period):
+        """Let the navigator find the next command."""
+        velocity = Velocity(self.robot.v, self.robot.w)
+        return self.navigator.tick(self.world.time, self.robot.pose, velocity, period)

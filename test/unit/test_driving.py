@@ -251,8 +251,8 @@ def test_two_robots_pass_each_other_in_a_corridor():
     grid = room(10.0, 2.0)
     laser = LaserSpec(range=6.0, noise=0.01)
     robots = (
-        RobotSpec("a", Pose2D(1.0, 1.0, 0.0), laser=laser),
-        RobotSpec("b", Pose2D(9.0, 1.0, math.pi), laser=laser),
+        RobotSpec("a", Pose2D(1.0, 1.0, 0.0), lasers=(laser,)),
+        RobotSpec("b", Pose2D(9.0, 1.0, math.pi), lasers=(laser,)),
     )
     world = Simulation(WorldSpec(grid, robots))
     goals = {"a": Pose2D(9.0, 1.0, 0.0), "b": Pose2D(1.0, 1.0, math.pi)}
@@ -265,7 +265,7 @@ def test_two_robots_pass_each_other_in_a_corridor():
         for name, navigator in navigators.items():
             robot = world.robots[name]
             ranges = world.scan(name).astype(np.float64)
-            if navigator.costmap.observe(robot.pose.compose(laser.pose), robot.laser.angles, ranges, laser.range):
+            if navigator.costmap.observe(robot.pose.compose(laser.pose), robot.lasers[0].angles, ranges, laser.range):
                 navigator.obstacles_changed()
             if navigator.active:
                 tick = navigator.tick(world.time, robot.pose, Velocity(robot.v, robot.w), 0.1)

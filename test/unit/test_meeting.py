@@ -68,7 +68,7 @@ class Late:
         self._under_way = []
 
     def step(self, number):
-        robot, laser, navigator = self.robot, self.robot.laser, self.navigator
+        robot, laser, navigator = self.robot, self.robot.lasers[0], self.navigator
         while self._under_way and self._under_way[0][0] <= number:
             self.world.command(robot.spec.name, *self._under_way.pop(0)[1])
         if number % 3 or self.result:
@@ -85,8 +85,8 @@ class Late:
 def test_two_robots_pass_each_other_though_their_control_is_late(left, right):
     laser = LaserSpec(beams=135, noise=0.01)
     robots = (
-        RobotSpec("anna", Pose2D(2.0, left), laser=laser),
-        RobotSpec("bert", Pose2D(13.0, right, math.pi), laser=laser),
+        RobotSpec("anna", Pose2D(2.0, left), lasers=(laser,)),
+        RobotSpec("bert", Pose2D(13.0, right, math.pi), lasers=(laser,)),
     )
     world = Simulation(WorldSpec(load_map(OFFICE), robots), watchdog=0.5)
     drivers = [Late(world, "anna", Pose2D(13.0, 0.0)), Late(world, "bert", Pose2D(2.0, 0.0, math.pi))]

@@ -93,11 +93,17 @@ def test_a_command_that_is_no_number_is_a_stop(command):
     assert world.robots["robot_0"].v == 0.0
 
 
-def test_the_watchdog_stops_a_robot_that_nobody_commands():
+@pytest.mark.parametrize(
+    ("watchdog", "speeds"),
+    [(0.2, [0.5, 0.5, 0.0, 0.0]), (0.25, [0.5, 0.5, 0.5, 0.0]), (0.05, [0.5, 0.0, 0.0, 0.0]), (0.0, [0.5] * 4)],
+)
+def test_the_watchdog_stops_a_robot_that_nobody_commands(watchdog, speeds):
+    """As in stage_ros: a command that old counts no more, and with 0 there is no watchdog."""
     world = simulation(room(), Pose2D(1.0, 1.0), laser=None, **STRONG)
-    world.command("robot_0", 0.5, 0.0)
-    speeds = [(world.step(), world.robots["robot_0"].v)[1] for _ in range(5)]
-    assert speeds == [0.5, 0.5, 0.5, 0.0, 0.0]
+    world.watchdog = watchdog
+    for _ in range(2):
+        world.command("robot_0", 0.5, 0.0)
+        assert [(world.step(), world.robots["robot_0"].v)[1] for _ in speeds] == speeds
 
 
 def test_a_collision_stops_the_robot_and_is_told_once():
@@ -216,7 +222,7 @@ def test_the_laser_has_noise_a_fan_and_a_range():
     scan = world.scan("robot_0")
     assert scan.dtype == np.float32
     assert scan.max() == 4.0
-    assert world.robots["robot_0"].laser.angles.tolist() == pytest.approx(
+    assert world.robots["robot_0"].lasers[0].angles.tolist() == pytest.approx(
         [-math.pi / 2, -math.pi / 4, 0, math.pi / 4, math.pi / 2]
     )
     world.place("robot_0", Pose2D(1.0, 10.0, math.pi))

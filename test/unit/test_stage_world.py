@@ -68,8 +68,10 @@ def test_a_map_without_a_wall_is_refused():
 
 def test_robots():
     robots = (
-        RobotSpec("a", Pose2D(1.0, 2.0, np.pi / 2), 0.25, laser=LaserSpec(4.0, 180.0, 19, rate=5.0), max_turn=np.pi),
-        RobotSpec("b", Pose2D(0.0, 0.0), footprint=((-0.3, -0.2), (0.1, -0.2), (0.1, 0.2), (-0.3, 0.2)), laser=None),
+        RobotSpec(
+            "a", Pose2D(1.0, 2.0, np.pi / 2), 0.25, lasers=(LaserSpec(4.0, 180.0, 19, rate=5.0),), max_turn=np.pi
+        ),
+        RobotSpec("b", Pose2D(0.0, 0.0), footprint=((-0.3, -0.2), (0.1, -0.2), (0.1, 0.2), (-0.3, 0.2)), lasers=()),
     )
     text = stage_world(WorldSpec(grid_of(ROWS), robots), "w.yaml", "m.pgm", "own.pgm").text
     disc, box = entity(text, "a"), entity(text, "b")

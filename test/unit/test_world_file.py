@@ -56,9 +56,9 @@ def test_a_whole_world(world):
     )
     assert (spec.interval, spec.seed) == (0.05, 3)
     assert spec.robots[0].name == "robot_0"
-    assert spec.robots[0].laser == LaserSpec(range=4.0, beams=5, pose=Pose2D(0.1, 0.0))
+    assert spec.robots[0].lasers == (LaserSpec(range=4.0, beams=5, pose=Pose2D(0.1, 0.0)),)
     assert spec.robots[0].drift == (0.1, 0.2)
-    assert spec.robots[1].laser is None
+    assert spec.robots[1].lasers == ()
     assert spec.robots[1].radius == pytest.approx(0.5)
     assert spec.doors == (DoorSpec("d", (0.0, 0.0), (1.0, 0.0), False),)
     assert spec.obstacles == (ObstacleSpec("o", (3.0, 3.0), 0.2), ObstacleSpec("p", (3.0, 1.0), 0.0, Box(0.2, 0.3)))

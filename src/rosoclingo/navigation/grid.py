@@ -55,6 +55,15 @@ class OccupancyGrid(NamedTuple):
         row, column = self.cell(x, y)
         return 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
 
+    def beyond(self, x: float, y: float) -> str:
+        """Return in words that a point (m) is off the grid, whose edges belong to it; empty where it is not."""
+        right = self.origin_x + self.shape[1] * self.resolution
+        top = self.origin_y + self.shape[0] * self.resolution
+        if self.origin_x <= x <= right and self.origin_y <= y <= top:
+            return ""
+        extent = f"x {self.origin_x:g} .. {right:g}, y {self.origin_y:g} .. {top:g}"
+        return f"({x:g}, {y:g}) is off the map, which covers {extent}"
+
     def occupied(self, threshold: int = OCCUPIED) -> np.ndarray:
         """Return the mask (uint8, the grid's shape) of cells occupied to ``threshold`` or more."""
         return np.ascontiguousarray(self.cells >= threshold, dtype=np.uint8)

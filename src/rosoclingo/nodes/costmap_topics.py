@@ -12,6 +12,7 @@ from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.navigation import Costmap, Pose2D
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
+from rosoclingo.nodes.sendable import sendable
 
 
 class Picture(NamedTuple):
@@ -130,7 +131,7 @@ def whole_message(picture: Picture) -> OccupancyGrid:
     message.info.height, message.info.width = picture.costs.shape
     message.info.origin.position.x, message.info.origin.position.y = picture.origin
     message.info.origin.orientation.w = 1.0
-    message.data = picture.costs.ravel()
+    message.data = sendable(picture.costs.ravel())
     return message
 
 
@@ -141,5 +142,5 @@ def _update_message(picture: Picture, changed: np.ndarray) -> OccupancyGridUpdat
     message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
     message.x, message.y = int(low[1]), int(low[0])
     message.width, message.height = int(high[1] - low[1]), int(high[0] - low[0])
-    message.data = picture.costs[low[0] : high[0], low[1] : high[1]].ravel()
+    message.data = sendable(picture.costs[low[0] : high[0], low[1] : high[1]].ravel())
     return message

@@ -1,5 +1,6 @@
 """The simulator as a ROS node, with stage_ros's topics."""
 
+import functools
 import queue
 import sys
 import threading
@@ -38,6 +39,8 @@ LATE = 0.5
 # Free running, a step that would leave a commanded robot to its watchdog waits so long (s of wall time) for a command;
 # commanded is who has been commanded within the last ACTIVE simulated s.
 HEED, ACTIVE = 0.02, 0.5
+# A call of ~step that asks for more would leave all other services without an answer for too long.
+MOST_STEPS = 10000
 
 
 class SimulatorNode:
@@ -50,7 +53,7 @@ class SimulatorNode:
         ~world (string): the world file (YAML).
         ~map (string, ""): a map file (YAML of map_server) instead of the one that the world file names.
         ~speed (float, 1.0): simulated seconds per second; 0: as fast as it goes and those who command can follow.
-        ~base_watchdog_timeout (float, 0.2): a robot without a command for that long (simulated s) stops.
+        ~base_watchdog_timeout (float, 0.2): a robot without a command for that long (simulated s) stops; 0: never.
         ~paused (bool, false): start paused.
         ~use_model_names (bool, false): several robots: prefix with their names in the world file.
     Subscribes:
@@ -58,7 +61,8 @@ class SimulatorNode:
     Publishes:
         /clock (rosgraph_msgs/Clock): simulated time, one message a step.
         /tf (tf2_msgs/TFMessage): odom -> base_footprint -> base_link -> base_laser_link of each robot.
-        odom, base_pose_ground_truth (nav_msgs/Odometry), base_scan (sensor_msgs/LaserScan): for each robot.
+        odom, base_pose_ground_truth (nav_msgs/Odometry), base_scan (sensor_msgs/LaserScan): for each robot;
+        base_scan_0, base_scan_1 ... for one with several lasers.
         ~collisions (std_msgs/String): which robot ran into what, and where.
     Services:
         reset_positions (std_srvs/Empty): put the robots back to where they started.
@@ -86,10 +90,9 @@ class SimulatorNode:
             name: RobotTopics(self._simulation.robots[name], prefix, self._commander(name))
             for name, prefix in zip(names, prefixes(names, parameter("~use_model_names", bool, False)))
         }
-        self._scanners = {name: self._scanner(name) for name in names}
         for name in names:
-            if self._simulation.robots[name].laser:
-                self._simulation.scan(name)  # compiled before the first client waits for it
+            for i in range(len(self._simulation.robots[name].lasers)):
+                self._simulation.scan(name, i)  # compiled before the first client waits for it
         self._services = self._serve()
         self._commanded_at: Dict[str, float] = {}  # each robot's last command, in simulated time
         self._stepped_at = 0.0  # in wall time
@@ -105,9 +108,6 @@ class SimulatorNode:
 
     def _commander(self, name: str) -> Callable[[float, float], None]:
         return lambda v, w: self._jobs.put(lambda: self._command(name, v, w))
-
-    def _scanner(self, name: str) -> Callable[[], Any]:
-        return lambda: self._simulation.scan(name)
 
     def _serve(self) -> tuple:
         simulation = self._simulation
@@ -141,8 +141,8 @@ class SimulatorNode:
 
     def _on_step(self, request: Any) -> StepSimulationResponse:
         fault = self._between_steps(lambda: self._steps(request.steps))
-        stamp = rospy.Time.from_sec(self._simulation.time)
-        return StepSimulationResponse(success=fault is None, message=fault or "", time=stamp)
+        time = _ros_time(self._simulation.time)
+        return StepSimulationResponse(success=fault is None, message=fault or "", time=time)
 
     def _between_steps(self, work: Callable[[], None]) -> Optional[str]:
         """Have the simulation's thread do something; return why it could not, None if it could."""
@@ -190,7 +190,7 @@ class SimulatorNode:
         """Return how long (s of wall time) a free running simulation waits for who commands its robots."""
         ages = (self._simulation.time - at for at in self._commanded_at.values())
         short = self._simulation.watchdog - self._simulation.spec.interval - 1e-6
-        starved = any(short < age < ACTIVE for age in ages)
+        starved = self._simulation.watchdog > 0.0 and any(short < age < ACTIVE for age in ages)
         return HEED - (time.monotonic() - self._stepped_at) if starved else 0.0
 
     def _command(self, name: str, v: float, w: float) -> None:
@@ -221,14 +221,14 @@ class SimulatorNode:
 
     def _publish(self) -> None:
         now = self._simulation.time
-        stamp = rospy.Time.from_sec(round(now, 9))
+        stamp = _ros_time(now)
         self._clock_message.clock = stamp
         self._clock.publish(self._clock_message)
         if self._tf.get_num_connections():
             self._tf_message.transforms = [t for topics in self._topics.values() for t in topics.frames(stamp)]
             self._tf.publish(self._tf_message)
         for name, topics in self._topics.items():
-            topics.publish(stamp, now, self._scanners[name])
+            topics.publish(stamp, now, functools.partial(self._simulation.scan, name))
 
     def _reset(self) -> None:
         self._simulation.reset()
@@ -240,6 +240,8 @@ class SimulatorNode:
     def _steps(self, count: int) -> None:
         if not self._paused:
             raise WorldError("only a paused simulation can be stepped: call pause with true first")
+        if count > MOST_STEPS:
+            raise WorldError(f"{count} steps are too many for one call: ask for {MOST_STEPS} or less, several times")
         for _ in range(count):
             self._step()
 
@@ -252,13 +254,16 @@ class SimulatorNode:
     def _put_obstacle(self, r: Any) -> None:
         if not r.name:
             raise WorldError("an obstacle needs a name")
-        if (r.radius > 0.0) == (r.width > 0.0 and r.depth > 0.0):
-            raise WorldError("an obstacle has either a radius or width and depth")
-        box = Box(r.width, r.depth, r.yaw) if r.radius <= 0.0 else None
-        self._simulation.put_obstacle(ObstacleSpec(r.name, (r.x, r.y), max(0.0, r.radius), box))
+        box = Box(r.width, r.depth, r.yaw) if r.width or r.depth else None
+        self._simulation.put_obstacle(ObstacleSpec(r.name, (r.x, r.y), r.radius, box))
 
     def _set_pose(self, r: Any) -> None:
         names = list(self._simulation.robots)
         if not r.robot and len(names) > 1:
             raise WorldError("there are several robots, say which: {}".format(", ".join(names)))
         self._simulation.place(r.robot or names[0], Pose2D(r.x, r.y, r.yaw))
+
+
+def _ros_time(seconds: float) -> rospy.Time:
+    """Return a time to the nearest ns; rospy's own from_sec cuts off, so that 8.1 s would come short of it."""
+    return rospy.Time(*divmod(round(seconds * 1e9), 10**9))

@@ -1,7 +1,7 @@
 """What the simulator publishes for one robot, as stage_ros does."""
 
 import math
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, List, Sequence, Tuple
 
 import numpy as np
 import rospy
@@ -14,7 +14,8 @@ from sensor_msgs.msg import LaserScan
 from rosoclingo.navigation.geometry import Pose2D, yaw_to_quaternion
 from rosoclingo.nodes.parameters import ParameterError
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
-from rosoclingo.simulation import Robot
+from rosoclingo.nodes.sendable import sendable
+from rosoclingo.simulation import Laser, Robot
 
 # stage_ros mounts the laser there; a planar world has no use for it.
 LASER_HEIGHT = 0.25
@@ -33,15 +34,10 @@ class RobotTopics:
         self._odom_message = _odometry(prefix + "odom", prefix + "base_footprint")
         self._truth_message = _odometry(prefix + "odom", "")
         self._frames = _frames(prefix)
-        self._scan: Optional[rospy.Publisher] = None
-        if robot.laser:
-            spec = robot.laser.spec
-            self._frames.append(_transform(prefix + "base_link", prefix + "base_laser_link"))
-            _set_transform(self._frames[-1], spec.pose)
-            self._frames[-1].transform.translation.z = LASER_HEIGHT
-            self._scan = prompt_publisher(prefix + "base_scan", numpy_msg(LaserScan))
-            self._scan_message = _scan(prefix + "base_laser_link", robot)
-            self._scans, self._next_scan = 0, 0.0
+        # As stage_ros: the topics and frames of several lasers are counted.
+        endings = [f"_{i}" for i in range(len(robot.lasers))] if len(robot.lasers) > 1 else [""]
+        self._scans = [_ScanTopic(prefix, ending, laser) for ending, laser in zip(endings, robot.lasers)]
+        self._frames += [scans.frame for scans in self._scans]
         self._command = rospy.Subscriber(
             prefix + "cmd_vel", Twist, lambda twist: on_command(twist.linear.x, twist.angular.z), tcp_nodelay=True
         )
@@ -53,8 +49,8 @@ class RobotTopics:
             frame.header.stamp = stamp
         return self._frames
 
-    def publish(self, stamp: rospy.Time, now: float, scan: Callable[[], np.ndarray]) -> None:
-        """Publish odometry, truth and, at the laser's rate, what ``scan`` returns."""
+    def publish(self, stamp: rospy.Time, now: float, scan: Callable[[int], np.ndarray]) -> None:
+        """Publish odometry, truth and, at each laser's rate, what ``scan`` returns for its number."""
         robot = self._robot
         for publisher, message, pose, axes in (
             (self._odom, self._odom_message, robot.odometry, 0.0),
@@ -67,12 +63,36 @@ class RobotTopics:
                 twist.linear.x, twist.linear.y = robot.v * math.cos(axes), robot.v * math.sin(axes)
                 twist.angular.z = robot.w
                 publisher.publish(message)
-        if self._scan is not None and robot.laser is not None and now >= self._next_scan - 1e-6:
-            self._next_scan = max(now, self._next_scan + 1.0 / robot.laser.spec.rate)
-            if self._scan.get_num_connections():
-                self._scan_message.header.stamp = stamp
-                self._scan_message.ranges = scan()
-                self._scan.publish(self._scan_message)
+        for i, scans in enumerate(self._scans):
+            if scans.due(now):
+                scans.publish(stamp, scan(i))
+
+
+class _ScanTopic:
+    """One laser's topic and frame."""
+
+    def __init__(self, prefix: str, ending: str, laser: Laser) -> None:
+        self._spec = laser.spec
+        self.frame = _transform(prefix + "base_link", prefix + "base_laser_link" + ending)
+        _set_transform(self.frame, laser.spec.pose)
+        self.frame.transform.translation.z = LASER_HEIGHT
+        self._message = _scan(self.frame.child_frame_id, laser)
+        self._publisher = prompt_publisher(prefix + "base_scan" + ending, numpy_msg(LaserScan))
+        self._next = 0.0
+
+    def due(self, now: float) -> bool:
+        """Tell whether a scan is due at a time (s), and anybody listens."""
+        if now < self._next - 1e-6:
+            return False
+        self._next = max(now, self._next + 1.0 / self._spec.rate)
+        return bool(self._publisher.get_num_connections())
+
+    def publish(self, stamp: rospy.Time, ranges: np.ndarray) -> None:
+        """Publish a scan; as in Stage its intensities are 1 where a beam has hit something, else 0."""
+        self._message.header.stamp = stamp
+        self._message.ranges = sendable(ranges)
+        self._message.intensities = sendable((ranges < self._spec.range).astype(np.float32))
+        self._publisher.publish(self._message)
 
 
 def _frames(prefix: str) -> List[TransformStamped]:
@@ -95,14 +115,11 @@ def _odometry(frame: str, child: str) -> Odometry:
     return message
 
 
-def _scan(frame: str, robot: Robot) -> LaserScan:
+def _scan(frame: str, laser: Laser) -> LaserScan:
     message = numpy_msg(LaserScan)()
-    if robot.laser is not None:
-        spec, angles = robot.laser.spec, robot.laser.angles
-        message.angle_min, message.angle_max = float(angles[0]), float(angles[-1])
-        message.angle_increment = math.radians(spec.angle) / (spec.beams - 1)
-        message.range_min, message.range_max = spec.min_range, spec.range
-        message.intensities = np.zeros(spec.beams, dtype=np.float32)
+    message.angle_min, message.angle_max = float(laser.angles[0]), float(laser.angles[-1])
+    message.angle_increment = math.radians(laser.spec.angle) / (laser.spec.beams - 1)
+    message.range_min, message.range_max = laser.spec.min_range, laser.spec.range
     message.header.frame_id = frame
     return message
 

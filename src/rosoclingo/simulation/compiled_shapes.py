@@ -9,7 +9,17 @@ import math
 
 from rosoclingo.navigation.compiled import jit
 
-__all__ = ["CLEAR", "HIT_DISC", "HIT_SEGMENT", "HIT_WALL", "body_hits", "shorten_rays", "sweep"]
+__all__ = [
+    "CLEAR",
+    "HIT_DISC",
+    "HIT_SEGMENT",
+    "HIT_WALL",
+    "body_hits",
+    "covers_wall",
+    "inside",
+    "shorten_rays",
+    "sweep",
+]
 
 CLEAR, HIT_WALL, HIT_SEGMENT, HIT_DISC = 0, 1, 2, 3
 
@@ -83,17 +93,33 @@ def _edge_hits_wall(occupied, x0, y0, x1, y1) -> bool:
 
 
 @jit
-def _inside(outline, px, py):
-    """Tell whether a point (in the body's frame) is inside of a polygon."""
-    inside = False
+def inside(outline, px, py):
+    """Tell whether a point is inside of a polygon, both in the same frame."""
+    within = False
     j = outline.shape[0] - 1
     for i in range(outline.shape[0]):
         if (outline[i, 1] > py) != (outline[j, 1] > py):
             cut = (outline[j, 0] - outline[i, 0]) * (py - outline[i, 1]) / (outline[j, 1] - outline[i, 1])
             if px < cut + outline[i, 0]:
-                inside = not inside
+                within = not within
         j = i
-    return inside
+    return within
+
+
+@jit
+def covers_wall(occupied, outline, x, y, yaw):
+    """Tell whether an occupied cell's middle lies within a polygon: of one that no edge touches, all of it does."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    reach = 0.0
+    for i in range(outline.shape[0]):
+        reach = max(reach, math.hypot(outline[i, 0], outline[i, 1]))
+    height, width = occupied.shape
+    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
+        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
+            dx, dy = column + 0.5 - x, row + 0.5 - y
+            if occupied[row, column] and inside(outline, c * dx + s * dy, c * dy - s * dx):
+                return True
+    return False
 
 
 @jit
@@ -115,11 +141,11 @@ def _polygon_hits(occupied, segments, discs, outline, x, y, yaw):
                 return HIT_DISC
     for k in range(segments.shape[0]):
         dx, dy = segments[k, 0] - x, segments[k, 1] - y
-        if _inside(outline, c * dx + s * dy, c * dy - s * dx):
+        if inside(outline, c * dx + s * dy, c * dy - s * dx):
             return HIT_SEGMENT
     for k in range(discs.shape[0]):
         dx, dy = discs[k, 0] - x, discs[k, 1] - y
-        if _inside(outline, c * dx + s * dy, c * dy - s * dx):
+        if inside(outline, c * dx + s * dy, c * dy - s * dx):
             return HIT_DISC
     return CLEAR
 
@@ -133,14 +159,15 @@ def body_hits(occupied, segments, discs, outline, radius, x, y, yaw):
 
 
 @jit
-def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt):
+def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt, grain):
     """Return (part, hit): how much of an arc (0 .. 1) a body can go before it overlaps something, and what.
 
-    Looks every quarter of a cell; v in cells/s. The body stops at the last place where it was clear.
+    Looks every ``grain`` cells, which must be less than the body's width and a cell's, or it could leap over a door
+    or a wall; v in cells/s. The body stops at the last place where it was clear.
     """
     if outline.shape[0] == 0 and v == 0.0:
         return 1.0, CLEAR
-    count = max(1, math.ceil((abs(v) + abs(w) * (radius if outline.shape[0] else 0.0)) * dt * 4.0))
+    count = max(1, math.ceil((abs(v) + abs(w) * (radius if outline.shape[0] else 0.0)) * dt / grain))
     for k in range(1, count + 1):
         half = 0.5 * w * dt * k / count
         chord = v * dt * k / count * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)

@@ -1,7 +1,7 @@
-"""One simulated robot: a differential drive with limits, drifting odometry, a watchdog and a laser."""
+"""One simulated robot: a differential drive with limits, drifting odometry, a watchdog and lasers."""
 
 import math
-from typing import Optional, Tuple
+from typing import Tuple
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from rosoclingo.simulation.compiled_shapes import CLEAR, shorten_rays, sweep
 from rosoclingo.simulation.spec import LaserSpec, RobotSpec
 
 __all__ = ["Laser", "Robot", "Surroundings"]
+
+GRAIN = 0.25  # cells: so far apart at most are the places where a moving robot is looked at
 
 
 class Surroundings:
@@ -50,13 +52,16 @@ class Robot:
     def __init__(self, spec: RobotSpec, seed: int) -> None:
         self.spec = spec
         self._seed = seed
+        corners = np.array(spec.footprint or [(-spec.radius, -spec.radius), (spec.radius, spec.radius)])
+        self._width = float(np.ptp(corners, axis=0).min())
+        self._reach = float(np.hypot(*corners.T).max()) if spec.footprint else spec.radius
         self.pose = self.odometry = spec.pose
-        self.laser = Laser(spec.laser, seed + 1) if spec.laser else None
+        self.lasers = tuple(Laser(laser, seed + 1 + i) for i, laser in enumerate(spec.lasers))
         self.reset()
 
-    def reset(self, pose: Optional[Pose2D] = None) -> None:
-        """Put the robot at a pose, its start if none is given, at rest, odometry set to it, drift as at the start."""
-        self.pose = self.odometry = pose or self.spec.pose
+    def reset(self) -> None:
+        """Put the robot at its start, at rest, odometry set to it, drift as at the start."""
+        self.pose = self.odometry = self.spec.pose
         self.v = self.w = 0.0
         self.stalled = False
         self._command: Tuple[float, float] = (0.0, 0.0)
@@ -80,8 +85,12 @@ class Robot:
         self.pose, self.v, self.w, self.stalled = pose, 0.0, 0.0, False
 
     def accelerate(self, now: float, dt: float, watchdog: float) -> None:
-        """Change the velocity towards the command, within the limits; towards a stop when that is too old."""
-        v, w = self._command if now - self._commanded_at <= watchdog + 1e-9 else (0.0, 0.0)
+        """Change the velocity towards the command, within the limits; towards a stop when that is too old.
+
+        As stage_ros has it, a command of the age ``watchdog`` (s) is too old; 0: none ever is.
+        """
+        fresh = watchdog <= 0.0 or now - self._commanded_at < watchdog - 1e-9
+        v, w = self._command if fresh else (0.0, 0.0)
         spec = self.spec
         v, w = _within(v, spec.max_speed), _within(w, spec.max_turn)
         self.v += _within(v - self.v, spec.acceleration * dt)
@@ -100,8 +109,8 @@ class Robot:
             return CLEAR
         x, y = (self.pose.x - origin[0]) / scale, (self.pose.y - origin[1]) / scale
         part, hit = sweep(
-            around.occupied, around.segments, around.discs, outline, self.spec.radius / scale,
-            x, y, self.pose.yaw, self.v / scale, self.w, dt,
+            around.occupied, around.segments, around.discs, outline, self._reach / scale,
+            x, y, self.pose.yaw, self.v / scale, self.w, dt, min(GRAIN, 0.5 * self._width / scale),
         )  # fmt: skip
         self.pose = self.pose.moved(self.v, self.w, dt * part)
         self.odometry = self.odometry.moved(self.v * self._drift[0], self.w * self._drift[1], dt * part)

@@ -6,7 +6,15 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from rosoclingo.navigation.geometry import Pose2D
-from rosoclingo.simulation.compiled_shapes import CLEAR, HIT_DISC, HIT_SEGMENT, HIT_WALL, body_hits
+from rosoclingo.simulation.compiled_shapes import (
+    CLEAR,
+    HIT_DISC,
+    HIT_SEGMENT,
+    HIT_WALL,
+    body_hits,
+    covers_wall,
+    inside,
+)
 from rosoclingo.simulation.robot import Robot, Surroundings
 from rosoclingo.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldSpec
 from rosoclingo.simulation.world_file import load_world
@@ -33,7 +41,7 @@ class Collision(NamedTuple):
 class Simulation:
     """A world made from its spec. All that happens in it follows from the spec, its seed and the calls made.
 
-    ``watchdog``: a robot that no command has reached for that long (s of simulated time) stops.
+    ``watchdog``: a robot that no command has reached for that long (s of simulated time) stops; 0: it never does.
     """
 
     def __init__(self, spec: WorldSpec, watchdog: float = 0.2) -> None:
@@ -78,12 +86,12 @@ class Simulation:
                 collisions.append(Collision(name, self.time, robot.pose, HITS[hit]))
         return collisions
 
-    def scan(self, robot: str) -> np.ndarray:
-        """Return the ranges (float32, m) of a robot's laser now. Raises WorldError for a robot without one."""
-        laser = self._robot(robot).laser
-        if laser is None:
-            raise WorldError(f"robot {robot!r} has no laser")
-        return laser.scan(self._in_cells(self._robot(robot).pose), self._around(robot), self._scale)
+    def scan(self, robot: str, laser: int = 0) -> np.ndarray:
+        """Return the ranges (float32, m) of one of a robot's lasers now. Raises WorldError for one that it lacks."""
+        lasers = self._robot(robot).lasers
+        if not 0 <= laser < len(lasers):
+            raise WorldError(f"robot {robot!r} has no laser {laser}; it has {len(lasers)}")
+        return lasers[laser].scan(self._in_cells(self._robot(robot).pose), self._around(robot), self._scale)
 
     def reset(self) -> None:
         """Put every robot back to its start, as stage_ros's reset_positions does; time, doors, obstacles stay.
@@ -117,7 +125,13 @@ class Simulation:
         self._build_or_undo("doors", before, f"the door {door!r}")
 
     def put_obstacle(self, obstacle: ObstacleSpec) -> None:
-        """Put an obstacle into the world, or move the one of that name. Raises WorldError where a robot stands."""
+        """Put an obstacle into the world, or move the one of that name.
+
+        Raises WorldError where a robot stands, and for one that has no place or no size.
+        """
+        problem = obstacle.problem() or self.spec.grid.beyond(*obstacle.at)
+        if problem:
+            raise WorldError(f"the obstacle {obstacle.name!r}: {problem}")
         before = dict(self.obstacles)
         self.obstacles[obstacle.name] = obstacle
         self._build_or_undo("obstacles", before, f"the obstacle {obstacle.name!r}")
@@ -173,20 +187,31 @@ class Simulation:
         return Surroundings(self._occupied, segments, discs)
 
     def _hits(self, robot: str, pose: Pose2D) -> int:
-        around, cells = self._around(robot), self._in_cells(pose)
-        return int(
-            body_hits(
-                around.occupied, around.segments, around.discs, self._outlines[robot] * (1.0 - TOUCH),
-                self._robot(robot).spec.radius / self._scale * (1.0 - TOUCH), cells.x, cells.y, cells.yaw,
-            )
+        """Tell what a robot would stand in; who is swallowed whole touches no edge, and is in it nevertheless."""
+        around, cells, outline = self._around(robot), self._in_cells(pose), self._outlines[robot] * (1.0 - TOUCH)
+        hit = body_hits(
+            around.occupied, around.segments, around.discs, outline,
+            self._robot(robot).spec.radius / self._scale * (1.0 - TOUCH), cells.x, cells.y, cells.yaw,
         )  # fmt: skip
+        if hit == CLEAR and len(outline) and covers_wall(self._occupied, outline, *cells):
+            return HIT_WALL
+        point = pose.compose(Pose2D(*self._robot(robot).outline[0])) if len(outline) else pose
+        if hit == CLEAR and any(inside(np.array(solid), point.x, point.y) for solid in self._solids(robot)):
+            return HIT_SEGMENT
+        return int(hit)
+
+    def _solids(self, robot: str) -> List[List[Tuple[float, float]]]:
+        """Return the corners (m) of all that has sides and an inside: boxes, and other robots' footprints."""
+        boxes = [_corners(obstacle.at, obstacle.box) for obstacle in self.obstacles.values() if obstacle.box]
+        return boxes + [_outline(other) for name, other in self.robots.items() if name != robot and other.outline]
 
     def _check_place(self, robot: str, pose: Pose2D) -> None:
         if not all(map(math.isfinite, pose)):
             raise WorldError(f"robot {robot!r}: a pose must be finite, is {tuple(pose)}")
         self._robot(robot)
-        if not self.spec.grid.contains(pose.x, pose.y):
-            raise WorldError(f"robot {robot!r} would be off the map at ({pose.x:.2f}, {pose.y:.2f})")
+        beyond = self.spec.grid.beyond(pose.x, pose.y)
+        if beyond:
+            raise WorldError(f"robot {robot!r}: {beyond}")
         hit = self._hits(robot, pose)
         if hit != CLEAR:
             place = f"({pose.x:.2f}, {pose.y:.2f})"

@@ -1,5 +1,6 @@
 """What a simulated world is made of."""
 
+import math
 from typing import NamedTuple, Optional, Tuple, Union
 
 from rosoclingo.navigation.geometry import Pose2D
@@ -36,7 +37,7 @@ class RobotSpec(NamedTuple):
     max_turn: float = 3.14
     acceleration: float = 2.5
     turn_acceleration: float = 6.0
-    laser: Optional[LaserSpec] = LaserSpec()
+    lasers: Tuple[LaserSpec, ...] = (LaserSpec(),)
     drift: Tuple[float, float] = (0.0, 0.0)
 
 
@@ -64,6 +65,17 @@ class ObstacleSpec(NamedTuple):
     at: Point
     radius: float = 0.0
     box: Optional[Box] = None
+
+    def problem(self) -> str:
+        """Return in words why there can be no such thing; empty if there can."""
+        numbers = (*self.at, self.radius, *(self.box or ()))
+        if not all(map(math.isfinite, numbers)):
+            return f"its place and size must be finite, are {numbers}"
+        if self.radius < 0.0 or (self.radius > 0.0) == (self.box is not None):
+            return "an obstacle has either a radius, more than 0, or a box: [width, depth] or [width, depth, yaw]"
+        if self.box is not None and min(self.box[:2]) <= 0.0:
+            return f"the width and depth of its box must be more than 0, are {self.box[:2]}"
+        return ""
 
 
 class PackageSpec(NamedTuple):

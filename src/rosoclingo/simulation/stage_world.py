@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from rosoclingo.navigation.grid import read_map_info
-from rosoclingo.simulation.spec import ObstacleSpec, Point, RobotSpec, WorldSpec
+from rosoclingo.simulation.spec import LaserSpec, ObstacleSpec, Point, RobotSpec, WorldSpec
 from rosoclingo.simulation.world_file import load_world
 from rosoclingo.simulation.world_reader import WorldError
 
@@ -130,21 +130,25 @@ def _robot(robot: RobotSpec) -> str:
         f"acceleration_bounds [ {_bounds(robot.acceleration)} 0 0 0 0 {_bounds(turn_change)} ]",
         *_block(corners),
     ]
-    laser = robot.laser
-    if laser:
-        yaw = math.degrees(laser.pose.yaw)
-        lines += [
-            "ranger",
-            "(",
-            f"  sensor ( range [ {_numbers((laser.min_range, laser.range))} ] "
-            f"fov {_number(laser.angle)} samples {laser.beams} )",
-            '  color "black"',
-            "  size [ 0.05 0.05 0.05 ]",
-            f"  pose [ {_numbers(laser.pose[:2])} {_number(MOUNT - BODY)} {_number(yaw)} ]",
-            f"  update_interval {_number(1000.0 / laser.rate)}",
-            ")",
-        ]
+    for laser in robot.lasers:
+        lines += _ranger(laser)
     return _entity("position", lines)
+
+
+def _ranger(laser: LaserSpec) -> List[str]:
+    # Stage's noise: a variance, a part of the range, an angle.
+    noise = f" noise [ {_number(laser.noise**2)} 0 0 ]" if laser.noise > 0.0 else ""
+    return [
+        "ranger",
+        "(",
+        f"  sensor ( range [ {_numbers((laser.min_range, laser.range))} ] "
+        f"fov {_number(laser.angle)} samples {laser.beams}{noise} )",
+        '  color "black"',
+        "  size [ 0.05 0.05 0.05 ]",
+        f"  pose [ {_numbers(laser.pose[:2])} {_number(MOUNT - BODY)} {_number(math.degrees(laser.pose.yaw))} ]",
+        f"  update_interval {_number(1000.0 / laser.rate)}",
+        ")",
+    ]
 
 
 def _door(name: str, start: Point, end: Point) -> str:

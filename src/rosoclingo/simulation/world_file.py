@@ -2,8 +2,9 @@
 
 import math
 from pathlib import Path
-from typing import Optional, Tuple, Union
+from typing import Tuple, Union
 
+import numpy as np
 import yaml
 
 from rosoclingo.navigation.geometry import Pose2D
@@ -13,13 +14,16 @@ from rosoclingo.simulation.world_reader import MISSING, WorldError, WorldReader
 
 __all__ = ["load_world"]
 
+# Beyond any robot: m, m/s, rad/s; and what a message can hold in a step of reasonable length.
+MOST, MOST_BEAMS = 1000.0, 100000
+
 
 def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
     """Read a world file and its map (``map_file``: that one instead). Raises WorldError, which names file and key."""
     path = Path(path)
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except (OSError, ValueError, yaml.YAMLError) as error:
         raise WorldError(f"world {path}: cannot be read: {error}") from error
     try:
         return _world(WorldReader(data, "", f"world {path}"), path.parent, map_file)
@@ -37,7 +41,7 @@ def _world(reader: WorldReader, folder: Path, map_file: str) -> WorldSpec:
         tuple(_door(item) for item in reader.each("doors")),
         tuple(_obstacle(item) for item in reader.each("obstacles")),
         tuple(_package(item) for item in reader.each("packages")),
-        float(reader.number("interval", 0.1, low=0.001)),
+        float(reader.number("interval", 0.1, low=0.001, high=10.0)),
         reader.number("seed", 0, low=0, whole=True),
         chosen,
     )
@@ -64,14 +68,10 @@ def _check_points(reader: WorldReader, spec: WorldSpec) -> None:
     points += [(f"doors[{i}].to", door.end) for i, door in enumerate(spec.doors)]
     points += [(f"obstacles[{i}].at", obstacle.at) for i, obstacle in enumerate(spec.obstacles)]
     points += [(f"packages[{i}].at", p.at) for i, p in enumerate(spec.packages) if not isinstance(p.at, str)]
-    grid = spec.grid
-    rows, columns = grid.shape
-    right, top = grid.origin_x + columns * grid.resolution, grid.origin_y + rows * grid.resolution
     for key, (x, y) in points:
-        # A door may end where the map does.
-        if not (grid.origin_x <= x <= right and grid.origin_y <= y <= top):
-            extent = f"x {grid.origin_x:g} .. {right:g}, y {grid.origin_y:g} .. {top:g}"
-            raise reader.error(key, f"({x:g}, {y:g}) is off the map, which covers {extent}")
+        beyond = spec.grid.beyond(x, y)
+        if beyond:
+            raise reader.error(key, beyond)
     for i, door in enumerate(spec.doors):
         if door.start == door.end:
             raise reader.error(f"doors[{i}]", "has the length 0: from and to must be different")
@@ -79,45 +79,65 @@ def _check_points(reader: WorldReader, spec: WorldSpec) -> None:
 
 def _robot(reader: WorldReader, name: str) -> RobotSpec:
     base = RobotSpec()
-    corners = reader.get("footprint", None) or []
+    footprint = _footprint(reader)
+    # The circle around the footprint: how far off the robot's outermost corner is.
+    radius = max((math.hypot(*corner) for corner in footprint), default=base.radius)
     spec = RobotSpec(
         reader.text("name", name),
         Pose2D(*reader.numbers("pose", (2, 3))),
-        float(reader.number("radius", base.radius, low=0.01)),
-        tuple(_point(reader.floats("footprint", corner, (2,))) for corner in corners),
-        float(reader.number("max_speed", base.max_speed, low=0.0)),
-        float(reader.number("max_turn", base.max_turn, low=0.0)),
+        float(reader.number("radius", radius, low=0.01, high=MOST)),
+        footprint,
+        float(reader.number("max_speed", base.max_speed, low=0.0, high=MOST)),
+        float(reader.number("max_turn", base.max_turn, low=0.0, high=MOST)),
         float(reader.number("acceleration", base.acceleration, low=0.0)),
         float(reader.number("turn_acceleration", base.turn_acceleration, low=0.0)),
-        _laser(reader),
+        _lasers(reader),
         _point(reader.numbers("drift", (2,), base.drift)),
     )
-    if spec.footprint and len(spec.footprint) < 3:
-        raise reader.error("footprint", "needs three corners or more")
+    if not all(0.0 <= error <= 1.0 for error in spec.drift):
+        raise reader.error("drift", f"must be two relative errors from 0 to 1, is {list(spec.drift)}")
     reader.finish()
-    if spec.footprint:
-        # The circle around the footprint: how far off the robot's outermost corner is.
-        spec = spec._replace(radius=max(math.hypot(*corner) for corner in spec.footprint))
-    return spec
+    return spec._replace(radius=radius) if footprint else spec
 
 
-def _laser(reader: WorldReader) -> Optional[LaserSpec]:
+def _footprint(reader: WorldReader) -> Tuple[Point, ...]:
+    """Return the corners of a robot's footprint, none for a disc."""
+    corners = reader.get("footprint", None) or []
+    if not isinstance(corners, list) or 0 < len(corners) < 3:
+        raise reader.error("footprint", f"needs three corners or more, a list of [x, y], is {corners!r}")
+    points = tuple(_point(reader.floats("footprint", corner, (2,))) for corner in corners)
+    if max((abs(v) for point in points for v in point), default=0.0) > MOST:
+        raise reader.error("footprint", f"a corner is more than {MOST} m off")
+    if points and np.linalg.matrix_rank(np.subtract(points, points[0]), tol=1e-3) < 2:
+        raise reader.error("footprint", "its corners lie in a line: a robot has a length and a width")
+    return points
+
+
+def _lasers(reader: WorldReader) -> Tuple[LaserSpec, ...]:
+    """Return the lasers: one by ``laser``, several by ``lasers``, one of defaults without either."""
     value = reader.get("laser", {})
-    if value is False or value is None:
-        return None
-    laser, base = WorldReader(value, reader.place + ".laser", reader.file), LaserSpec()
+    several = reader.each("lasers")
+    if "lasers" not in reader.data:
+        several = [] if value in (False, None) else [WorldReader(value, reader.place + ".laser", reader.file)]
+    elif "laser" in reader.data:
+        raise reader.error("lasers", "a robot has either laser or lasers, not both")
+    return tuple(_laser(laser) for laser in several)
+
+
+def _laser(reader: WorldReader) -> LaserSpec:
+    base = LaserSpec()
     spec = LaserSpec(
-        float(laser.number("range", base.range, low=0.01)),
-        float(laser.number("angle", base.angle, low=0.0)),
-        laser.number("beams", base.beams, low=2, whole=True),
-        float(laser.number("noise", base.noise, low=0.0)),
-        float(laser.number("rate", base.rate, low=0.01)),
-        Pose2D(*laser.numbers("pose", (2, 3), base.pose)),
-        float(laser.number("min_range", base.min_range, low=0.0)),
+        float(reader.number("range", base.range, low=0.01, high=MOST)),
+        float(reader.number("angle", base.angle, low=0.0, high=360.0)),
+        reader.number("beams", base.beams, low=2, high=MOST_BEAMS, whole=True),
+        float(reader.number("noise", base.noise, low=0.0, high=MOST)),
+        float(reader.number("rate", base.rate, low=0.01)),
+        Pose2D(*reader.numbers("pose", (2, 3), base.pose)),
+        float(reader.number("min_range", base.min_range, low=0.0)),
     )
-    if spec.angle > 360.0:
-        raise laser.error("angle", f"must be 360 degrees or less, is {spec.angle}")
-    laser.finish()
+    if spec.min_range >= spec.range:
+        raise reader.error("min_range", f"must be less than the range, {spec.range}, is {spec.min_range}")
+    reader.finish()
     return spec
 
 
@@ -140,8 +160,9 @@ def _obstacle(reader: WorldReader) -> ObstacleSpec:
         float(reader.number("radius", 0.0, low=0.0)),
         Box(*reader.floats("box", size, (2, 3))) if size is not None else None,
     )
-    if (spec.radius > 0.0) == (spec.box is not None):
-        raise reader.error("", "an obstacle has either a radius or a box: [width, depth] or [width, depth, yaw]")
+    problem = spec.problem()
+    if problem:
+        raise reader.error("", problem)
     reader.finish()
     return spec
 

@@ -35,14 +35,18 @@ class WorldReader:
             raise self.error(key, "is missing")
         return value
 
-    def number(self, key: str, default: Any = MISSING, low: float = -math.inf, whole: bool = False) -> Any:
-        """Return a finite number, ``low`` or more; ``whole``: an integer."""
+    def number(
+        self, key: str, default: Any = MISSING, low: float = -math.inf, high: float = math.inf, whole: bool = False
+    ) -> Any:
+        """Return a finite number from ``low`` to ``high``; ``whole``: an integer."""
         value = self.get(key, default)
         kind = int if whole else (int, float)
         if isinstance(value, bool) or not isinstance(value, kind) or not math.isfinite(value):
             raise self.error(key, "must be a {} number, is {!r}".format("whole" if whole else "finite", value))
         if value < low:
             raise self.error(key, f"must be {low} or more, is {value}")
+        if value > high:
+            raise self.error(key, f"must be {high} or less, is {value}")
         return value
 
     def text(self, key: str, default: Any = MISSING) -> str:
