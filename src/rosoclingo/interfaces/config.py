@@ -97,14 +97,17 @@ class _Reader:
         self.faults: List[str] = []
 
     def fault(self, field: str, message: str) -> None:
+        """Note a fault of ``field``; empty for the entry as a whole."""
         self.faults.append("{}{}: {}".format(self._place, "." + field if field else "", message))
 
     def known_fields(self, entry: Mapping[str, Any], known: Tuple[str, ...], place: str) -> None:
+        """Note each field of ``entry``, which stands at ``place``, that is not ``known``."""
         for field in entry:
             if field not in known:
                 self.fault(place, "unknown field {!r}; fields are {}".format(field, ", ".join(known)))
 
     def term(self, name: str) -> str:
+        """Return the interface's name as clingo prints it."""
         try:
             return str(read_term(name))
         except TermError:
@@ -112,6 +115,7 @@ class _Reader:
             return name
 
     def type_name(self, value: Any) -> str:
+        """Return the name of an action type, package/NameAction."""
         if value is None:
             self.fault("type", "is missing; name the action type, like move_base_msgs/MoveBaseAction")
         elif not isinstance(value, str) or not _TYPE.match(value):
@@ -119,11 +123,13 @@ class _Reader:
         return str(value)
 
     def text(self, value: Any, field: str) -> str:
+        """Return the text of a field that must have one."""
         if not isinstance(value, str) or not value:
             self.fault(field, f"must be a text, not {value!r}")
         return str(value)
 
     def goal(self, value: Any) -> Mapping[str, Any]:
+        """Return the templates for the goal's fields."""
         if not isinstance(value, Mapping):
             self.fault("goal", f"must be a mapping of the goal's fields, not {value!r}")
             return {}
@@ -131,6 +137,7 @@ class _Reader:
         return value
 
     def limits(self, entry: Mapping[str, Any], defaults: Limits = DEFAULT_LIMITS) -> Limits:
+        """Return time-outs (s) and retries; ``defaults`` where ``entry`` has none."""
         timeout = self._number(entry, "timeout", defaults.timeout, lambda value: value >= 0, "a number from 0 on")
         server = self._number(entry, "server_timeout", defaults.server_timeout, lambda value: value > 0, "above 0")
         retries = self._number(
@@ -149,12 +156,14 @@ class _Reader:
         return float(value)
 
     def reasons(self, value: Any) -> Tuple[str, ...]:
+        """Return the reasons for which a goal is sent again."""
         if not isinstance(value, (list, tuple)) or not all(isinstance(reason, str) for reason in value):
             self.fault("retry_on", f"must be a list of reasons like [failed, blocked], not {value!r}")
             return ()
         return tuple(value)
 
     def rules(self, value: Any) -> Tuple[Rule, ...]:
+        """Return the rules that choose what is returned; what is no rule is left out."""
         if not isinstance(value, (list, tuple)):
             self.fault("returns", f"must be a list of rules, not {value!r}")
             return ()

@@ -119,6 +119,7 @@ class _Listener(rospy.SubscribeListener):  # type: ignore[misc]
         self._on_subscriber = on_subscriber
 
     def peer_subscribe(self, _name: str, _publish: Any, peer_publish: Callable[[Any], None]) -> None:
+        """Called by rospy for each new subscriber."""
         self._on_subscriber(peer_publish)
 
 

@@ -156,6 +156,7 @@ class _Heads(Observer):
         self._left = _TRIAL_RULES
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A rule; raises _TrialTooLargeError where there are too many."""
         self._left -= 1
         if self._left < 0:
             raise _TrialTooLargeError

@@ -80,6 +80,7 @@ class _Reader:
         self._copied = 0
 
     def read(self) -> str:
+        """Return the text without its directives."""
         offset, depth = 0, 0
         while True:
             match = _SKIP.search(self._text, offset)

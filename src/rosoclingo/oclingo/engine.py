@@ -38,6 +38,7 @@ class _Externals(Observer):
         self.fresh: Set[int] = set()
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
+        """An external."""
         self.fresh.add(atom)
 
 

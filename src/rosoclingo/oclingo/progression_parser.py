@@ -53,6 +53,7 @@ class _UpdateReader:
         self._warnings: List[str] = []
 
     def read(self) -> StreamUpdate:
+        """Return the next update; raises ProgressionError."""
         while True:
             if self._tokens.next.kind != "directive":
                 if self._tokens.next.kind == "end":
