@@ -42,6 +42,7 @@ def test_places_are_ordered_by_number():
         ("1", None, packages.NOT_AT_LABEL, "the robot is at no known location"),
         ("4", "office3", packages.UNKNOWN_PACKAGE, "there is no package 4"),
         ("1", "office2", packages.NOT_HERE, "package 1 is at office3, the robot at office2"),
+        ("newspaper", "office2", packages.UNKNOWN_PACKAGE, "there is no newspaper"),
         ("10", "office1", packages.NOT_HERE, "the robot carries package 10 already"),
     ],
 )

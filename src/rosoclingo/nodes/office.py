@@ -23,7 +23,14 @@ from rosoclingo.nodes.parameters import not_negative, parameter
 from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.nodes.worker import Worker
 from rosoclingo.reasoning.labels import LabelTable
-from rosoclingo.simulation.packages import DEFAULT_CAPACITY, PREEMPTED, HandlingResult, PackageError, PackageOffice
+from rosoclingo.simulation.packages import (
+    DEFAULT_CAPACITY,
+    PREEMPTED,
+    HandlingResult,
+    PackageError,
+    PackageOffice,
+    words_for,
+)
 from rosoclingo.srv import PutPackage, PutPackageResponse
 
 
@@ -133,13 +140,13 @@ class OfficeNode:
     def _tick(self) -> None:
         for job in [job for job in self._jobs if job.cancelled]:
             self._jobs.remove(job)
-            job.end(HandlingResult(PREEMPTED, f"cancelled before package {job.package} was moved"))
+            job.end(HandlingResult(PREEMPTED, f"cancelled before {words_for(job.package)} was moved"))
         if self._jobs:
             self._work(self._jobs[0], rospy.get_time())
 
     def _work(self, job: _Job, now: float) -> None:
         if job.since is None:
-            job.goal_handle.set_accepted(f"{job.kind.doing} package {job.package}")
+            job.goal_handle.set_accepted(f"{job.kind.doing} {words_for(job.package)}")
             job.goal_handle.publish_feedback(job.kind.feedback(state=job.kind.doing))
         if job.since is None or now < job.since:  # begun just now, or simulated time was reset
             job.since = now
@@ -167,7 +174,7 @@ class OfficeNode:
             return PutPackageResponse(success=False, message=str(error))
         self._publish()
         done = f"is at {location}" if location else "is gone"
-        return PutPackageResponse(success=True, message=f"package {package} {done}")
+        return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
 
     def _publish(self) -> None:
         message = PackageStates()

@@ -40,6 +40,11 @@ class PackagePlace(NamedTuple):
     carried: bool
 
 
+def words_for(package: object) -> str:
+    """What messages call a package: "package 1", but just "newspaper"."""
+    return f"package {package}" if str(package).isdecimal() else str(package)
+
+
 class PackageOffice:
     """All packages of one office and one robot that carries at most `capacity` of them.
 
@@ -73,7 +78,7 @@ class PackageOffice:
                 raise PackageError(f"packages at {location} must be a list, not {there!r}")
             for package in there:
                 if str(package) in office._locations:
-                    raise PackageError(f"package {package} is listed twice")
+                    raise PackageError(f"{words_for(package)} is listed twice")
                 office.put(str(package), str(location))
         return office
 
@@ -96,14 +101,16 @@ class PackageOffice:
             raise PackageError("a package needs an identifier")
         if location not in self._labels:
             raise PackageError(
-                "package {}: no label {}; known labels: {}".format(package, location, ", ".join(self._labels) or "none")
+                "{}: no label {}; known labels: {}".format(
+                    words_for(package), location, ", ".join(self._labels) or "none"
+                )
             )
         self._locations[package] = location
 
     def remove(self, package: str) -> None:
         """Take a package out of the office; raises PackageError if there is no such package."""
         if package not in self._locations:
-            raise PackageError(f"there is no package {package}")
+            raise PackageError(f"there is no {words_for(package)}")
         del self._locations[package]
 
     def pickup(self, package: str, robot_at: Optional[str]) -> HandlingResult:
@@ -114,7 +121,7 @@ class PackageOffice:
         if refusal is not None:
             return refusal
         self._locations[package] = None
-        return HandlingResult(SUCCEEDED, f"picked up package {package} at {robot_at}", robot_at or "")
+        return HandlingResult(SUCCEEDED, f"picked up {words_for(package)} at {robot_at}", robot_at or "")
 
     def deliver(self, package: str, robot_at: Optional[str]) -> HandlingResult:
         """The robot, standing at the label `robot_at` (None: at none), puts down a package that it carries."""
@@ -123,27 +130,27 @@ class PackageOffice:
             return refusal
         location = robot_at or ""
         if self._locations[package] is not None:
-            message = f"the robot does not carry package {package}, it lies at {self._locations[package]}"
+            message = f"the robot does not carry {words_for(package)}, it lies at {self._locations[package]}"
             return HandlingResult(NOT_CARRIED, message, location)
         self._locations[package] = location
-        return HandlingResult(SUCCEEDED, f"put down package {package} at {location}", location)
+        return HandlingResult(SUCCEEDED, f"put down {words_for(package)} at {location}", location)
 
     def _refuse(self, package: str, robot_at: Optional[str]) -> Optional[HandlingResult]:
         if robot_at is None:
             return HandlingResult(NOT_AT_LABEL, "the robot is at no known location")
         if package not in self._locations:
-            return HandlingResult(UNKNOWN_PACKAGE, f"there is no package {package}", robot_at)
+            return HandlingResult(UNKNOWN_PACKAGE, f"there is no {words_for(package)}", robot_at)
         return None
 
     def _refuse_pickup(self, package: str, robot_at: str) -> Optional[HandlingResult]:
         location = self._locations[package]
         if location is None:
-            return HandlingResult(NOT_HERE, f"the robot carries package {package} already", robot_at)
+            return HandlingResult(NOT_HERE, f"the robot carries {words_for(package)} already", robot_at)
         if location != robot_at:
-            message = f"package {package} is at {location}, the robot at {robot_at}"
+            message = f"{words_for(package)} is at {location}, the robot at {robot_at}"
             return HandlingResult(NOT_HERE, message, robot_at)
         if len(self.carried) >= self._capacity:
-            message = f"the robot carries {len(self.carried)} packages already"
+            message = f"the robot carries {len(self.carried)} already, and no more fit"
             return HandlingResult(FULL, message, robot_at)
         return None
 
