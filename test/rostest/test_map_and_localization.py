@@ -66,6 +66,9 @@ class Maps(unittest.TestCase):
                 (f"{folder}/nowhere.yaml", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
                 (f"{folder}/broken.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
                 (f"{folder}/small.yaml", LoadMapResponse.RESULT_INVALID_MAP_DATA),
+                (folder, LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                ("/" + "a" * 300, LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                ("", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
                 ("package://no_such_package/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
                 ("https://example.org/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
             ):
@@ -74,7 +77,10 @@ class Maps(unittest.TestCase):
 
 
 class Localization(unittest.TestCase):
-    """The map's frame lies 1 m along x in the world's; odometry has the robot turned by a quarter at (1, 0)."""
+    """The map has the world turned back by a quarter, then moved back by 1 m along x, as fake_localization does it.
+
+    Odometry has the robot turned by a quarter at (1, 0).
+    """
 
     @classmethod
     def setUpClass(cls):
@@ -117,32 +123,53 @@ class Localization(unittest.TestCase):
                 self.assertLess(rospy.get_time(), end, "waited in vain")
                 self.changed.wait(0.05)
 
+    def at(self, x, y):
+        """Tell whether the robot is at a place in the map."""
+        position = self.last["amcl_pose"].pose.pose.position if "amcl_pose" in self.last else None
+        return position is not None and math.hypot(position.x - x, position.y - y) < 1e-6
+
     def test_pose_cloud_and_transform(self):
         names = {"amcl_pose", "particlecloud", "wheels"}
-        self.until(lambda last: names <= set(last) and abs(last["amcl_pose"].pose.pose.position.x - 3.0) < 1e-6)
+        self.until(lambda last: names <= set(last) and self.at(1.0, -4.0))
         pose, cloud, transform = (self.last[name] for name in ("amcl_pose", "particlecloud", "wheels"))
         self.assertEqual([m.header.frame_id for m in (pose, cloud, transform)], ["floor"] * 3)
-        self.assertAlmostEqual(pose.pose.pose.position.y, 2.0)
+        self.assertAlmostEqual(2.0 * math.asin(pose.pose.pose.orientation.z), -math.pi / 2)
         self.assertEqual(len(cloud.poses), 1)
-        # The robot is at (3, 2) with yaw 0 in the map, and at (1, 0) with yaw 90 degrees by its wheels.
-        self.assertAlmostEqual(transform.transform.translation.x, 3.0)
-        self.assertAlmostEqual(transform.transform.translation.y, 3.0)
-        self.assertAlmostEqual(
-            2.0 * math.atan2(transform.transform.rotation.z, transform.transform.rotation.w), -math.pi / 2
-        )
+        # The robot is at (1, -4) with yaw -90 degrees in the map, and at (1, 0) with yaw 90 degrees by its wheels.
+        self.assertAlmostEqual(transform.transform.translation.x, 2.0)
+        self.assertAlmostEqual(transform.transform.translation.y, -4.0)
+        self.assertAlmostEqual(abs(transform.transform.rotation.z), 1.0)
         self.assertGreater((transform.header.stamp - pose.header.stamp).to_sec(), 0.1)
 
+    def test_who_comes_late_gets_the_last_pose_though_no_other_follows(self):
+        self.until(lambda last: self.at(1.0, -4.0))
+        for name, kind in (("amcl_pose", PoseWithCovarianceStamped), ("particlecloud", PoseArray)):
+            late = queue.Queue()
+            subscriber = rospy.Subscriber(name, kind, late.put)
+            self.assertEqual(late.get(timeout=30.0).header.frame_id, "floor")
+            subscriber.unregister()
+
     def test_zzz_an_initial_pose_moves_the_map(self):
-        wanted = PoseWithCovarianceStamped()
-        wanted.header.frame_id = "floor"
-        wanted.pose.pose.position.x, wanted.pose.pose.orientation.w = 7.0, 1.0
         self.until(lambda last: self.initial.get_num_connections() and "amcl_pose" in last)
-        broken = PoseWithCovarianceStamped()
-        broken.pose.pose.position.x = 99.0
-        self.initial.publish(broken)
-        self.initial.publish(wanted)
-        self.until(lambda last: abs(last["amcl_pose"].pose.pose.position.x - 7.0) < 1e-6)
-        self.until(lambda last: abs(last["amcl_pose"].pose.pose.position.x - 8.0) < 1e-6, x=5.0)
+        for frame, x, w in (("floor", 99.0, 0.0), ("floor", math.nan, 1.0), ("moon", 99.0, 1.0), ("floor", 7.0, 1.0)):
+            pose = PoseWithCovarianceStamped()
+            pose.header.frame_id = frame
+            pose.pose.pose.position.x, pose.pose.pose.orientation.w = x, w
+            self.initial.publish(pose)
+        self.until(lambda last: self.at(7.0, 0.0))
+        self.until(lambda last: self.at(8.0, 0.0), x=5.0)
+        pose.header.frame_id = "body"
+        self.initial.publish(pose)
+        self.until(lambda last: self.at(15.0, 0.0), x=5.0)
+
+    def test_a_truth_that_is_none_is_left_out(self):
+        self.until(lambda last: "amcl_pose" in last)
+        before = self.last["amcl_pose"].pose.pose.position
+        broken = Odometry()
+        broken.pose.pose.position.x, broken.pose.pose.orientation.w = math.nan, 1.0
+        broken.header.stamp = rospy.Time.now()
+        self.truth.publish(broken)
+        self.until(lambda last: self.at(before.x + 0.0, before.y - 1.0), x=5.0)
 
 
 class WrongParameters(unittest.TestCase):

@@ -1,5 +1,6 @@
 """Occupancy grids, read from the files that map_server reads (PGM or PNG with YAML)."""
 
+import contextlib
 import math
 from pathlib import Path
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
@@ -12,6 +13,7 @@ __all__ = ["FREE", "OCCUPIED", "UNKNOWN", "MapError", "OccupancyGrid", "load_map
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 MODES = ("trinary", "scale", "raw")
+FAR = 1e7  # m: no origin is further off
 
 
 class MapError(ValueError):
@@ -77,13 +79,13 @@ def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
     path = Path(path)
     try:
         info = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except (OSError, ValueError, yaml.YAMLError) as error:
         raise MapError(f"map {path}: cannot be read: {error}") from error
     if not isinstance(info, dict):
         raise MapError(f"map {path}: the file must hold keys and values (image, resolution, origin ...)")
     return {
         "image": _image_path(path, info),
-        "resolution": _number(path, info, "resolution", low=1e-6),
+        "resolution": _number(path, info, "resolution", low=1e-6, high=1e6),
         "origin": _origin(path, info),
         "negate": bool(_number(path, info, "negate", default=0)),
         "occupied_thresh": _number(path, info, "occupied_thresh", low=0.0, high=1.0),
@@ -97,35 +99,44 @@ def load_map(path: Union[str, Path]) -> OccupancyGrid:
     info = read_map_info(path)
     try:
         with Image.open(str(info["image"])) as image:
-            levels = _levels(image)
-    except (OSError, ValueError) as error:
-        raise MapError("map {}: image {}: {}".format(path, info["image"], error)) from error
+            levels = _levels(image, info["mode"])
+    except Exception as error:  # noqa: BLE001 what Pillow raises for a broken image depends on its format
+        raise MapError("map {}: image {}: {}".format(path, info["image"], error or repr(error))) from error
     cells = _occupancy(levels, info)
     x, y = info["origin"]
     return OccupancyGrid(np.ascontiguousarray(cells[::-1]), info["resolution"], x, y)
 
 
-def _levels(image: Image.Image) -> Tuple[np.ndarray, np.ndarray]:
-    """Return (mean colour, opacity) of an image as uint8 arrays of its shape."""
+def _levels(image: Image.Image, mode: str) -> Tuple[np.ndarray, np.ndarray]:
+    """Return (mean colour, opacity) of an image as float arrays of its shape, from 0 to 255.
+
+    As map_server does, take opacity for one more colour in trinary mode. Raises ValueError for an unknown image mode.
+    """
+    if image.mode == "F":
+        raise ValueError("its pixels are floating-point numbers; save it with 8 or 16 bits")
+    if image.mode.startswith("I"):  # 16 bits, of which the upper 8 count
+        grey = np.clip(np.asarray(image, dtype=np.int64), 0, 65535) // 256
+        return grey.astype(np.float64), np.full(grey.shape, 255.0)
     if image.mode in ("1", "L"):
-        grey = np.asarray(image.convert("L"))
-        return grey, np.full(grey.shape, 255, dtype=np.uint8)
-    rgba = np.asarray(image.convert("RGBA"))
-    return (rgba[:, :, :3].mean(axis=2) + 0.5).astype(np.uint8), rgba[:, :, 3]
+        grey = np.asarray(image.convert("L"), dtype=np.float64)
+        return grey, np.full(grey.shape, 255.0)
+    transparent = image.mode[-1] in "Aa" or "transparency" in image.info
+    rgba = np.asarray(image.convert("RGBA"), dtype=np.float64)
+    return rgba[:, :, : 4 if transparent and mode == "trinary" else 3].mean(axis=2), rgba[:, :, 3]
 
 
 def _occupancy(levels: Tuple[np.ndarray, np.ndarray], info: Mapping[str, Any]) -> np.ndarray:
     """Turn image levels into occupancy, after map_server's three modes."""
     grey, opacity = levels
     if info["mode"] == "raw":
-        raw = grey if not info["negate"] else 255 - grey
+        raw = np.floor(255.0 - grey if info["negate"] else grey)
         return np.where(raw > OCCUPIED, UNKNOWN, raw).astype(np.int8)
     darkness = (grey if info["negate"] else 255.0 - grey) / 255.0
     occupied, free = darkness > info["occupied_thresh"], darkness < info["free_thresh"]
     if info["mode"] == "scale":
         span = info["occupied_thresh"] - info["free_thresh"]
         between = 1 + 98 * (darkness - info["free_thresh"]) / (span if span > 0 else 1.0)
-        between = np.where(opacity < 255, UNKNOWN, np.clip(between, 1, 99))
+        between = np.where(opacity == 0.0, UNKNOWN, np.clip(between, 1, 99))
     else:
         between = np.full(grey.shape, UNKNOWN)
     return np.where(occupied, OCCUPIED, np.where(free, FREE, between)).astype(np.int8)
@@ -150,9 +161,9 @@ def _origin(path: Path, info: Mapping[str, Any]) -> Tuple[float, float]:
     if not isinstance(origin, (list, tuple)) or len(origin) not in (2, 3):
         raise MapError(f"map {path}: origin: must be [x, y, yaw] in m, m, rad")
     numbers = dict(zip(("x", "y", "yaw"), origin))
-    x, y = (_number(path, numbers, key) for key in ("x", "y"))
+    x, y = (_number(path, numbers, key, low=-FAR, high=FAR) for key in ("x", "y"))
     if _number(path, numbers, "yaw", default=0) != 0:
-        raise MapError(f"map {path}: origin: a turned map (yaw) is not supported; costmap_2d ignores it too")
+        raise MapError(f"map {path}: origin: a turned map (yaw) is not supported; turn the image, and make the yaw 0")
     return x, y
 
 
@@ -167,6 +178,9 @@ def _number(
     value = info.get(key, default)
     if isinstance(value, bool) and default is not None:
         value = int(value)
+    if isinstance(value, str):  # such as 5e-2, a number to map_server, a text to PyYAML
+        with contextlib.suppress(ValueError):
+            value = float(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise MapError(f"map {path}: {key}: must be a number, is {value!r}")
     if not low <= value <= high:

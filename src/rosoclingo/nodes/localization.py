@@ -1,16 +1,27 @@
 """Localisation from the ground truth, as the package fake_localization has it."""
 
+import contextlib
+import math
 from collections import deque
 from typing import Any, Deque, Optional
 
 import rospy
 import tf2_ros
-from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseArray,
+    PoseWithCovariance,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    TransformStamped,
+)
 from nav_msgs.msg import Odometry
+from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from rosoclingo.navigation.geometry import Pose2D, quaternion_to_yaw, yaw_to_quaternion
-from rosoclingo.nodes.parameters import not_negative, parameter
+from rosoclingo.nodes.parameters import finite, not_negative, parameter
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.worker import Worker
 
@@ -35,20 +46,24 @@ def fill_pose(message: Any, pose: Pose2D) -> None:
     message.orientation.x, message.orientation.y, message.orientation.z, message.orientation.w = quaternion
 
 
+SURE = [0.0] * 36  # the covariance of what is known
+
+
 class FakeLocalizationNode:
     """Knows where the robot is because the simulator says so, and publishes it like amcl.
 
     Parameters
     ----------
         ~odom_frame_id (string, "odom"), ~base_frame_id (string, "base_link"), ~global_frame_id (string, "map")
-        ~delta_x, ~delta_y, ~delta_yaw (float, 0.0): the map's frame in the world's (m, rad).
+        ~delta_x, ~delta_y, ~delta_yaw (float, 0.0): a point of the world is turned back by the yaw (rad), then moved
+        back by x and y (m), and so has its place in the map.
         ~transform_tolerance (float, 0.1): map -> odom is dated that far (s) into the future.
     Subscribes:
         base_pose_ground_truth (nav_msgs/Odometry)
-        initialpose (geometry_msgs/PoseWithCovarianceStamped): moves the map so that the robot is there.
+        initialpose (geometry_msgs/PoseWithCovarianceStamped): moves the map so that the robot is there; in any frame.
         /tf, /tf_static
     Publishes:
-        amcl_pose (geometry_msgs/PoseWithCovarianceStamped), particlecloud (geometry_msgs/PoseArray)
+        amcl_pose (geometry_msgs/PoseWithCovarianceStamped), particlecloud (geometry_msgs/PoseArray): latched
         /tf (tf2_msgs/TFMessage): global_frame_id -> odom_frame_id
 
     """
@@ -57,17 +72,17 @@ class FakeLocalizationNode:
         self._odom = parameter("~odom_frame_id", str, "odom").lstrip("/")
         self._base = parameter("~base_frame_id", str, "base_link").lstrip("/")
         self._global = parameter("~global_frame_id", str, "map").lstrip("/")
-        delta = (float(parameter("~delta_" + axis, float, 0.0)) for axis in ("x", "y", "yaw"))
-        self._world_in_map = Pose2D(*delta).inverse()
+        self._world_in_map = Pose2D(*(-finite("~delta_" + axis, 0.0) for axis in ("x", "y", "yaw")))
         self._tolerance = rospy.Duration(not_negative("~transform_tolerance", 0.1))
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
-        self._pose = prompt_publisher("amcl_pose", PoseWithCovarianceStamped, 10)
-        self._cloud = prompt_publisher("particlecloud", PoseArray, 10)
+        self._pose = prompt_publisher("amcl_pose", PoseWithCovarianceStamped, 10, latch=True)
+        self._cloud = prompt_publisher("particlecloud", PoseArray, 10, latch=True)
         self._tf = prompt_publisher("/tf", TFMessage)
         # When tf lags behind, the newest truth is not the one to use; so some are kept.
         self._waiting: Deque[Odometry] = deque(maxlen=200)
         self._truth: Optional[Pose2D] = None
+        self._odom_in_map = Pose2D(0.0, 0.0)
         self._worker = Worker(settle=self._settle)
         self._worker.start()
         self._subscribers = (
@@ -86,12 +101,29 @@ class FakeLocalizationNode:
         self._waiting.append(message)
 
     def _move_map(self, message: PoseWithCovarianceStamped) -> None:
-        pose = to_pose2d(message.pose.pose)
-        if pose is None or self._truth is None:
-            rospy.logwarn("initialpose: not taken, %s", "its orientation is invalid" if pose is None else "no pose yet")
+        pose, frame = to_pose2d(message.pose.pose), message.header.frame_id.lstrip("/")
+        if pose is None or not all(map(math.isfinite, pose)):
+            rospy.logwarn("initialpose: not taken, its position is not finite or its orientation no turn about z")
             return
-        # A pose in another frame (odom) is taken as it is, as fake_localization does where it cannot transform.
-        self._world_in_map = pose.compose(self._truth.inverse())
+        if self._truth is None:
+            rospy.logwarn("initialpose: not taken, there is no base_pose_ground_truth yet")
+            return
+        in_map = self._in_map(frame)
+        if in_map is None:
+            rospy.logwarn("initialpose: not taken, tf does not know %r; give it in the frame %s", frame, self._global)
+            return
+        self._world_in_map = in_map.compose(pose).compose(self._truth.inverse())
+
+    def _in_map(self, frame: str) -> Optional[Pose2D]:
+        """Return the newest pose of a frame in the map, None where there is none; an empty name is the map itself."""
+        if frame in ("", self._global):
+            return Pose2D(0.0, 0.0)
+        # The robot's frames by way of odometry's: map to odom is dated ahead, and tf looks for times that both have.
+        for parent, known in ((self._odom, self._odom_in_map), (self._global, Pose2D(0.0, 0.0))):
+            with contextlib.suppress(tf2_ros.TransformException):
+                found = self._buffer.lookup_transform_core(parent, frame, rospy.Time(0))
+                return known.compose(from_transform(found.transform))
+        return None
 
     def _settle(self) -> None:
         """Publish where the newest truth puts the robot for whose time odometry is known."""
@@ -107,31 +139,25 @@ class FakeLocalizationNode:
         while self._waiting and self._waiting.popleft() is not message:
             pass
         truth = to_pose2d(message.pose.pose)
-        if truth is None:
+        if truth is None or not all(map(math.isfinite, truth)):
+            rospy.logwarn_throttle(10.0, "base_pose_ground_truth: a pose is left out, as it is none in the plane")
             return
         self._truth = truth
         pose = self._world_in_map.compose(truth)
-        self._publish_transform(stamp, pose.compose(odometry.inverse()))
+        self._odom_in_map = pose.compose(odometry.inverse())
+        self._publish_transform(stamp, self._odom_in_map)
         self._publish_pose(stamp, pose)
 
-    def _publish_transform(self, stamp: rospy.Time, map_to_odom: Pose2D) -> None:
+    def _publish_transform(self, stamp: rospy.Time, odom_in_map: Pose2D) -> None:
         transform = TransformStamped()
         transform.header.stamp, transform.header.frame_id = stamp + self._tolerance, self._global
         transform.child_frame_id = self._odom
-        transform.transform.translation.x, transform.transform.translation.y = map_to_odom.x, map_to_odom.y
-        _, _, transform.transform.rotation.z, transform.transform.rotation.w = yaw_to_quaternion(map_to_odom.yaw)
+        transform.transform.translation.x, transform.transform.translation.y = odom_in_map.x, odom_in_map.y
+        _, _, transform.transform.rotation.z, transform.transform.rotation.w = yaw_to_quaternion(odom_in_map.yaw)
         self._tf.publish(TFMessage([transform]))
 
     def _publish_pose(self, stamp: rospy.Time, pose: Pose2D) -> None:
-        if self._pose.get_num_connections():
-            message = PoseWithCovarianceStamped()
-            message.header.stamp, message.header.frame_id = stamp, self._global
-            fill_pose(message.pose.pose, pose)
-            self._pose.publish(message)
-        if self._cloud.get_num_connections():
-            cloud = PoseArray()
-            cloud.header.stamp, cloud.header.frame_id = stamp, self._global
-            particle = PoseWithCovarianceStamped().pose.pose
-            fill_pose(particle, pose)
-            cloud.poses = [particle]
-            self._cloud.publish(cloud)
+        header = Header(0, stamp, self._global)
+        place = Pose(Point(pose.x, pose.y, 0.0), Quaternion(*yaw_to_quaternion(pose.yaw)))
+        self._pose.publish(PoseWithCovarianceStamped(header, PoseWithCovariance(place, SURE)))
+        self._cloud.publish(PoseArray(header, [place]))

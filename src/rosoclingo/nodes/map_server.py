@@ -1,6 +1,7 @@
 """A map server, as the package map_server has it."""
 
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -8,22 +9,24 @@ import rospkg
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapRequest, LoadMapResponse
+from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.navigation import grid
 from rosoclingo.nodes.parameters import parameter
+from rosoclingo.nodes.sendable import sendable
 from rosoclingo.nodes.worker import Worker
 
 
 def grid_message(occupancy: grid.OccupancyGrid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
     """Return a grid as a message."""
-    message = OccupancyGrid()
+    message = numpy_msg(OccupancyGrid)()
     message.header.frame_id, message.header.stamp = frame, stamp
     message.info.map_load_time = stamp
     message.info.resolution = occupancy.resolution
     message.info.height, message.info.width = occupancy.shape
     message.info.origin.position.x, message.info.origin.position.y = occupancy.origin_x, occupancy.origin_y
     message.info.origin.orientation.w = 1.0
-    message.data = occupancy.cells.ravel().tolist()
+    message.data = sendable(occupancy.cells.ravel())
     return message
 
 
@@ -35,7 +38,7 @@ def grid_from_message(message: OccupancyGrid) -> grid.OccupancyGrid:
     numbers = (info.resolution, info.origin.position.x, info.origin.position.y)
     if not all(map(math.isfinite, numbers)) or info.resolution <= 0.0:
         raise grid.MapError(f"resolution and origin must be finite, the resolution more than 0; they are {numbers}")
-    if not message.data or info.width * info.height != len(message.data):
+    if not len(message.data) or info.width * info.height != len(message.data):
         raise grid.MapError(f"it has {len(message.data)} cells for {info.width} x {info.height}")
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
     return grid.OccupancyGrid(cells, info.resolution, info.origin.position.x, info.origin.position.y)
@@ -57,7 +60,7 @@ class MapServerNode:
 
     def __init__(self, path: str = "") -> None:
         self._frame = parameter("~frame_id", str, "map")
-        self._map = rospy.Publisher("map", OccupancyGrid, latch=True, queue_size=1)
+        self._map = rospy.Publisher("map", numpy_msg(OccupancyGrid), latch=True, queue_size=1)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1)
         self._show(path or parameter("~map", str))
         self._worker = Worker(settle=lambda: None)
@@ -79,7 +82,7 @@ class MapServerNode:
     def _change(self, request: LoadMapRequest) -> LoadMapResponse:
         try:
             path = local_path(request.map_url)
-            if not path.exists():
+            if not os.path.isfile(str(path)):  # of a path that cannot be, pathlib's own would raise
                 return self._refused(f"there is no file {path}", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
             grid.read_map_info(path)
         except grid.MapError as error:

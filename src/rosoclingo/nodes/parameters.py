@@ -1,5 +1,6 @@
 """Reading a node's parameters, with an error that names the parameter."""
 
+import math
 from typing import Any
 
 import rospy
@@ -27,6 +28,14 @@ def parameter(name: str, kind: type, default: Any = None) -> Any:
         value = float(value)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         raise ParameterError(f"parameter {rospy.resolve_name(name)} must be {_WORDS[kind]}, not {value!r}")
+    return value
+
+
+def finite(name: str, default: float) -> float:
+    """The value of a ROS parameter that is a finite number; raises ParameterError."""
+    value = float(parameter(name, float, default))
+    if not math.isfinite(value):
+        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be a finite number, not {value!r}")
     return value
 
 
