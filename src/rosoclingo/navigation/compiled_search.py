@@ -11,12 +11,14 @@ import math
 import numpy as np
 
 from rosoclingo.navigation.compiled import jit
+from rosoclingo.navigation.compiled_places import NOWHERE, OPEN, line_is_clear, place_of
 
-__all__ = ["find_cells", "nearest_clear_cell", "price", "spread"]
+__all__ = ["find_cells", "price", "spread"]
 
 DIAGONAL = math.sqrt(2.0)
 # The search overestimates what is left by that factor: the way found may be that much dearer than the cheapest.
 EAGER = 1.003
+ACTIVE = 6  # landmarks that lead one search: those that tell most of its two ends
 # The steps to the eight cells around one.
 ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
 LENGTHS = np.hypot(ROWS, COLUMNS)
@@ -31,19 +33,37 @@ def price(clearance, comfort, weight):
 
 
 @jit
-def _left(row, column, goal_row, goal_column, known, of_goal):
-    """Return a little more than the least that the way to the goal can cost; infinity where none can be.
+def _guides(costs, start, goal):
+    """Return which landmarks tell most of the way between two cells, ACTIVE of them at most.
 
-    By the shortest 8-connected way on an empty grid, and by what the cell and the goal cost from landmarks (``known``
-    and ``of_goal``: float32, n; infinite where a landmark does not reach).
+    ``costs``: float32 (landmarks, cells). Both cells must be reached, or neither, by each: see :func:`_apart`.
+    """
+    gains = np.empty(costs.shape[0])
+    for k in range(costs.shape[0]):
+        gains[k] = abs(costs[k, start] - costs[k, goal]) if costs[k, goal] < np.inf else -1.0
+    best = np.argsort(-gains)[:ACTIVE]
+    return best[gains[best] >= 0.0]
+
+
+@jit
+def _apart(costs, start, goal):
+    """Tell whether a landmark reaches only one of two cells, so that no way joins them."""
+    reached = 0
+    for k in range(costs.shape[0]):
+        reached += (costs[k, start] < np.inf) != (costs[k, goal] < np.inf)
+    return reached > 0
+
+
+@jit
+def _left(row, column, goal_row, goal_column, there, goal, costs, guides):
+    """Return a little more than the least that the way from a cell to the goal can cost.
+
+    By the shortest 8-connected way on an empty grid, and by what the two cost from the landmarks that guide.
     """
     dr, dc = abs(row - goal_row), abs(column - goal_column)
     least = max(dr, dc) + (DIAGONAL - 1.0) * min(dr, dc)
-    for k in range(of_goal.shape[0]):
-        if of_goal[k] < np.inf:
-            least = max(least, abs(known[k] - of_goal[k]))
-        elif known[k] < np.inf:
-            return np.inf
+    for k in guides:
+        least = max(least, abs(costs[k, there] - costs[k, goal]))
     return EAGER * least
 
 
@@ -82,12 +102,24 @@ def _pop(keys, items, size):
 
 
 @jit
-def find_cells(clearance, least, comfort, weight, start_row, start_column, goal_row, goal_column, landmarks):
+def _leads(ground, row, column, r, c):
+    """Tell whether the straight line from the place in a cell to that in a cell next to it is clear."""
+    clearance, occupied, places, radius = ground
+    if places[row, column] == OPEN and places[r, c] == OPEN:
+        return True
+    x0, y0 = place_of(places, row, column)
+    x1, y1 = place_of(places, r, c)
+    return line_is_clear(clearance, occupied, x0, y0, x1, y1, radius)
+
+
+@jit
+def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_column, landmarks):
     """Return the cheapest 8-connected way as an int32 array (n, 2) of (row, column), empty where there is none.
 
-    Uses cells that are ``least`` or more clear; start and goal must be such cells. A closed cell has -1.
-    ``landmarks``: float32 (cells, n), n from 0 on: what each cell costs from each landmark.
+    Uses cells in which there is a place; start and goal must be such cells.
+    ``landmarks``: float32 (n, cells), n from 0 on: what each cell costs from each landmark, infinity beyond reach.
     """
+    clearance, _, places, _ = ground
     height, width = clearance.shape
     total = height * width
     costs = np.full(total, np.inf, dtype=np.float32)
@@ -96,11 +128,11 @@ def find_cells(clearance, least, comfort, weight, start_row, start_column, goal_
     keys = np.empty(4 * (height + width) + 64, dtype=np.float32)
     items = np.empty(keys.shape[0], dtype=np.int32)
     start, goal = start_row * width + start_column, goal_row * width + goal_column
-    of_goal = landmarks[goal]
+    if _apart(landmarks, start, goal):
+        return np.empty((0, 2), dtype=np.int32)
+    guides = _guides(landmarks, start, goal)
     costs[start] = 0.0
-    size = 0
-    if _left(start_row, start_column, goal_row, goal_column, landmarks[start], of_goal) < np.inf:
-        size = _push(keys, items, 0, np.float32(0.0), np.int32(start))
+    size = _push(keys, items, 0, np.float32(0.0), np.int32(start))
     while size > 0 and not closed[goal]:
         size = _pop(keys, items, size)
         here = items[size]
@@ -114,18 +146,15 @@ def find_cells(clearance, least, comfort, weight, start_row, start_column, goal_
             keys, items = _grown_keys(keys), _grown_items(items)
         for k in range(8):
             r, c = row + ROWS[k], column + COLUMNS[k]
-            if r < 0 or c < 0 or r >= height or c >= width:
-                continue
-            room = clearance[r, c]
-            if room < least:
+            if r < 0 or c < 0 or r >= height or c >= width or places[r, c] == NOWHERE:
                 continue
             there = r * width + c
             if closed[there] or cost + LENGTHS[k] >= costs[there]:
                 continue
-            new = np.float32(cost + 0.5 * LENGTHS[k] * (dear + price(room, comfort, weight)))
-            if new < costs[there]:
+            new = np.float32(cost + 0.5 * LENGTHS[k] * (dear + price(clearance[r, c], comfort, weight)))
+            if new < costs[there] and _leads(ground, row, column, r, c):
                 costs[there], origins[there] = new, here
-                key = np.float32(new + _left(r, c, goal_row, goal_column, landmarks[there], of_goal))
+                key = np.float32(new + _left(r, c, goal_row, goal_column, there, goal, landmarks, guides))
                 size = _push(keys, items, size, key, np.int32(there))
     if not closed[goal]:
         return np.empty((0, 2), dtype=np.int32)
@@ -133,12 +162,14 @@ def find_cells(clearance, least, comfort, weight, start_row, start_column, goal_
 
 
 @jit
-def spread(clearance, least, comfort, weight, costs, keys, items, size, most):
+def spread(ground, comfort, weight, costs, keys, items, size, most):
     """Go on with the costs of travel from a landmark, by at most ``most`` cells; return (keys, items, size) left.
 
     ``costs``: float32 (cells), infinite but for the landmark's 0 at the beginning; then ``keys`` (float32) and
     ``items`` (int32) hold its 0 and its cell, and ``size`` is 1. It is done when ``size`` is 0.
+    Cells without a place are given costs too, as what the laser sees may make them needed, but lead nowhere.
     """
+    clearance, _, places, _ = ground
     height, width = clearance.shape
     while size > 0 and most > 0:
         key = keys[0]
@@ -154,11 +185,15 @@ def spread(clearance, least, comfort, weight, costs, keys, items, size, most):
             keys, items = _grown_keys(keys), _grown_items(items)
         for k in range(8):
             r, c = row + ROWS[k], column + COLUMNS[k]
-            if r < 0 or c < 0 or r >= height or c >= width or clearance[r, c] < least:
+            if r < 0 or c < 0 or r >= height or c >= width:
                 continue
             there = r * width + c
             new = np.float32(cost + 0.5 * LENGTHS[k] * (dear + price(clearance[r, c], comfort, weight)))
-            if new < costs[there]:
+            if new >= costs[there]:
+                continue
+            if places[r, c] == NOWHERE:
+                costs[there] = new
+            elif _leads(ground, row, column, r, c):
                 costs[there] = new
                 size = _push(keys, items, size, new, np.int32(there))
     return keys, items, size
@@ -190,17 +225,3 @@ def _traced(origins, goal, width):
         cells[i, 0], cells[i, 1] = here // width, here % width
         here = origins[here]
     return cells
-
-
-@jit
-def nearest_clear_cell(clearance, least, row, column, reach):
-    """Return the (row, column) nearest to a cell, within ``reach``, that is ``least`` clear; else (-1, -1)."""
-    height, width = clearance.shape
-    best, best_row, best_column = (reach + 1e-6) ** 2, -1, -1
-    span = int(reach)
-    for r in range(max(0, row - span), min(height, row + span + 1)):
-        for c in range(max(0, column - span), min(width, column + span + 1)):
-            away = (r - row) ** 2 + (c - column) ** 2
-            if away < best and clearance[r, c] >= least:
-                best, best_row, best_column = away, r, c
-    return best_row, best_column

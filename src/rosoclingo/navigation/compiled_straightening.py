@@ -7,10 +7,11 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit, square_distance
+from rosoclingo.navigation.compiled import jit
+from rosoclingo.navigation.compiled_places import line_is_clear
 from rosoclingo.navigation.compiled_search import price
 
-__all__ = ["straighten", "tighten"]
+__all__ = ["pull", "straighten", "tighten"]
 
 
 @jit
@@ -26,39 +27,12 @@ def _segment_price(clearance, x0, y0, x1, y1, comfort, weight):
 
 
 @jit
-def line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
-    """Tell whether a segment (in cells) keeps ``radius`` away from what is occupied, and off what is closed.
-
-    Distances are exact (looked at every tenth of a cell) where it is tight, and bounded by the field elsewhere.
-    """
-    height, width = clearance.shape
-    length = math.hypot(x1 - x0, y1 - y0)
-    done = 0.0
-    while True:
-        part = done / length if length > 0.0 else 0.0
-        x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
-        column, row = math.floor(x), math.floor(y)
-        if not (0 <= row < height and 0 <= column < width):
-            return False
-        off_centre = math.hypot(x - column - 0.5, y - row - 0.5)
-        spare = clearance[row, column] - off_centre - radius
-        if spare < 0.0:
-            if clearance[row, column] + off_centre < radius:
-                return False
-            spare = square_distance(occupied, x, y, radius + 0.5) - radius
-            if spare < 0.0:
-                return False
-        if done >= length:
-            return True
-        done = min(length, done + max(spare, 0.1))
-
-
-@jit
-def straighten(points, clearance, occupied, radius, comfort, weight):
+def straighten(points, ground, comfort, weight):
     """Return the points (float64 n, 2; x, y) that are left when straight lines replace what they can.
 
-    A line replaces a part of the way when it keeps ``radius`` from what is ``occupied`` and is no dearer.
+    A line replaces a part of the way when it keeps the ground's radius free and is no dearer.
     """
+    clearance = ground.clearance
     count = points.shape[0]
     cost = np.zeros(count)
     for i in range(1, count):
@@ -73,7 +47,7 @@ def straighten(points, clearance, occupied, radius, comfort, weight):
         while stride > 0:
             probe = min(count - 1, there + stride)
             if probe > there and _shortcut(
-                clearance, occupied, points[here], points[probe], radius, comfort, weight, cost[probe] - cost[here]
+                ground, points[here], points[probe], comfort, weight, cost[probe] - cost[here]
             ):
                 there, stride = probe, stride * 2
             else:
@@ -84,17 +58,47 @@ def straighten(points, clearance, occupied, radius, comfort, weight):
 
 
 @jit
-def _shortcut(clearance, occupied, start, end, radius, comfort, weight, cost):
-    """Tell whether the line between two points is clear and costs no more than ``cost``."""
-    x0, y0, x1, y1 = start[0], start[1], end[0], end[1]
-    if not line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
-        return False
-    return _segment_price(clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
+def pull(points, ground, comfort, weight, rounds):
+    """Pull a way of many points (float64 n, 2) straight, part by part: long parts, then ever shorter ones, everywhere.
+
+    Points are moved onto the line between the ends of their part when that is clear and no dearer.
+    """
+    count = points.shape[0]
+    cost = np.empty(count - 1)  # of the segment behind each point
+    for i in range(count - 1):
+        cost[i] = _price_between(ground.clearance, points[i], points[i + 1], comfort, weight)
+    for _ in range(rounds):
+        span = count - 1
+        while span >= 4:
+            for i in range(0, count - span, max(1, span // 4)):
+                j = i + span
+                if _shortcut(ground, points[i], points[j], comfort, weight, cost[i:j].sum()):
+                    for k in range(1, span):
+                        points[i + k] = points[i] + (points[j] - points[i]) * (k / span)
+                    for k in range(i, j):
+                        cost[k] = _price_between(ground.clearance, points[k], points[k + 1], comfort, weight)
+            span = span * 2 // 3
 
 
 @jit
-def tighten(points, clearance, occupied, radius, comfort, weight, rounds):
+def _price_between(clearance, a, b, comfort, weight):
+    """Return what a straight segment between two points costs."""
+    return _segment_price(clearance, a[0], a[1], b[0], b[1], comfort, weight)
+
+
+@jit
+def _shortcut(ground, start, end, comfort, weight, cost):
+    """Tell whether the line between two points is clear and costs no more than ``cost``."""
+    x0, y0, x1, y1 = start[0], start[1], end[0], end[1]
+    if not line_is_clear(ground.clearance, ground.occupied, x0, y0, x1, y1, ground.radius):
+        return False
+    return _segment_price(ground.clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
+
+
+@jit
+def tighten(points, ground, comfort, weight, rounds):
     """Pull a way (float64 n, 2) tight: move inner points towards the line between their neighbours where that pays."""
+    clearance, occupied, _, radius = ground
     for _ in range(rounds):
         for i in range(1, points.shape[0] - 1):
             a, b = points[i - 1], points[i + 1]

@@ -6,6 +6,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from rosoclingo.navigation.compiled import count_rays, hits_apart, update_clearance
+from rosoclingo.navigation.compiled_places import Ground, update_places
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
 
@@ -16,6 +17,7 @@ EMPTY: Window = (0, 0, 0, 0)
 # A hit counts for so many rays that pass; from SURE on a cell is marked, and LIMIT is as sure as it gets: what hits in
 # less than a third of all scans is noise, and what has gone is forgotten after LIMIT rays have passed.
 GAIN, SURE, LIMIT = 2, 8, 24
+SPARE = 0.005  # m that ways keep free beside the robot's radius: no robot drives along a wall that it touches
 NEARBY = 1.5  # m: what is hit within it and not marked yet is kept, for who has to brake
 
 
@@ -40,7 +42,8 @@ class Costmap:
     """A grid with a clearance field: for each cell the distance to the nearest obstacle, cut off at ``reach``.
 
     ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`),
-    -1 where nothing may go: unknown cells, unless allowed. ``static_clearance`` is the same for the map alone.
+    -1 where nothing may go: unknown cells, unless allowed. ``ground`` is what planners plan on, with that clearance;
+    ``static_ground`` is the same for the map alone.
     ``unmarked`` (n, 2; m) is what the last scan hit nearby that is neither on the map nor marked yet.
     """
 
@@ -57,8 +60,10 @@ class Costmap:
         self._marked = 0
         self._static = static
         self.clearance = np.empty(grid.shape, dtype=np.float32)
+        radius = (self.limits.robot_radius + SPARE) / grid.resolution
+        self.ground = Ground(self.clearance, self._occupied, np.zeros(grid.shape, dtype=np.uint8), radius)
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
-        self.static_clearance = self.clearance.copy()
+        self.static_ground = Ground(self.clearance.copy(), static, self.ground.places.copy(), radius)
         near = self.limits.static_tolerance / grid.resolution
         self.unmarked = np.empty((0, 2))
         self._mapped = np.ascontiguousarray(self.clearance <= near, dtype=np.uint8)
@@ -150,6 +155,7 @@ class Costmap:
         update_clearance(self._occupied, self.reach, row0, row1, column0, column1, self.clearance)
         part = (slice(row0, row1), slice(column0, column1))
         self.clearance[part][self._closed[part]] = -1.0
+        update_places(self.ground, row0, row1, column0, column1)
 
 
 def _window_of(cells: np.ndarray) -> Window:

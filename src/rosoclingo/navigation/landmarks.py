@@ -4,35 +4,36 @@ from typing import NamedTuple, Optional
 
 import numpy as np
 
+from rosoclingo.navigation.compiled_places import NOWHERE, Ground
 from rosoclingo.navigation.compiled_search import spread
 
 __all__ = ["Landmarks", "Tariff"]
 
-COUNT = 6
+COUNT = 24
 POCKET = 0.02  # a landmark that reaches less of all open cells leads few searches
 MOST_BYTES = 1 << 26  # a map so large that its landmarks would take more memory has fewer of them
-PORTION = 60000  # cells that one call looks at: some milliseconds
+PORTION = 30000  # cells that one call looks at: some milliseconds
 
 
 class Tariff(NamedTuple):
-    """What travel costs: cells less clear than ``least`` are closed, those up to ``comfort`` (cells) dearer."""
+    """What travel costs: cells less clear than ``comfort`` (cells) are dearer, by up to ``weight``."""
 
-    least: float
     comfort: float
     weight: float
 
 
 class Landmarks:
-    """Cells far apart on one clearance field, found one after the other; ``costs`` are those of the ones that are done.
+    """Cells far apart on one ground, found one after the other; ``costs`` are those of the ones that are done.
 
-    ``costs``: float32 (cells, n), n from 0 on; infinite where a landmark does not reach.
+    ``costs``: float32 (n, cells), n from 0 on; infinite where a landmark does not reach.
     """
 
-    def __init__(self, clearance: np.ndarray, tariff: Tariff) -> None:
-        self.clearance, self.tariff = clearance, tariff
-        self.costs = np.empty((clearance.size, 0), dtype=np.float32)
-        self._count = min(COUNT, MOST_BYTES // (4 * clearance.size))
-        self._nearest = np.where(clearance.ravel() >= tariff.least, np.float32(np.inf), np.float32(-1.0))
+    def __init__(self, ground: Ground, tariff: Tariff) -> None:
+        self.ground, self.tariff = ground, tariff
+        cells = ground.places.size
+        self._all = np.empty((min(COUNT, MOST_BYTES // (4 * cells)), cells), dtype=np.float32)
+        self.costs = self._all[:0]
+        self._nearest = np.where(ground.places.ravel() != NOWHERE, np.float32(np.inf), np.float32(-1.0))
         self._open = np.count_nonzero(self._nearest > 0.0)
         self._begun: Optional[tuple] = None
         self._begin()
@@ -47,7 +48,7 @@ class Landmarks:
         if self._begun is None:
             return
         costs, keys, items, size = self._begun
-        keys, items, size = spread(self.clearance, *self.tariff, costs, keys, items, size, PORTION)
+        keys, items, size = spread(self.ground, *self.tariff, costs, keys, items, size, PORTION)
         self._begun = (costs, keys, items, size)
         if size == 0:
             self._end(costs)
@@ -58,7 +59,7 @@ class Landmarks:
         if np.count_nonzero(reached) < POCKET * self._open:
             self._nearest[reached] = -1.0
         else:
-            self.costs = np.concatenate([self.costs, costs[:, None]], axis=1)
+            self.costs = self._all[: len(self.costs) + 1]
             self._nearest = np.minimum(self._nearest, costs)
         self._begin()
 
@@ -66,8 +67,9 @@ class Landmarks:
         """Begin with the open cell that is furthest from all landmarks, those of another part of the map first."""
         self._begun = None
         cell = int(self._nearest.argmax()) if self._nearest.size else 0
-        if self.costs.shape[1] >= self._count or self._nearest[cell] <= 0.0:
+        if len(self.costs) == len(self._all) or self._nearest[cell] <= 0.0:
             return
-        costs = np.full(self.clearance.size, np.inf, dtype=np.float32)
+        costs = self._all[len(self.costs)]
+        costs.fill(np.inf)
         costs[cell] = 0.0
         self._begun = (costs, np.zeros(64, dtype=np.float32), np.full(64, cell, dtype=np.int32), 1)

@@ -6,15 +6,18 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled_search import find_cells, nearest_clear_cell
-from rosoclingo.navigation.compiled_straightening import straighten, tighten
+from rosoclingo.navigation.compiled_places import Ground, nearest_place, places_of
+from rosoclingo.navigation.compiled_search import find_cells
+from rosoclingo.navigation.compiled_straightening import pull, straighten, tighten
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.landmarks import Landmarks, Tariff
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
 
+PULLS = 1  # of pulling a path straight part by part
 ROUNDS = 6  # of pulling a path tight
+JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is a place of the ways
 
 
 class PlanOutcome(enum.Enum):
@@ -56,7 +59,7 @@ class GridPlannerLimits(NamedTuple):
     ``spacing``: distance between the points of a path.
     """
 
-    comfort_weight: float = 0.3
+    comfort_weight: float = 0.15
     comfort_distance: float = 0.45
     default_tolerance: float = 0.0
     escape_distance: float = 0.5
@@ -76,8 +79,12 @@ class GlobalPlanner:
         """Return a path, or why there is none. ``tolerance`` (m) is default_tolerance unless given."""
         raise NotImplementedError
 
-    def prepare(self, costmap: Costmap) -> None:
-        """Do some of what makes later plans faster; called again and again while nothing is driven. Be brief."""
+    def prepare(self, costmap: Costmap) -> bool:
+        """Do some of what makes later plans faster, and be brief; tell whether more is left to do.
+
+        It is called again and again while nothing is driven, until it tells that nothing is left for this map.
+        """
+        return False
 
 
 class GridPlanner(GlobalPlanner):
@@ -90,77 +97,57 @@ class GridPlanner(GlobalPlanner):
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return the path; see :class:`GlobalPlanner`."""
-        found = self._plan_on(costmap, costmap.clearance, start, goal, tolerance)
+        found = self._plan_on(costmap, costmap.ground, start, goal, tolerance)
         if found.outcome is not PlanOutcome.NO_PATH or not costmap.has_marks:
             return found
         # Whom to blame: is there a way on the map alone?
-        alone = self._plan_on(costmap, costmap.static_clearance, start, goal, tolerance)
+        alone = self._plan_on(costmap, costmap.static_ground, start, goal, tolerance)
         return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
 
     def _plan_on(
-        self, costmap: Costmap, clearance: np.ndarray, start: Pose2D, goal: Pose2D, tolerance: Optional[float]
+        self, costmap: Costmap, ground: Ground, start: Pose2D, goal: Pose2D, tolerance: Optional[float]
     ) -> Plan:
-        """Plan on one clearance field."""
+        """Plan on one ground."""
         if not costmap.grid.contains(start.x, start.y):
             return _failed(PlanOutcome.START_OFF_MAP)
         if not costmap.grid.contains(goal.x, goal.y):
             return _failed(PlanOutcome.GOAL_OFF_MAP)
-        least = least_clearance(costmap)
-        start_cell = self._near(costmap, clearance, start, least, self.limits.escape_distance)
         reach = self.limits.default_tolerance if tolerance is None else max(0.0, tolerance)
-        goal_cell = self._near(costmap, clearance, goal, least, reach)
-        if goal_cell is None:
-            on_map = costmap.static_clearance[costmap.grid.cell(goal.x, goal.y)] < least
+        last = _end(costmap, ground, goal, reach)
+        if last is None:
+            on_map = _end(costmap, costmap.static_ground, goal, reach) is None
             return _failed(PlanOutcome.GOAL_IN_OBSTACLE if on_map else PlanOutcome.GOAL_IN_UNMAPPED)
-        if start_cell is None:
+        first = _end(costmap, ground, start, self.limits.escape_distance)
+        if first is None:
             return _failed(PlanOutcome.START_BLOCKED)
         tariff = self._tariff(costmap)
-        cells = find_cells(clearance, *tariff, *start_cell, *goal_cell, self._costs_of_landmarks(costmap, tariff))
+        cells = find_cells(ground, *tariff, *first.cell, *last.cell, self._costs_of_landmarks(costmap, tariff))
         if not len(cells):
             return _failed(PlanOutcome.NO_PATH)
-        ends = (self._end(costmap, clearance, start, start_cell), self._end(costmap, clearance, goal, goal_cell))
-        body = (clearance, costmap.occupied, costmap.limits.robot_radius / costmap.resolution, *tariff[1:])
-        points = straighten(_path(cells, ends), *body)
-        tighten(points, *body, ROUNDS)
-        points = straighten(points, *body)
+        points = np.concatenate([first.points, places_of(ground.places, cells), last.points])
+        pull(points, ground, *tariff, PULLS)
+        points = straighten(points, ground, *tariff)
+        tighten(points, ground, *tariff, ROUNDS)
+        points = straighten(points, ground, *tariff)
         return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points))
 
-    def prepare(self, costmap: Costmap) -> None:
+    def prepare(self, costmap: Costmap) -> bool:
         """Find landmarks on the map, part by part; see :class:`GlobalPlanner`."""
-        if self._landmarks is None or self._landmarks.clearance is not costmap.static_clearance:
-            self._landmarks = Landmarks(costmap.static_clearance, self._tariff(costmap))
+        if self._landmarks is None or self._landmarks.ground is not costmap.static_ground:
+            self._landmarks = Landmarks(costmap.static_ground, self._tariff(costmap))
         self._landmarks.go_on()
+        return not self._landmarks.done
 
     def _costs_of_landmarks(self, costmap: Costmap, tariff: Tariff) -> np.ndarray:
-        """Return what the search is led by (float32; cells, n), n 0 where nothing has been prepared for this map."""
+        """Return what the search is led by (float32; n, cells), n 0 where nothing has been prepared for this map."""
         found = self._landmarks
-        if found is None or found.clearance is not costmap.static_clearance or found.tariff != tariff:
-            return np.empty((costmap.static_clearance.size, 0), dtype=np.float32)
+        if found is None or found.ground is not costmap.static_ground or found.tariff != tariff:
+            return np.empty((0, costmap.ground.places.size), dtype=np.float32)
         return found.costs
 
     def _tariff(self, costmap: Costmap) -> Tariff:
         comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
-        return Tariff(least_clearance(costmap), comfort / costmap.resolution, self.limits.comfort_weight)
-
-    @staticmethod
-    def _near(
-        costmap: Costmap, clearance: np.ndarray, pose: Pose2D, least: float, reach: float
-    ) -> Optional[Tuple[int, int]]:
-        """Return the nearest cell to a pose that the robot can stand on, at most ``reach`` m away."""
-        row, column = costmap.grid.cell(pose.x, pose.y)
-        row, column = nearest_clear_cell(clearance, least, row, column, reach / costmap.resolution)
-        return (row, column) if row >= 0 else None
-
-    @staticmethod
-    def _end(
-        costmap: Costmap, clearance: np.ndarray, pose: Pose2D, cell: Tuple[int, int]
-    ) -> Optional[Tuple[float, float]]:
-        """Return the pose's own position in cells where the path may end exactly there, else None for the centre."""
-        if costmap.grid.cell(pose.x, pose.y) != cell:
-            return None
-        x, y = costmap.to_cells(pose.x, pose.y)
-        off_centre = math.hypot(x - cell[1] - 0.5, y - cell[0] - 0.5)
-        return (x, y) if clearance[cell] - off_centre >= costmap.limits.robot_radius / costmap.resolution else None
+        return Tariff(comfort / costmap.resolution, self.limits.comfort_weight)
 
     def _in_metres(self, costmap: Costmap, points: np.ndarray) -> np.ndarray:
         """Return the points in m, with more of them put in at ``spacing``."""
@@ -168,9 +155,22 @@ class GridPlanner(GlobalPlanner):
         return dense(metres, self.limits.spacing)
 
 
-def least_clearance(costmap: Costmap) -> float:
-    """Return the clearance (cells) of cell centres between which straight steps keep the robot's radius clear."""
-    return math.sqrt((costmap.limits.robot_radius / costmap.resolution) ** 2 + 0.5)
+class _End(NamedTuple):
+    """Where a way begins or ends: a ``cell`` with a place, and its ``points`` (n, 2) beyond that: one or none."""
+
+    cell: Tuple[int, int]
+    points: np.ndarray
+
+
+def _end(costmap: Costmap, ground: Ground, pose: Pose2D, reach: float) -> Optional[_End]:
+    """Return how a pose is joined to the ways: by a straight line, else by the nearest place within ``reach`` m."""
+    x, y = costmap.to_cells(pose.x, pose.y)
+    bare = ground._replace(radius=costmap.limits.robot_radius / costmap.resolution)
+    row, column = nearest_place(bare, x, y, JOINED, True)
+    if row >= 0:
+        return _End((row, column), np.array([[x, y]]))
+    row, column = nearest_place(ground, x, y, reach / costmap.resolution, False)
+    return _End((row, column), np.empty((0, 2))) if row >= 0 else None
 
 
 def dense(points: np.ndarray, spacing: float) -> np.ndarray:
@@ -186,14 +186,3 @@ def dense(points: np.ndarray, spacing: float) -> np.ndarray:
 
 def _failed(outcome: PlanOutcome) -> Plan:
     return Plan(outcome, np.empty((0, 2)))
-
-
-def _path(cells: np.ndarray, ends: Tuple[Optional[Tuple[float, float]], Optional[Tuple[float, float]]]) -> np.ndarray:
-    """Return cell centres as points (x, y in cells), the first and last one replaced by the true ends."""
-    points = cells[:, ::-1] + 0.5
-    if len(points) == 1:
-        points = np.repeat(points, 2, axis=0)
-    for index, end in ((0, ends[0]), (-1, ends[1])):
-        if end is not None:
-            points[index] = end
-    return np.ascontiguousarray(points, dtype=np.float64)

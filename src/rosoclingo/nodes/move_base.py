@@ -2,7 +2,7 @@
 
 import math
 import traceback
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -65,7 +65,7 @@ class MoveBaseNode:
         self._recoveries = make_recoveries()
         self._navigator: Optional[Navigator] = None
         self._ready = False
-        self._prepares = True  # until the planner's preparation fails, which costs nothing but its gain
+        self._prepares = True  # until it is done, or fails, which costs nothing but its gain
         self._last_tick = -float("inf")
         self._pose: Optional[Pose2D] = None
         self._worker = Worker(settle=self._settle, period=0.02)
@@ -131,6 +131,7 @@ class MoveBaseNode:
         else:
             self._navigator.costmap = costmap
             self._navigator.obstacles_changed()
+        self._prepares = True
         self._display.new_map(costmap)
 
     def _goal_yaw(self) -> float:
@@ -141,6 +142,7 @@ class MoveBaseNode:
         now = self._sensing.now()
         if self._navigator is None or now <= 0.0:
             return
+        self._prepare(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)
             forget_cancels(self._server.action_server)
@@ -158,19 +160,18 @@ class MoveBaseNode:
                     self._navigator.obstacles_changed()
                 frame = self._sensing.local_frame(self._settings.local_frame)
                 self._display.see(View(self._navigator.costmap, located.pose, *frame))
-        self._act(now, located)
-        self._display.costmaps(now)  # last, as the command is what others wait for
-
-    def _act(self, now: float, located: Located) -> None:
-        """Drive on, or have the planner use the time."""
-        navigator = self._navigator
-        assert navigator is not None
-        if navigator.active:
+        if self._navigator.active:
             fault = self._guarded(lambda: self._control(now, located))
             if fault:
                 self._abort(f"A planner or recovery plugin failed: {fault}")
-        elif self._prepares:
-            self._prepares = not self._guarded(lambda: self._planner.prepare(navigator.costmap))
+        self._display.costmaps(now)  # last, as the command is what others wait for
+
+    def _prepare(self, navigator: Navigator) -> None:
+        """Have the planner use the time while nothing is driven."""
+        if self._prepares and not navigator.active:
+            more: List[bool] = []
+            self._guarded(lambda: more.append(self._planner.prepare(navigator.costmap)))
+            self._prepares = any(more)
 
     def _guarded(self, work: Callable[[], None]) -> str:
         """Do what calls plugins, which may be anybody's; return what one of them raised, empty for nothing."""
