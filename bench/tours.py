@@ -2,15 +2,23 @@
 """Drives tours of random goals on random maps, without ROS: who is reached, what is touched, how long an abort takes.
 
 Maps: an office floor of 54 x 58.7 m at 0.1 m a cell, and small floors of rooms with narrow doors and clutter at 0.05 m;
-in each some doors of the map are closed and some things stand about that the map lacks. A goal counts as reachable when
-a plan on the map with these things on it (8 cm bigger) leads there.
+things and robots that the map lacks stand about. On the way doors close for good or for a while, and things appear in
+front of the robot, some of which go again (--events is how many goals in ten see one). Unless --plain is given the
+robot's body, the map's resolution, slant and roughness, the rate of control and the lateness of commands vary too.
+
+A goal must be reached when, with all that stands there in the end 8 cm bigger and the robot's whole turning circle, a
+plan leads to it; it cannot be when there is none for the circle within the robot and things 3 cm smaller. In between
+either end is right.
 Run it in the built workspace: ./dev exec python3 bench/tours.py
 """
 
 import argparse
+import math
+import statistics
 import sys
 import time
 from pathlib import Path
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -18,98 +26,248 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
 # ruff: noqa: E402
 
-from navigation_worlds import Drive, room, simulation
-from planner import office
+from navigation_worlds import Drive
+from tour_floors import Floor, office_floor, rough, small_floor, turned
 
 from rosoclingo.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, Outcome, PlanOutcome, Pose2D
-from rosoclingo.simulation import ObstacleSpec
+from rosoclingo.navigation.local_planner import inscribed_radius
+from rosoclingo.simulation import LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
-SPARE = 0.08  # m: what noise makes bigger must still be passable
+SPARE, LACK = 0.08, -0.03  # m: what noise makes bigger must still be passable; what is smaller may be
 LIMIT = 3000.0  # simulated s that a goal may take
+SETTLED = 90.0  # s without a change after which the robot is judged by what stands there
+SPEED = 0.65  # m/s
+ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
+LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
 
 
-def small_floor(random) -> OccupancyGrid:
-    """Rooms of 10 x 10 m with doors of 0.6 to 1.0 m and clutter."""
-    walls = []
-    for at in (3.3, 6.6):
-        start = 0.0
-        for door in sorted(random.uniform(0.5, 9.0, 3)):
-            walls += [(at, start, at + 0.1, door)]
-            start = door + random.uniform(0.6, 1.0)
-        walls += [(at, start, at + 0.1, 10.0)]
-    for x, y in random.uniform(0.5, 9.0, (7, 2)):
-        walls += [(x, y, x + random.uniform(0.1, 0.9), y + random.uniform(0.1, 0.9))]
-    return room(10.0, 10.0, 0.05, walls)
+class Variant(NamedTuple):
+    """What differs from tour to tour; ``control`` and ``late`` in steps of 0.05 s."""
+
+    resolution: float = 0.0
+    footprint: Tuple[Tuple[float, float], ...] = ()
+    control: int = 2
+    late: int = 0
+    noise: float = 0.01
+    slant: float = 0.0
+    rough: bool = False
+
+    @property
+    def reach(self) -> float:
+        """The radius (m) of the circle in which the robot turns."""
+        return max((math.hypot(*corner) for corner in self.footprint), default=0.18)
+
+    def floor(self, kind: str, random, seed: int) -> Floor:
+        if kind == "small":
+            floor = small_floor(random, self.resolution or 0.05)
+        else:
+            floor = office_floor(seed, self.resolution or 0.1)
+        if self.slant:
+            floor = turned(floor, self.slant)
+        return rough(floor, random) if self.rough else floor
+
+
+def varied(kind: str, random) -> Variant:
+    return Variant(
+        resolution=float(random.choice((0.05, 0.1, 0.025) if kind == "small" else (0.1, 0.05))),
+        footprint=((), (), ERRATIC, LONG)[random.integers(4)],
+        control=int(random.choice((1, 2, 4))),
+        late=int(random.integers(3)),
+        noise=float(random.choice((0.0, 0.01, 0.03))),
+        slant=float(random.choice((0.0, random.uniform(-0.8, 0.8)))),
+        rough=bool(random.integers(2)),
+    )
+
+
+class Event:
+    """Something that happens while the robot drives: a door that closes, or a thing in front of it."""
+
+    def __init__(self, tour: "Tour", points: np.ndarray) -> None:
+        self.tour, self.points, self.random = tour, points, tour.random
+        self.since, self.undo, self.changed = tour.drive.world.time, None, -math.inf
+        self.again = self.random.uniform(5.0, 60.0) if self.random.random() < 0.4 else math.inf
+        self.distance = self.random.uniform(0.8, 6.0)
+        doors = [door for door in tour.drive.world.doors.values() if door.open and crosses(points, door)]
+        self.door = doors[self.random.integers(len(doors))].name if doors and self.random.random() < 0.6 else None
+        self.wait = self.random.uniform(2.0, 20.0)
+        self.happened = False
+
+    def __call__(self, drive: Drive) -> None:
+        world = drive.world
+        if self.happened:
+            if self.undo and world.time - self.changed > self.again:
+                self.change(self.undo)
+                self.undo = None
+        elif self.door:
+            door, pose = world.doors[self.door], drive.robot.pose
+            if math.hypot(door.start[0] - pose.x, door.start[1] - pose.y) < self.distance:
+                self.happen(lambda: world.set_door(self.door, False), lambda: world.set_door(self.door, True))
+        elif world.time - self.since > self.wait and drive.robot.v > 0.3:
+            pose, radius = drive.robot.pose, self.random.uniform(0.1, 0.25)
+            ahead = pose.moved(self.tour.variant.reach + radius + self.random.uniform(0.5, 1.2), 0.0, 1.0)
+            thing = ObstacleSpec(f"sudden{world.steps}", ahead[:2], radius=radius)
+            self.happen(lambda: world.put_obstacle(thing), lambda: world.remove_obstacle(thing.name))
+
+    def happen(self, work, undo) -> None:
+        self.happened = True
+        if self.change(work):
+            self.undo = undo
+
+    def change(self, work) -> bool:
+        try:
+            work()
+        except WorldError:  # the robot stands there
+            return False
+        self.changed = self.tour.drive.world.time
+        return True
+
+
+def crosses(points: np.ndarray, door) -> bool:
+    """Tell whether the way along points leads through a door."""
+    a, b = np.array(door.start), np.array(door.end)
+    across = np.array([a[1] - b[1], b[0] - a[0]])
+    side, along = (points - a) @ across, (points - a) @ (b - a) / ((b - a) @ (b - a))
+    between = 0.5 * (along[:-1] + along[1:])
+    return bool(np.any((side[:-1] * side[1:] < 0.0) & (between > 0.0) & (between < 1.0)))
 
 
 class Tour:
     """One map, one robot, and goals one after the other."""
 
-    def __init__(self, grid: OccupancyGrid, random, things: int) -> None:
-        self.grid, self.random = grid, random
-        self.free = np.argwhere(Costmap(grid, CostmapLimits(inflation_radius=0.6)).clearance * grid.resolution > 0.3)
+    def __init__(self, floor: Floor, variant: Variant, random, things: int, events: float) -> None:
+        self.grid, self.random, self.variant, self.events = floor.grid, random, variant, events
+        room = max(0.3, variant.reach + 0.02)
+        self.free = np.argwhere(
+            Costmap(self.grid, CostmapLimits(inflation_radius=0.6)).clearance * self.grid.resolution > room
+        )
         start = self.somewhere()
         spots = [self.somewhere() for _ in range(things)]
-        self.things = [
+        spots = [spot for spot in spots if start.distance(spot) > 0.8]
+        standing = [] if events == 0.0 else spots[::4]
+        laser = LaserSpec(range=6.0, angle=270.0, beams=1081, noise=variant.noise)
+        robots = [RobotSpec(pose=start, footprint=variant.footprint, max_speed=SPEED, lasers=(laser,))]
+        robots += [RobotSpec(f"standing{i}", spot, lasers=()) for i, spot in enumerate(standing)]
+        obstacles = [
             ObstacleSpec(str(i), spot[:2], radius=random.uniform(0.1, 0.3))
             for i, spot in enumerate(spots)
-            if start.distance(spot) > 0.8
+            if all(spot.distance(other) > 0.5 for other in standing)
         ]
-        self.drive = Drive(simulation(grid, start, obstacles=tuple(self.things)))
-        self.known = Costmap(self.with_things())
+        spec = WorldSpec(self.grid, (), tuple(floor.doors), tuple(obstacles), interval=0.05)
+        robots = [robot for robot in robots if self.stands(spec, robot)]
+        world = Simulation(spec._replace(robots=tuple(robots)))
+        self.drive = Timed(world, control=variant.control, scan=2, late=variant.late)
+        self.standing = [robot.pose for robot in world.robots.values()][1:]
+        self.slowness = []
+        self.aborts = []
+
+    @staticmethod
+    def stands(spec: WorldSpec, robot: RobotSpec) -> bool:
+        try:
+            Simulation(spec._replace(robots=(robot,)))
+        except WorldError:
+            return False
+        return True
 
     def somewhere(self) -> Pose2D:
         return Pose2D(*self.grid.centre(*self.free[self.random.integers(len(self.free))]), self.random.uniform(-3, 3))
 
-    def with_things(self) -> OccupancyGrid:
-        rows, columns = np.indices(self.grid.shape)
-        x, y = (columns + 0.5) * self.grid.resolution, (rows + 0.5) * self.grid.resolution
-        cells = self.grid.cells.copy()
-        for thing in self.things:
-            cells[np.hypot(x - thing.at[0], y - thing.at[1]) <= thing.radius + SPARE] = 100
-        return OccupancyGrid(cells, self.grid.resolution)
+    def with_things(self, more: float) -> OccupancyGrid:
+        """Return the map with all that stands there now, ``more`` (m) bigger."""
+        world, cells, scale = self.drive.world, self.grid.cells.copy(), self.grid.resolution
+        discs = [(*thing.at, thing.radius) for thing in world.obstacles.values()]
+        discs += [(pose.x, pose.y, 0.18) for pose in self.standing]
+        for door in world.doors.values():
+            if not door.open:
+                points = np.linspace(door.start, door.end, 2 + int(math.dist(door.start, door.end) / scale * 2))
+                discs += [(*point, max(0.0, -more) + 0.75 * scale) for point in points]
+        for x, y, radius in discs:
+            reach = radius + more
+            low, high = self.grid.cell(x - reach, y - reach), self.grid.cell(x + reach, y + reach)
+            part = (slice(max(0, low[0]), high[0] + 1), slice(max(0, low[1]), high[1] + 1))
+            rows, columns = np.mgrid[part[0], part[1]]
+            near = np.hypot((columns + 0.5) * scale - x, (rows + 0.5) * scale - y) <= reach
+            cells[part][near[: cells[part].shape[0], : cells[part].shape[1]]] = 100
+        return OccupancyGrid(cells, scale)
+
+    def plan(self, goal: Pose2D, more: float, radius: float):
+        costmap = Costmap(self.with_things(more), CostmapLimits(robot_radius=radius))
+        return GridPlanner().plan(costmap, self.drive.robot.pose, goal)
 
     def go(self) -> str:
         """Drive to a random goal; return what came of it."""
         goal, since = self.somewhere(), self.drive.world.time
         here = self.drive.robot.pose
-        plan = GridPlanner().plan(self.known, here, goal)
-        possible = plan.outcome is PlanOutcome.FOUND
+        way = self.plan(goal, SPARE, self.variant.reach)
+        eventful = way.outcome is PlanOutcome.FOUND and self.random.random() < self.events if self.events else False
+        event = Event(self, way.points) if eventful else None
         try:
-            result = self.drive.to(goal, LIMIT)
+            result = self.drive.to(goal, LIMIT, event or (lambda drive: None))
         except AssertionError:
             return f"NO END within {LIMIT} s: {tuple(here)} -> {tuple(goal)}"
         took = self.drive.world.time - since
         if result.outcome is Outcome.REACHED:
+            if not eventful and way.length > 2.0:
+                self.slowness.append(took / (way.length / SPEED))
             return "reached"
-        words = f"{result.outcome.name} after {took:.0f} s: {tuple(here)} -> {tuple(goal)}: {result.message}"
-        return f"MISSED, {words}" if possible else f"told, {words}"
+        self.aborts.append(took)
+        what = "" if event is None or not event.happened else f" ({event.door or 'thing'} {event.distance:.1f} m ahead)"
+        words = f"{result.outcome.name} after {took:.0f} s{what}: {tuple(here)} -> {tuple(goal)}: {result.message}"
+        if event and self.drive.world.time - event.changed < SETTLED:
+            return f"either, {words}"
+        if self.plan(goal, SPARE, self.variant.reach).outcome is PlanOutcome.FOUND:
+            return f"MISSED, {words}"
+        inner = inscribed_radius(0.18, self.variant.footprint)
+        possible = self.plan(goal, LACK, inner).outcome is PlanOutcome.FOUND
+        return f"{'either' if possible else 'told'}, {words}"
+
+
+class Timed(Drive):
+    """A drive that keeps what each tick costs (s)."""
+
+    def __init__(self, *arguments, **more) -> None:
+        super().__init__(*arguments, **more)
+        self.costs = []
+
+    def tick(self, period):
+        begin = time.perf_counter()
+        tick = super().tick(period)
+        self.costs.append(time.perf_counter() - begin)
+        return tick
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--small", type=int, default=20, help="small floors")
     parser.add_argument("--offices", type=int, default=2, help="office floors")
     parser.add_argument("--goals", type=int, default=5, help="goals on each")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--events", type=int, default=4, help="in how many of ten drives something happens")
+    parser.add_argument("--plain", action="store_true", help="a disc, straight clean maps, control at 10 Hz")
     arguments = parser.parse_args()
-    counts, begin, collisions, simulated = {"reached": 0, "told": 0, "MISSED": 0, "NO END": 0}, time.time(), 0, 0.0
+    counts = dict.fromkeys(("reached", "told", "either", "MISSED", "NO END"), 0)
+    begin, collisions, simulated, slowness, aborts, costs = time.time(), 0, 0.0, [], [], []
     kinds = ["small"] * arguments.small + ["office"] * arguments.offices
     for seed, kind in enumerate(kinds, arguments.seed):
         random = np.random.default_rng(seed)
-        grid = small_floor(random) if kind == "small" else office(587, 540, seed)
-        tour = Tour(grid, random, 6 if kind == "small" else 60)
-        for _ in range(arguments.goals):
+        variant = Variant() if arguments.plain else varied(kind, random)
+        floor = variant.floor(kind, random, seed)
+        tour = Tour(floor, variant, random, 6 if kind == "small" else 60, arguments.events / 10.0)
+        for number in range(arguments.goals):
             text = tour.go()
             counts[text.split(",")[0].split(" within")[0]] += 1
             if text != "reached":
-                print(f"{kind} {seed}: {text}", flush=True)
+                print(f"{kind} {seed} {number} {tuple(variant)}: {text}", flush=True)
         for collision in tour.drive.collisions:
-            print(f"{kind} {seed}: COLLISION {collision}", flush=True)
+            print(f"{kind} {seed} {tuple(variant)}: COLLISION {collision}", flush=True)
         collisions += len(tour.drive.collisions)
         simulated += tour.drive.world.time
+        slowness, aborts, costs = slowness + tour.slowness, aborts + tour.aborts, costs + tour.drive.costs
     print(", ".join(f"{name} {count}" for name, count in counts.items()), f"collisions {collisions}", sep=", ")
-    print(f"{simulated:.0f} simulated s in {time.time() - begin:.0f} s")
+    print(f"{simulated:.0f} simulated s in {time.time() - begin:.0f} s; longest abort {max(aborts, default=0.0):.0f} s")
+    if slowness:
+        print(f"time over length / {SPEED} m/s: median {statistics.median(slowness):.2f}, worst {max(slowness):.2f}")
+    costs = 1e6 * np.array(costs)
+    print(f"a control period takes {np.median(costs):.0f} us (median), {np.percentile(costs, 99):.0f} us (99 %)")
 
 
 if __name__ == "__main__":

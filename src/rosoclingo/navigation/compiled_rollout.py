@@ -10,12 +10,14 @@ __all__ = [
     "best_command",
     "body_clearance",
     "furthest_clear",
+    "furthest_leg",
     "least_along",
-    "nearest_index",
     "path_is_clear",
+    "place_on",
     "point_clearance",
     "points_at",
     "spare_after",
+    "turn_spare",
 ]
 
 
@@ -54,23 +56,33 @@ def path_is_clear(clearance, points, least) -> bool:
 
 
 @jit
-def nearest_index(points, start, count, x, y):
-    """Return the index of that of the ``count`` points (n, 2) from ``start`` on which is nearest to (x, y)."""
-    best, best_i = np.inf, start
-    for i in range(start, min(start + count, points.shape[0])):
-        away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
+def place_on(points, along, start, reach, x, y):
+    """Return (index, place) of the path's place nearest to (x, y): the segment it is on, and how far along it is.
+
+    Looks from ``points[start]`` (float64 n, 2; at ``along``) to ``reach`` further on.
+    """
+    best, best_i, best_place = np.inf, start, along[start]
+    for i in range(start, points.shape[0] - 1):
+        if along[i] > along[start] + reach:
+            break
+        dx, dy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+        square = dx * dx + dy * dy
+        t = 0.0
+        if square > 0.0:
+            t = min(1.0, max(0.0, ((x - points[i, 0]) * dx + (y - points[i, 1]) * dy) / square))
+        away = (points[i, 0] + t * dx - x) ** 2 + (points[i, 1] + t * dy - y) ** 2
         if away < best:
-            best, best_i = away, i
-    return best_i
+            best, best_i, best_place = away, i, along[i] + t * math.sqrt(square)
+    return best_i, best_place
 
 
 @jit
-def points_at(points, along, start, lengths):
-    """Return the points (n, 2) at ``lengths``, ascending, behind ``points[start]``; ``along``: where each point is."""
-    found = np.empty((lengths.shape[0], 2))
+def points_at(points, along, start, places):
+    """Return the points (n, 2) at ``places``, ascending, from ``points[start]`` on; ``along``: where each point is."""
+    found = np.empty((places.shape[0], 2))
     i, last = start, points.shape[0] - 1
-    for k in range(lengths.shape[0]):
-        place = min(along[start] + lengths[k], along[last])
+    for k in range(places.shape[0]):
+        place = min(places[k], along[last])
         while i < last and along[i + 1] < place:
             i += 1
         step = along[min(i + 1, last)] - along[i]
@@ -100,65 +112,145 @@ def furthest_clear(clearance, x, y, points, least_away, floors):
 
 
 @jit
-def body_clearance(clearance, occupied, body, x, y, yaw):
+def body_clearance(clearance, occupied, body, x, y, yaw, enough):
     """Return how far (cells) a body at a pose is from what is nearest; 0 or less when it touches that.
 
-    ``body``: float64 (n, 3), the discs (x, y, radius in cells, in the robot's frame) that cover the robot. Exact
-    where it is tight, interpolated elsewhere.
+    ``body``: float64 (n, 3), discs (x, y, radius in cells, in the robot's frame): one, or one that the whole robot is
+    in and those along its edge, which are left out where more than ``enough`` is certain. Exact where it is tight,
+    interpolated elsewhere.
     """
+    count = body.shape[0]
+    if count > 1:
+        spare = point_clearance(clearance, x, y) - body[0, 2]
+        if spare > enough:
+            return spare
     least = np.inf
     c, s = math.cos(yaw), math.sin(yaw)
-    for i in range(body.shape[0]):
+    for i in range(min(1, count - 1), count):
         px = x + c * body[i, 0] - s * body[i, 1]
         py = y + s * body[i, 0] + c * body[i, 1]
         spare = point_clearance(clearance, px, py) - body[i, 2]
-        if spare + body[i, 2] > -1.0 and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
-            spare = square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
-        least = min(least, spare)
+        if spare - 0.75 < least:  # the interpolation may be that wrong
+            if spare + body[i, 2] > -1.0 and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
+                spare = square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
+            least = min(least, spare)
     return least
 
 
 @jit
-def spare_after(clearance, occupied, body, x, y, yaw, v, w, horizon, steps):
-    """Return the least body clearance along an arc of ``horizon`` s, and the pose at its end: (least, x, y, yaw)."""
+def spare_after(clearance, occupied, body, x, y, yaw, v, w, horizon, steps, least, enough):
+    """Return the least body clearance along an arc of ``horizon`` s; stops looking where that is below ``least``."""
     dt = horizon / steps
-    least = np.inf
+    found = np.inf
     half = 0.5 * w * dt
     chord = v * dt * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
     for _ in range(steps):
         x += chord * math.cos(yaw + half)
         y += chord * math.sin(yaw + half)
         yaw += w * dt
-        least = min(least, body_clearance(clearance, occupied, body, x, y, yaw))
-    return least, x, y, yaw
+        found = min(found, body_clearance(clearance, occupied, body, x, y, yaw, enough))
+        if found < least:
+            break
+    return found
 
 
 @jit
-def best_command(clearance, occupied, body, pose, speeds, turns, carrot, margin, comfort, horizon, steps, weights):
-    """Return (index of speed, index of turn, spare) of the best command, indices -1 where none is safe.
+def turn_spare(clearance, occupied, body, x, y, yaw, turn, least):
+    """Return the least body clearance while turning on the spot; stops looking where that is below ``least``."""
+    found = body_clearance(clearance, occupied, body, x, y, yaw, max(0.0, least))
+    if body.shape[0] == 1 or point_clearance(clearance, x, y) - body[0, 2] > least:
+        return found  # it needs no more room than it has
+    steps = int(abs(turn) / 0.05) + 1
+    for i in range(1, steps + 1):
+        if found < least:
+            break
+        found = min(found, body_clearance(clearance, occupied, body, x, y, yaw + turn * i / steps, max(0.0, least)))
+    return found
+
+
+@jit
+def _straight_spare(clearance, occupied, body, x, y, to_x, to_y, least):
+    """Return the least body clearance while driving straight on; stops looking where that is below ``least``."""
+    length = math.hypot(to_x - x, to_y - y)
+    yaw = math.atan2(to_y - y, to_x - x)
+    fine = max(0.1, 0.05 * body[0, 2])
+    done, found = 0.0, np.inf
+    while True:
+        part = done / length if length > 0.0 else 0.0
+        here = body_clearance(clearance, occupied, body, x + (to_x - x) * part, y + (to_y - y) * part, yaw, least + 2.0)
+        found = min(found, here)
+        if done >= length or found < least:
+            return found
+        done = min(length, done + max(fine, here - least - 0.5))
+
+
+@jit
+def furthest_leg(clearance, occupied, body, pose, points, floors):
+    """Return (index, turn, spare) of the last of ``points`` that the body can turn to and then drive to straight.
+
+    ``pose``: x, y (cells), yaw. The first of ``floors`` (cells, descending) that is possible at all is kept; a body
+    that has not got as much room now may keep what it has. ``turn`` (rad): the short or the long way round; the index
+    is -1 where nothing is possible.
+    """
+    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], floors[0])
+    for floor in floors:
+        least = min(floor, now - 1e-3)
+        for i in range(points.shape[0] - 1, -1, -1):
+            dx, dy = points[i, 0] - pose[0], points[i, 1] - pose[1]
+            bearing = math.atan2(dy, dx) - pose[2]
+            turn = math.atan2(math.sin(bearing), math.cos(bearing))
+            spare = _straight_spare(clearance, occupied, body, pose[0], pose[1], points[i, 0], points[i, 1], least)
+            if spare < least:
+                continue
+            if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
+                return i, turn, spare
+            turn -= math.copysign(2.0 * math.pi, turn)
+            if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
+                return i, turn, spare
+    return -1, 0.0, now
+
+
+@jit
+def best_command(clearance, occupied, body, pose, speeds, turns, carrot, needs, comfort, horizon, steps, weights):
+    """Return (index of speed, index of turn) of the best command, -1 where none is safe.
 
     ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells). A command is
-    safe when the body keeps ``margin`` for the whole horizon or, if it has not got it now, does not come closer.
+    safe when the body keeps what its speed needs (``needs``, cells) for the whole horizon or, where that is negative
+    and its amount is not there now, does not come closer.
     ``weights``: of the distance to the carrot (1/cell), the angle to it (1/rad), nearness to obstacles (1/cell).
     """
-    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2])
-    floor = min(margin, now - 1e-6)
-    best, best_i, best_j, best_spare = np.inf, -1, -1, 0.0
+    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], comfort)
+    best, best_i, best_j = np.inf, -1, -1
     for i in range(speeds.shape[0]):
+        least = needs[i] if needs[i] > 0.0 else min(-needs[i], now - 1e-6)
         for j in range(turns.shape[0]):
             if abs(speeds[i]) < 1e-6 and abs(turns[j]) < 0.05:
                 continue  # to stand still is the caller's last resort
-            spare, x, y, yaw = spare_after(
-                clearance, occupied, body, pose[0], pose[1], pose[2], speeds[i], turns[j], horizon, steps
-            )
-            if spare < floor:
-                continue
+            half = 0.5 * turns[j] * horizon
+            chord = speeds[i] * horizon * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+            x, y = pose[0] + chord * math.cos(pose[2] + half), pose[1] + chord * math.sin(pose[2] + half)
             away = math.hypot(carrot[0] - x, carrot[1] - y)
-            bearing = math.atan2(carrot[1] - y, carrot[0] - x) - yaw
+            bearing = math.atan2(carrot[1] - y, carrot[0] - x) - pose[2] - 2.0 * half
             angle = abs(math.atan2(math.sin(bearing), math.cos(bearing)))
             # Next to the carrot its direction says little.
-            angle *= min(1.0, 0.5 * away)
-            score = weights[0] * away + weights[1] * angle + weights[2] * max(0.0, comfort - spare)
-            if score < best:
-                best, best_i, best_j, best_spare = score, i, j, spare
-    return best_i, best_j, best_spare
+            score = weights[0] * away + weights[1] * angle * min(1.0, 0.5 * away)
+            if score >= best:
+                continue
+            spare = spare_after(
+                clearance,
+                occupied,
+                body,
+                pose[0],
+                pose[1],
+                pose[2],
+                speeds[i],
+                turns[j],
+                horizon,
+                steps,
+                least,
+                comfort,
+            )
+            score += weights[2] * max(0.0, comfort - spare)
+            if spare >= least and score < best:
+                best, best_i, best_j = score, i, j
+    return best_i, best_j

@@ -9,7 +9,7 @@ import numpy as np
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
 
-__all__ = ["STOP", "Command", "FollowOutcome", "LocalPlanner", "Velocity", "body_discs", "inscribed_radius"]
+__all__ = ["STOP", "Command", "FollowOutcome", "LocalPlanner", "Velocity", "inscribed_radius"]
 
 
 class Velocity(NamedTuple):
@@ -68,19 +68,6 @@ class LocalPlanner:
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the points (n, 2; m) that a command leads through, for display."""
         return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])
-
-
-def body_discs(radius: float, footprint: Sequence, resolution: float) -> np.ndarray:
-    """Return the discs (float64 n, 3; cells) that stand for the robot: one, or many along the footprint's edge."""
-    if not len(footprint):
-        return np.array([[0.0, 0.0, radius]]) / resolution
-    corners = [np.array(corner, dtype=np.float64) for corner in footprint]
-    discs = []
-    for a, b in zip(corners, corners[1:] + corners[:1]):
-        count = max(1, math.ceil(math.hypot(*(b - a)) / resolution))
-        for i in range(count):
-            discs.append((*(a + (b - a) * (i / count)), 0.25 * resolution))
-    return np.array(discs) / resolution
 
 
 def inscribed_radius(radius: float, footprint: Sequence) -> float:

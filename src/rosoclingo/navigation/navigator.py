@@ -30,7 +30,8 @@ __all__ = ["Navigator"]
 DETOUR, MOST_DETOURS = 1.0, 20
 # The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
 MOMENT = 0.25
-# A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals.
+# A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals. The factor
+# counts once more for each detour: what seems to be open and closed in turns must not draw the robot to and fro.
 WORTHWHILE = 0.9
 
 
@@ -206,7 +207,7 @@ class Navigator:
             return False
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
-        if keep and plan.length > left * WORTHWHILE and self._path_is_clear():
+        if keep and plan.length > left * WORTHWHILE ** (1 + self._detours) and self._path_is_clear():
             return True
         self.plan = plan
         self.follower.set_plan(self.plan.points, self.goal)

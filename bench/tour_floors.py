@@ -1,0 +1,95 @@
+"""Floors for bench/tours.py: maps with doors, slanted and rough ones, at any resolution."""
+
+import math
+from typing import List, NamedTuple
+
+import numpy as np
+from navigation_worlds import room
+from planner import office
+
+from rosoclingo.navigation import OccupancyGrid, Pose2D
+from rosoclingo.simulation import DoorSpec
+
+
+class Floor(NamedTuple):
+    """A map and the doors in it, all of them open."""
+
+    grid: OccupancyGrid
+    doors: List[DoorSpec]
+
+
+def small_floor(random, resolution: float = 0.05) -> Floor:
+    """Rooms of 10 x 10 m with doors of 0.6 to 1.0 m and clutter."""
+    walls, doors = [], []
+    for at in (3.3, 6.6):
+        start = 0.0
+        for door in sorted(random.uniform(0.5, 9.0, 3)):
+            walls += [(at, start, at + 0.1, door)]
+            start = door + random.uniform(0.6, 1.0)
+            doors.append(DoorSpec(f"door{len(doors)}", (at + 0.05, door), (at + 0.05, start)))
+        walls += [(at, start, at + 0.1, 10.0)]
+    for x, y in random.uniform(0.5, 9.0, (7, 2)):
+        walls += [(x, y, x + random.uniform(0.1, 0.9), y + random.uniform(0.1, 0.9))]
+    return Floor(room(10.0, 10.0, resolution, walls), doors)
+
+
+def office_floor(seed: int, resolution: float = 0.1) -> Floor:
+    """The floor of 54 x 58.7 m that bench/planner.py plans on; its doors are found in its walls."""
+    grid, doors = office(587, 540, seed), []
+    for turned, cells in ((False, grid.cells), (True, grid.cells.T)):
+        for wall in range(60, cells.shape[0] - 30, 60):
+            for first, last in gaps(cells[wall] == 0):
+                ends = [(0.1 * first, 0.1 * wall + 0.1), (0.1 * last, 0.1 * wall + 0.1)]
+                doors.append(DoorSpec(f"door{len(doors)}", *(end[::-1] if turned else end for end in ends)))
+    times = round(0.1 / resolution)
+    return Floor(OccupancyGrid(np.kron(grid.cells, np.ones((times, times), dtype=np.int8)), 0.1 / times), doors)
+
+
+def gaps(free: np.ndarray, widest: int = 15):
+    """Yield (first, behind the last) of each run of free cells that is no wider than a door."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], free, [False])).astype(int)))
+    for first, last in zip(edges[::2], edges[1::2]):
+        if last - first <= widest:
+            yield int(first), int(last)
+
+
+def turned(floor: Floor, angle: float) -> Floor:
+    """Return the floor turned (rad) about its middle; what is not on it is unknown."""
+    grid = floor.grid
+    height, width = (size * grid.resolution for size in grid.shape)
+    c, s = math.cos(angle), math.sin(angle)
+    size = [abs(c) * height + abs(s) * width, abs(s) * height + abs(c) * width]
+    rows, columns = np.indices([math.ceil(part / grid.resolution) for part in size])
+    x, y = (columns + 0.5) * grid.resolution - size[1] / 2, (rows + 0.5) * grid.resolution - size[0] / 2
+    column = np.floor((c * x + s * y + width / 2) / grid.resolution).astype(int)
+    row = np.floor((c * y - s * x + height / 2) / grid.resolution).astype(int)
+    inside = (row >= 0) & (row < grid.shape[0]) & (column >= 0) & (column < grid.shape[1])
+    cells = np.full(rows.shape, -1, dtype=np.int8)
+    cells[inside] = grid.cells[row[inside], column[inside]]
+    middle = Pose2D(size[1] / 2, size[0] / 2, angle)
+
+    def place(point):
+        return middle.compose(Pose2D(point[0] - width / 2, point[1] - height / 2))[:2]
+
+    doors = [door._replace(start=place(door.start), end=place(door.end)) for door in floor.doors]
+    return Floor(OccupancyGrid(cells, grid.resolution), doors)
+
+
+def rough(floor: Floor, random) -> Floor:
+    """Return the floor as a robot would have mapped it: ragged walls, speckles, patches that nobody has seen."""
+    cells = floor.grid.cells.copy()
+    near = np.zeros(cells.shape, dtype=bool)
+    wall = cells == 100
+    near[1:] |= wall[:-1]
+    near[:-1] |= wall[1:]
+    near[:, 1:] |= wall[:, :-1]
+    near[:, :-1] |= wall[:, 1:]
+    area = floor.grid.resolution**2
+    cells[near & (random.random(cells.shape) < 0.06)] = 100
+    cells[(random.random(cells.shape) < 0.08 * area) & (cells == 0)] = 100
+    rows, columns = np.indices(cells.shape)
+    for _ in range(round(0.03 * area * cells.size)):
+        row, column = random.integers(cells.shape[0]), random.integers(cells.shape[1])
+        grey = np.hypot(rows - row, columns - column) * floor.grid.resolution < random.uniform(0.1, 0.5)
+        cells[grey & (cells == 0)] = -1
+    return Floor(OccupancyGrid(cells, floor.grid.resolution), floor.doors)

@@ -1,0 +1,85 @@
+"""The robot's body, as the compiled trials take it, and what it is tried in."""
+
+import math
+from typing import NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+from rosoclingo.navigation.compiled_rollout import body_clearance, turn_spare
+from rosoclingo.navigation.costmap import Costmap
+from rosoclingo.navigation.geometry import Pose2D, normalize_angle
+from rosoclingo.navigation.local_planner import Velocity, inscribed_radius
+
+__all__ = ["Body", "Situation"]
+
+FINEST = 0.0125  # m between the discs along an edge: finer ones gain nothing
+
+
+class Situation(NamedTuple):
+    """What a command is found for: the map, the robot's pose and velocity, and for how long (s)."""
+
+    costmap: Costmap
+    pose: Pose2D
+    velocity: Velocity
+    period: float
+
+    def bearing(self, point: Sequence[float]) -> float:
+        """Return the angle (rad) by which the robot would have to turn to face a point."""
+        return normalize_angle(math.atan2(point[1] - self.pose.y, point[0] - self.pose.x) - self.pose.yaw)
+
+    def distance(self, point: Sequence[float]) -> float:
+        """Return the distance (m) to a point."""
+        return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
+
+    @property
+    def cells(self) -> Tuple[float, float, float]:
+        """The pose (x, y in cells, yaw in rad)."""
+        return (*self.costmap.to_cells(self.pose.x, self.pose.y), self.pose.yaw)
+
+
+class Body:
+    """A disc of ``radius`` m or a footprint, a sequence of corners (x, y) in m in the robot's frame.
+
+    ``inner``, ``outer``: radii (m) of the circles around the robot's origin that are within it and that it is within.
+    """
+
+    def __init__(self, radius: float, footprint: Sequence = ()) -> None:
+        self.radius, self.footprint = radius, tuple(footprint)
+        self.inner = inscribed_radius(radius, self.footprint)
+        self.outer = max((math.hypot(*corner) for corner in self.footprint), default=radius)
+        self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 3)))
+
+    def discs(self, resolution: float) -> np.ndarray:
+        """Return the discs (float64 n, 3; x, y, radius in cells) that stand for the body on a grid.
+
+        One for a disc; else the first holds the whole body and the others cover its edge.
+        """
+        if self._discs[0] != resolution:
+            self._discs = (resolution, self._made(resolution))
+        return self._discs[1]
+
+    def _made(self, resolution: float) -> np.ndarray:
+        discs = [(0.0, 0.0, self.outer)]
+        corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
+        for a, b in zip(corners, corners[1:] + corners[:1]):
+            length = math.hypot(*(b - a))
+            count = max(1, math.ceil(length / max(0.25 * resolution, FINEST)))
+            discs += [(*(a + (b - a) * (i / count)), 0.5 * length / count) for i in range(count)]
+        return np.array(discs) / resolution
+
+    def spare(self, now: Situation, enough: float) -> float:
+        """Return how far (m) the body is from what is nearest; may be less where more than ``enough`` is certain."""
+        costmap = now.costmap
+        spare = body_clearance(
+            costmap.clearance, costmap.occupied, self.discs(costmap.resolution), *now.cells, enough / costmap.resolution
+        )
+        return float(spare) * costmap.resolution
+
+    def may_turn(self, now: Situation, angle: float) -> bool:
+        """Tell whether turning on the spot by ``angle`` rad touches nothing that the body does not touch now."""
+        if not self.footprint:
+            return True
+        costmap = now.costmap
+        discs, cells = self.discs(costmap.resolution), now.cells
+        least = min(0.0, body_clearance(costmap.clearance, costmap.occupied, discs, *cells, 0.0) - 1e-3)
+        return bool(turn_spare(costmap.clearance, costmap.occupied, discs, *cells, angle, least) >= least)

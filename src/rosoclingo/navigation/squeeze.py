@@ -1,0 +1,68 @@
+"""Driving through tight places: along the path in straight legs, turning on the spot between them.
+
+Arcs cannot be tried finely enough where only millimetres are free; a straight leg can be looked at exactly.
+"""
+
+import math
+from typing import Optional
+
+import numpy as np
+
+from rosoclingo.navigation.body import Body, Situation
+from rosoclingo.navigation.compiled_rollout import furthest_leg, spare_after
+from rosoclingo.navigation.local_planner import STOP, Velocity
+
+__all__ = ["Squeeze"]
+
+FLOORS = np.array([0.02, 0.01, 0.005, 0.002, 0.0005])  # m that a leg keeps free: the first that is possible
+SLACK = 0.0005  # m that a movement may come nearer than its leg
+AHEAD = 0.8  # s for which a movement has to be clear; also what is left of a leg is driven in no less
+FACING = 0.02  # rad: within it the robot goes on without another look
+SLOWEST = 0.02  # m/s
+STEPS = 8  # places looked at along a movement
+PARTS = (1.0, 0.5, 0.25)  # of the speed, tried in turn
+
+
+class Squeeze:
+    """Finds the furthest point of a path that a straight leg leads to, turns to it and drives there.
+
+    ``speed`` (m/s), ``rate`` (rad/s): the most; ``gain`` (1/s): a turn is slower towards its end.
+    """
+
+    def __init__(self, body: Body, speed: float, rate: float, gain: float) -> None:
+        self._body, self._speed, self._rate, self._gain = body, speed, rate, gain
+
+    def command(self, now: Situation, points: np.ndarray) -> Optional[Velocity]:
+        """Return what to drive to get on along points (float64 n, 2; m), None where no leg leads to any of them."""
+        costmap = now.costmap
+        scale = 1.0 / costmap.resolution
+        cells = (points - (costmap.grid.origin_x, costmap.grid.origin_y)) * scale
+        i, turn, spare = furthest_leg(
+            costmap.clearance, costmap.occupied, self._body.discs(costmap.resolution), np.array(now.cells), cells,
+            FLOORS * scale,
+        )  # fmt: skip
+        if i < 0:
+            return None
+        fastest = min(self._speed, max(SLOWEST, now.distance(points[i]) / AHEAD))
+        if abs(turn) < 0.5 * math.pi:
+            for part in PARTS:
+                velocity = Velocity(max(SLOWEST, part * fastest), self._clipped(self._gain * turn))
+                if self._is_clear(now, velocity, spare * costmap.resolution - SLACK):
+                    return velocity
+        if abs(turn) <= FACING:
+            return Velocity(SLOWEST, self._clipped(self._gain * turn))
+        if abs(now.velocity.linear) > 0.05:
+            return STOP
+        return Velocity(0.0, math.copysign(min(self._rate, self._gain * abs(turn) + 0.03), turn))
+
+    def _clipped(self, rate: float) -> float:
+        return max(-self._rate, min(self._rate, rate))
+
+    def _is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
+        costmap = now.costmap
+        scale = 1.0 / costmap.resolution
+        found = spare_after(
+            costmap.clearance, costmap.occupied, self._body.discs(costmap.resolution), *now.cells,
+            velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
+        )  # fmt: skip
+        return bool(found >= least * scale)

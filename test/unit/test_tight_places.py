@@ -1,0 +1,59 @@
+"""Tight places: gaps with millimetres to spare are driven through, and what blinks does not draw the robot to and fro."""
+
+import numpy as np
+import pytest
+from navigation_worlds import Drive, room, simulation
+
+from rosoclingo.navigation import Outcome, Pose2D
+from rosoclingo.simulation import DoorSpec
+
+
+@pytest.mark.parametrize(
+    ("resolution", "gap", "radius"),
+    [
+        (0.1, 0.4, 0.18),  # 20 mm on either side, and the middle between two cells
+        (0.1, 0.5, 0.24),  # 10 mm
+        (0.1, 0.4, 0.194),  # 6 mm
+        (0.05, 0.4, 0.193),
+        (0.025, 0.375, 0.18),
+    ],
+)
+@pytest.mark.parametrize("late", [0, 1])
+def test_gaps_with_millimetres_to_spare(resolution, gap, radius, late):
+    random = np.random.default_rng(round(1000 * gap))
+    walls = [(2.9, 0.0, 3.1, 1.5), (2.9, 1.5 + gap, 3.1, 4.0), (1.5, 1.1, 2.2, 1.4)]
+    grid = room(6.0, 4.0, resolution, walls)
+    drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), radius=radius), late=late)
+    for i in range(4):
+        goal = Pose2D((5.0, 1.0)[i % 2], random.uniform(0.5, 3.5), random.uniform(-3.0, 3.0))
+        assert drive.to(goal, 120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []
+    assert drive.recoveries == []
+
+
+def test_a_bent_passage_with_millimetres_to_spare():
+    """The robot has to turn where it can hardly move."""
+    walls = [(2.0, 0.0, 2.1, 1.0), (2.0, 1.4, 2.1, 4.0), (2.5, 0.6, 2.6, 4.0), (2.1, 0.5, 3.5, 0.6)]
+    drive = Drive(simulation(room(5.0, 4.0, 0.1, walls), Pose2D(1.0, 3.0, 2.0), radius=0.19), late=1)
+    for goal in (Pose2D(2.3, 3.6, 1.5), Pose2D(1.0, 3.0, 2.0)):
+        assert drive.to(goal, 120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []
+
+
+def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
+    """A door is closed whenever the robot comes near, and open again when it has turned away."""
+    walls = [(2.9, 1.5, 3.1, 9.0)]
+    door = DoorSpec("door", (3.0, 0.0), (3.0, 1.5), open=True)
+    drive = Drive(simulation(room(6.0, 10.0, 0.1, walls), Pose2D(1.0, 0.7), doors=(door,)))
+
+    def blink(drive):
+        x, y = drive.robot.pose[:2]
+        near = np.hypot(x - 3.0, y - 0.7) < 1.5
+        if drive.world.doors["door"].open == near:
+            drive.world.set_door("door", not near)
+            drive.costmap.forget(x, y)  # as if all of it had been seen
+            drive.navigator.obstacles_changed()
+
+    result = drive.to(Pose2D(5.0, 0.7), 400.0, blink)
+    assert result.outcome is Outcome.REACHED
+    assert drive.collisions == []
