@@ -47,7 +47,10 @@ class Laser:
 
 
 class Robot:
-    """The state of a robot: ``pose`` and what ``odometry`` takes for it (m, the world's frame), velocity, stall."""
+    """The state of a robot: ``pose`` and what ``odometry`` takes for it (m, the world's frame), velocity, stall.
+
+    ``drift``: by what (v, w) odometry multiplies the velocities.
+    """
 
     def __init__(self, spec: RobotSpec, seed: int) -> None:
         self.spec = spec
@@ -67,7 +70,7 @@ class Robot:
         self._command: Tuple[float, float] = (0.0, 0.0)
         self._commanded_at = -math.inf
         draw = np.random.Generator(np.random.PCG64(self._seed)).uniform(-1.0, 1.0, 2)
-        self._drift = (1.0 + self.spec.drift[0] * draw[0], 1.0 + self.spec.drift[1] * draw[1])
+        self.drift = (1.0 + self.spec.drift[0] * draw[0], 1.0 + self.spec.drift[1] * draw[1])
 
     @property
     def outline(self) -> Tuple[Tuple[float, float], ...]:
@@ -92,9 +95,8 @@ class Robot:
         fresh = watchdog <= 0.0 or now - self._commanded_at < watchdog - 1e-9
         v, w = self._command if fresh else (0.0, 0.0)
         spec = self.spec
-        v, w = _within(v, spec.max_speed), _within(w, spec.max_turn)
-        self.v += _within(v - self.v, spec.acceleration * dt)
-        self.w += _within(w - self.w, spec.turn_acceleration * dt)
+        self.v = _nearer(self.v, _within(v, spec.max_speed), spec.acceleration * dt)
+        self.w = _nearer(self.w, _within(w, spec.max_turn), spec.turn_acceleration * dt)
 
     def move(
         self, dt: float, around: Surroundings, outline: np.ndarray, origin: Tuple[float, float], scale: float
@@ -113,11 +115,16 @@ class Robot:
             x, y, self.pose.yaw, self.v / scale, self.w, dt, min(GRAIN, 0.5 * self._width / scale),
         )  # fmt: skip
         self.pose = self.pose.moved(self.v, self.w, dt * part)
-        self.odometry = self.odometry.moved(self.v * self._drift[0], self.w * self._drift[1], dt * part)
+        self.odometry = self.odometry.moved(self.v * self.drift[0], self.w * self.drift[1], dt * part)
         self.stalled = hit != CLEAR
         if self.stalled:
             self.v = self.w = 0.0
         return int(hit)
+
+
+def _nearer(value: float, wanted: float, most: float) -> float:
+    """Return what is wanted, exactly, or a value that is ``most`` nearer to it."""
+    return wanted if abs(wanted - value) <= most else value + math.copysign(most, wanted - value)
 
 
 def _within(value: float, limit: float) -> float:
