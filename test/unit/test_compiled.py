@@ -8,7 +8,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from occupied_grids import GRIDS, clearance_of, distance
 
-from rosoclingo.navigation.compiled import cast_rays, count_rays, hits_apart, square_distance, update_clearance
+from rosoclingo.navigation.compiled import (
+    cast_rays,
+    count_rays,
+    hits_apart,
+    inflate,
+    square_distance,
+    update_clearance,
+)
 from rosoclingo.simulation.compiled_shapes import CLEAR, body_hits, shorten_rays
 
 NOTHING = np.empty((0, 4)), np.empty((0, 3)), np.empty((0, 2))
@@ -172,3 +179,29 @@ def test_hits_apart_are_those_near_and_away_from_what_is_known(occupied, seed):
     points = points[((points >= 0.0) & (points < occupied.shape[::-1])).all(axis=1)]
     column, row = points.astype(int).T
     assert found == pytest.approx(points[clearance[row, column] > 1.5])
+
+
+@given(GRIDS, st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.7, -2.2]))
+@settings(max_examples=50, deadline=None)
+def test_costs_are_those_of_costmap_2d(occupied, seed, yaw):
+    """Against their definition cell by cell, turned and beyond the grid too."""
+    random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)
+    closed = random.random(occupied.shape) < 0.2
+    x, y = random.uniform(-3.0, 8.0, 2)
+    out = np.empty((9, 12), dtype=np.int8)
+    inflate(clearance, occupied, closed, x, y, yaw, 1.5, 5.0, 0.8, out)
+    for (i, j), cost in np.ndenumerate(out):
+        column = math.floor(x + math.cos(yaw) * j - math.sin(yaw) * i + 1e-6)
+        row = math.floor(y + math.sin(yaw) * j + math.cos(yaw) * i + 1e-6)
+        if not (0 <= row < occupied.shape[0] and 0 <= column < occupied.shape[1]):
+            assert cost == -1
+        elif occupied[row, column]:
+            assert cost == 100
+        elif closed[row, column]:
+            assert cost == -1
+        elif clearance[row, column] < 1.5:
+            assert cost == 99
+        elif clearance[row, column] > 5.0:
+            assert cost == 0
+        else:
+            assert cost == max(1, math.floor(98.0 * math.exp(-0.8 * (float(clearance[row, column]) - 1.5))))

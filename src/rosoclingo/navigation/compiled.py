@@ -9,7 +9,7 @@ import math
 import numba
 import numpy as np
 
-__all__ = ["cast_rays", "count_rays", "hits_apart", "jit", "square_distance", "update_clearance"]
+__all__ = ["cast_rays", "count_rays", "hits_apart", "inflate", "jit", "square_distance", "update_clearance"]
 
 jit = numba.njit(cache=True, nogil=True)
 
@@ -186,3 +186,31 @@ def square_distance(occupied, x, y, reach):
                 dy = max(0.0, max(row - y, y - row - 1.0))
                 best = min(best, dx * dx + dy * dy)
     return math.sqrt(best)
+
+
+@jit
+def inflate(clearance, occupied, closed, x, y, yaw, radius, reach, factor, out) -> None:
+    """Write into ``out`` (int8 H, W) occupancy as costmap_2d shows it: 100 lethal, 99 inscribed, .. 0 free, -1.
+
+    The first cell of ``out`` is centred at (x, y), its rows along ``yaw`` (rad). ``closed``: bool, what is unknown; off
+    the grid everything is. From ``radius`` to ``reach`` costs go down by exp(-``factor``), per cell.
+    """
+    height, width = clearance.shape
+    c, s = math.cos(yaw), math.sin(yaw)
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            column, row = int(math.floor(x + c * j - s * i + 1e-6)), int(math.floor(y + s * j + c * i + 1e-6))
+            if not (0 <= row < height and 0 <= column < width):
+                out[i, j] = -1
+                continue
+            room = clearance[row, column]
+            if occupied[row, column]:
+                out[i, j] = 100
+            elif closed[row, column]:
+                out[i, j] = -1
+            elif room < radius:
+                out[i, j] = 99
+            elif room <= reach:
+                out[i, j] = max(1, int(98.0 * math.exp(-factor * (room - radius))))
+            else:
+                out[i, j] = 0

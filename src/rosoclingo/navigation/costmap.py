@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import count_rays, hits_apart, update_clearance
+from rosoclingo.navigation.compiled import count_rays, hits_apart, inflate, update_clearance
 from rosoclingo.navigation.compiled_places import Ground, update_places
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
@@ -124,19 +124,19 @@ class Costmap:
         self._counts *= kept
         return self._changed(_window_of(dropped))
 
-    def costs(self, window: Optional[Window] = None) -> np.ndarray:
-        """Return occupancy as navigation's costmap topics show it (int8: 100 lethal, 99 inscribed, .. 0 free, -1)."""
-        row0, row1, column0, column1 = window or (0, self.grid.shape[0], 0, self.grid.shape[1])
-        part = (slice(row0, row1), slice(column0, column1))
-        metres = self.clearance[part] * self.resolution
-        radius, factor = self.limits.robot_radius, self.limits.cost_scaling_factor
-        costs = np.clip(98.0 * np.exp(-factor * (metres - radius)), 1.0, 98.0)
-        costs[metres > self.limits.inflation_radius] = 0.0
-        costs[metres < radius] = 99.0
-        costs[self._occupied[part] != 0] = 100.0
-        shown = costs.astype(np.int8)
-        shown[self._closed[part] & (self._occupied[part] == 0)] = -1
-        return shown
+    def costs(self, first: Optional[Pose2D] = None, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
+        """Return occupancy as navigation's costmap topics show it (int8: 100 lethal, 99 inscribed, .. 0 free, -1).
+
+        Of the whole grid, or of cells of its size in any ``shape`` (rows, columns) and direction: ``first`` is the pose
+        (m, rad) of the first one's centre. Off the grid it is -1.
+        """
+        x, y = (0.5, 0.5) if first is None else self.to_cells(first.x, first.y)
+        yaw = 0.0 if first is None else first.yaw
+        limits, scale = self.limits, self.resolution
+        lengths = (limits.robot_radius / scale, limits.inflation_radius / scale, limits.cost_scaling_factor * scale)
+        costs = np.empty(shape or self.grid.shape, dtype=np.int8)
+        inflate(self.clearance, self._occupied, self._closed, x, y, yaw, *lengths, costs)
+        return costs
 
     def _changed(self, window: Window) -> bool:
         """Bring occupancy and clearance up to date after marks changed within a window."""

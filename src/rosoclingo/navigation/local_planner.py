@@ -38,7 +38,7 @@ class Command(NamedTuple):
     velocity: Velocity = STOP
 
 
-SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s ahead
+SHOWN = np.linspace(0.0, 1.0, 8)  # s ahead
 
 
 class LocalPlanner:
@@ -67,7 +67,13 @@ class LocalPlanner:
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the points (n, 2; m) that a command leads through, for display."""
-        return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])
+        linear, angular = velocity
+        half = 0.5 * angular * SHOWN
+        chords = linear * SHOWN if abs(angular) < 1e-9 else 2.0 * linear / angular * np.sin(half)
+        points = np.empty((len(SHOWN), 2))
+        points[:, 0], points[:, 1] = chords * np.cos(pose.yaw + half), chords * np.sin(pose.yaw + half)
+        points += pose[:2]
+        return points
 
 
 def inscribed_radius(radius: float, footprint: Sequence) -> float:

@@ -1,16 +1,17 @@
 """The topics of one costmap, as costmap_2d publishes them: the whole, what has changed, the robot's footprint."""
 
 import math
-from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Point32, PolygonStamped
+from geometry_msgs.msg import PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.navigation import Costmap, Pose2D
+from rosoclingo.nodes.array_messages import PointsPolygon
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.sendable import sendable
 
@@ -42,20 +43,8 @@ def window(costmap: Costmap, frame: str, in_frame: Pose2D, frame_in_map: Pose2D,
     scale = costmap.resolution
     columns, rows = (max(1, round(length / scale)) for length in size)
     corner = [math.floor(v / scale - n / 2.0) * scale for v, n in zip(in_frame[:2], (columns, rows))]
-    # The window's corners in the map, in cells: along each of its axes one cell is a step of the same size.
-    start = frame_in_map.compose(Pose2D(corner[0] + 0.5 * scale, corner[1] + 0.5 * scale))
-    column, row = costmap.to_cells(start.x, start.y)
-    c, s = math.cos(frame_in_map.yaw), math.sin(frame_in_map.yaw)
-    ahead, aside = np.arange(columns), np.arange(rows)[:, None]
-    column = np.floor(column + c * ahead - s * aside + 1e-6).astype(np.int32)
-    row = np.floor(row + s * ahead + c * aside + 1e-6).astype(np.int32)
-    inside = (row >= 0) & (row < costmap.grid.shape[0]) & (column >= 0) & (column < costmap.grid.shape[1])
-    costs = np.full((rows, columns), -1, dtype=np.int8)
-    if inside.any():
-        row, column = row[inside], column[inside]
-        low, left = int(row.min()), int(column.min())
-        part = costmap.costs((low, int(row.max()) + 1, left, int(column.max()) + 1))
-        costs[inside] = part[row - low, column - left]
+    first = frame_in_map.compose(Pose2D(corner[0] + 0.5 * scale, corner[1] + 0.5 * scale))
+    costs = costmap.costs(first, (rows, columns))
     return Picture(costs, frame, scale, (corner[0], corner[1]))
 
 
@@ -74,7 +63,6 @@ class CostmapTopics:
         """``on_subscriber`` is called, in any thread, with the function that sends a message to a new subscriber."""
         self._send_full = send_full
         self._last: Optional[Picture] = None
-        self._polygon = PolygonStamped()
         listener = _Listener(on_subscriber)
         self._whole = prompt_publisher(f"~{name}/costmap", numpy_msg(OccupancyGrid), 2, subscriber_listener=listener)
         self._updates = prompt_publisher(f"~{name}/costmap_updates", numpy_msg(OccupancyGridUpdate), 2)
@@ -101,16 +89,11 @@ class CostmapTopics:
         if len(changed):
             self._updates.publish(_update_message(picture, changed))
 
-    def footprint(self, frame: str, pose: Pose2D, corners: Sequence[Tuple[float, float]]) -> None:
-        """Publish where the robot's corners (m) are at a pose in a frame."""
-        message = self._polygon  # one for all times: to make its points anew takes longer than all else
-        message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
-        if len(message.polygon.points) != len(corners):
-            message.polygon.points = [Point32() for _ in corners]
+    def footprint(self, frame: str, pose: Pose2D, corners: np.ndarray) -> None:
+        """Publish where the robot's corners (n, 2; m) are at a pose in a frame."""
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-        for point, (x, y) in zip(message.polygon.points, corners):
-            point.x, point.y = pose.x + c * x - s * y, pose.y + s * x + c * y
-        self._outline.publish(message)
+        places = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
+        self._outline.publish(PointsPolygon(places, frame, rospy.Time.now()))
 
 
 class _Listener(rospy.SubscribeListener):  # type: ignore[misc]

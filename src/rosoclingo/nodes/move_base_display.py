@@ -8,10 +8,10 @@ import rospy
 from nav_msgs.msg import Path
 
 from rosoclingo.navigation import Costmap, Pose2D
+from rosoclingo.nodes.array_messages import path_message
 from rosoclingo.nodes.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
 from rosoclingo.nodes.move_base_parameters import Settings
 from rosoclingo.nodes.move_base_plugins import global_planner_namespace, local_planner_namespace
-from rosoclingo.nodes.path_messages import path_message
 from rosoclingo.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.nodes.worker import Worker
 
@@ -45,8 +45,9 @@ class Display:
             CostmapTopics("local_costmap", settings.send_full[LOCAL], lambda send: self._greet(LOCAL, send)),
         )
         self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
-        radius = settings.costmap.robot_radius
-        self._ring = [(radius * math.cos(a), radius * math.sin(a)) for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
+        angles = np.linspace(0.0, 2.0 * math.pi, 17)[:-1]
+        ring = settings.costmap.robot_radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+        self._corners = np.array(settings.footprint) if settings.footprint else ring
         self._costmap: Optional[Costmap] = None
         self._view: Optional[View] = None
 
@@ -103,15 +104,15 @@ class Display:
         return window(view.costmap, view.local_frame, in_frame, view.local_in_map, self._settings.local_size)
 
     def _outline(self, which: int, view: View) -> Tuple[str, Pose2D, Any]:
-        corners = self._settings.footprint or self._ring
         if which == GLOBAL:
-            return self._frame, view.pose, corners
-        return view.local_frame, view.local_in_map.inverse().compose(view.pose), corners
+            return self._frame, view.pose, self._corners
+        return view.local_frame, view.local_in_map.inverse().compose(view.pose), self._corners
 
     def _in_local_frame(self, points: np.ndarray, final_yaw: float) -> Path:
         if self._view is None:
             return path_message(points, self._frame, rospy.Time.now(), final_yaw)
         back = self._view.local_in_map.inverse()
-        c, s = math.cos(back.yaw), math.sin(back.yaw)
-        turned = points @ np.array([[c, s], [-s, c]]) + (back.x, back.y)
-        return path_message(turned, self._view.local_frame, rospy.Time.now(), final_yaw + back.yaw)
+        if any(back):
+            c, s = math.cos(back.yaw), math.sin(back.yaw)
+            points = points @ np.array([[c, s], [-s, c]]) + (back.x, back.y)
+        return path_message(points, self._view.local_frame, rospy.Time.now(), final_yaw + back.yaw)

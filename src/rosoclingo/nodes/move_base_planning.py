@@ -8,10 +8,10 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.srv import GetPlan, GetPlanResponse
 
 from rosoclingo.navigation import Costmap, GlobalPlanner, PlanOutcome, Pose2D
+from rosoclingo.nodes.array_messages import PlanResponse, path_message
 from rosoclingo.nodes.localization import to_pose2d
 from rosoclingo.nodes.move_base_plugins import global_planner_namespace
 from rosoclingo.nodes.move_base_sensing import Sensing
-from rosoclingo.nodes.path_messages import PlanResponse, path_message
 from rosoclingo.nodes.worker import Worker
 
 

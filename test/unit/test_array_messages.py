@@ -1,4 +1,4 @@
-"""Paths written from arrays against the same paths made pose by pose."""
+"""Messages written from arrays against the same messages made point by point."""
 
 import io
 import math
@@ -8,11 +8,11 @@ import pytest
 
 rospy = pytest.importorskip("rospy")
 
-from geometry_msgs.msg import PoseStamped  # noqa: E402
+from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped  # noqa: E402
 from nav_msgs.msg import Path  # noqa: E402
 from nav_msgs.srv import GetPlanResponse  # noqa: E402
 
-from rosoclingo.nodes.path_messages import PlanResponse, path_message  # noqa: E402
+from rosoclingo.nodes.array_messages import PlanResponse, PointsPolygon, path_message  # noqa: E402
 
 STAMP = rospy.Time(12, 345)
 POINTS = np.random.default_rng(7).uniform(-50.0, 50.0, (40, 2))
@@ -64,3 +64,11 @@ def test_an_answer_is_its_path():
 def test_an_empty_answer_is_that_of_an_empty_path():
     path = path_message(np.empty((0, 2)), "map", STAMP)
     assert written(PlanResponse(path)) == written(GetPlanResponse(pose_by_pose(np.empty((0, 2)), "map", 0.0)))
+
+
+@pytest.mark.parametrize("count", [0, 1, 16])
+def test_a_polygon_is_written_as_its_points_would_be(count):
+    quick, plain = PointsPolygon(POINTS[:count], "robot_0/odom", STAMP), PolygonStamped()
+    plain.header.frame_id, plain.header.stamp = "robot_0/odom", STAMP
+    plain.polygon.points = [Point32(x, y, 0.0) for x, y in POINTS[:count].tolist()]
+    assert written(quick) == written(plain)
