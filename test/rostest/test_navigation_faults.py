@@ -176,10 +176,12 @@ class NavigationFaults(unittest.TestCase):
             self.relaying.add("base_scan")
             rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("bin")
 
-    def test_a_goal_that_no_path_leads_to_on_a_new_map(self):
-        """The map, not the world, has a wall across the building."""
+    def test_a_new_map_on_the_way_that_no_path_leads_over(self):
+        """The map, not the world, has a wall across the building; the goal under way ends, and so does the next."""
         change = rospy.ServiceProxy("/change_map", LoadMap)
         office = PAGE.parents[1] / "worlds" / "office.yaml"
+        self.driver.send(pose_goal(9.9, 0.0))
+        self.driver.wait(lambda: self.driver.speed[0] > 0.3)
         with tempfile.TemporaryDirectory() as folder:
             with Image.open(str(office.with_name("office.pgm"))) as image:
                 image.paste(0, (172, 0, 176, image.height))
@@ -187,12 +189,14 @@ class NavigationFaults(unittest.TestCase):
             shutil.copy(str(office), folder)
             self.assertEqual(change(f"{folder}/office.yaml").result, 0)
         try:
-            self.driver.wait(lambda: not self.ask(9.9, 0.0).poses)
-            status, text = self.driver.drive(9.9, 0.0)
+            ends = [self.driver.end(), self.driver.drive(9.9, 0.0)]
         finally:
             change(str(office))
-        self.assertEqual(status, ABORTED)
-        self.assertIn("no path leads to the goal on the map", text)
+        for status, text in ends:
+            self.assertEqual(status, ABORTED)
+            self.assertIn("no path leads to the goal on the map", text)
+        self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
+        self.assertLess(self.driver.pose[0], 7.5)
         self.driver.wait(lambda: self.ask(9.9, 0.0).poses)
         self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
 

@@ -36,6 +36,21 @@ class TimeJump(unittest.TestCase):
             ):
                 pass
 
+    def test_zzz_move_base_dies_on_the_way_and_comes_back(self):
+        """The watchdog stops the robot; the new move_base takes goals as the old one did."""
+        driver = Driver()
+        driver.send(pose_goal(13.9, 0.0))
+        driver.wait(lambda: driver.speed[0] > 0.3)
+        rosnode.kill_nodes(["/move_base"])
+        driver.wait(lambda: driver.speed == (0.0, 0.0))
+        x = driver.pose[0]
+        self.assertLess(x, 12.0)
+        again = Driver()
+        again.send(pose_goal(x + 1.0, 0.0))
+        self.assertEqual(again.end(), (SUCCEEDED, "Goal reached."))
+        self.assertLess(again.distance(x + 1.0, 0.0), 0.2)
+        self.assertEqual(again.collisions, [])
+
 
 if __name__ == "__main__":
     rospy.init_node("time_jump")

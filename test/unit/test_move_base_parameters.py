@@ -269,6 +269,17 @@ def test_names_of_the_navigation_stack_are_stood_in_for(given):
     assert plugins.global_planner_namespace() == "NavfnROS"
 
 
+def test_the_usual_turning_has_parameters_too(given):
+    """Those of move_base's own rotate_recovery are there as well."""
+    given(rotate_recovery={"patience": 1.5, "sim_granularity": 0.017})
+    _, turn, _, again = plugins.make_recoveries()
+    assert turn is again
+    assert turn.parameters == {"patience": 1.5}
+    given(rotate_recovery={"patience": "long"})
+    with pytest.raises(ParameterError, match="rotate_recovery/patience must be a number"):
+        plugins.make_recoveries()
+
+
 def test_recoveries_without_turning(given):
     given(clearing_rotation_allowed=False, conservative_reset_dist=2.0, aggressive_reset={"reset_distance": 1.0})
     first, second = plugins.make_recoveries()

@@ -65,10 +65,16 @@ class RotateRecovery(RecoveryBehavior):
 
 
 def default_recoveries(
-    conservative_reset_dist: float = 3.0, aggressive_reset_dist: float = 1.84, rotation_allowed: bool = True
+    conservative_reset_dist: float = 3.0,
+    aggressive_reset_dist: float = 1.84,
+    rotation_allowed: bool = True,
+    turning: Optional[dict] = None,
 ) -> List[RecoveryBehavior]:
-    """Return move_base's own list: clear far away, turn around, clear nearly everything, turn around."""
-    turns = [RotateRecovery("rotate_recovery")] if rotation_allowed else []
+    """Return move_base's own list: clear far away, turn around, clear nearly everything, turn around.
+
+    ``turning``: the parameters of :class:`RotateRecovery`.
+    """
+    turns = [RotateRecovery("rotate_recovery", turning)] if rotation_allowed else []
     return [
         ClearCostmap("conservative_reset", {"reset_distance": conservative_reset_dist}),
         *turns,

@@ -94,6 +94,7 @@ def make_recoveries() -> List[RecoveryBehavior]:
             not_negative("~conservative_reset_dist", 3.0),
             not_negative("~aggressive_reset/reset_distance", 4.0 * radius),
             parameter("~clearing_rotation_allowed", bool, True),
+            _of_standin("rotate_recovery", RotateRecovery),
         )
     where = rospy.resolve_name("~recovery_behaviors")
     if not isinstance(listed, list):
@@ -142,9 +143,16 @@ def _plugin(named_by: str, path: str, namespace: str, base: type) -> _Plugin:
     if kind not in OWN_SETTINGS:
         return _Plugin(kind, namespace, given, named_by)
     known = OWN_SETTINGS[kind]
-    if path in STANDINS:  # made for another plugin, which has parameters of its own
-        given = {key: value for key, value in given.items() if key in known}
+    if path in STANDINS:
+        return _Plugin(kind, namespace, _of_standin(namespace, kind), named_by)
     return _Plugin(kind, namespace, _checked(namespace, given, known), named_by)
+
+
+def _of_standin(namespace: str, kind: type) -> Dict[str, Any]:
+    """Return what a class knows of parameters that were made for another plugin, which has some of its own."""
+    known = OWN_SETTINGS[kind]
+    given = parameter("~" + namespace, dict, {})
+    return _checked(namespace, {key: value for key, value in given.items() if key in known}, known)
 
 
 def _checked(namespace: str, given: Dict[str, Any], known: Dict[str, Any]) -> Dict[str, Any]:
