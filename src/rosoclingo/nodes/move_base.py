@@ -122,11 +122,11 @@ class MoveBaseNode:
             return
         costmap = Costmap(grid, self._settings.costmap)
         if self._navigator is None:
-            limits = self._settings.navigator
-            self._navigator = Navigator(costmap, self._planner, self._follower, self._recoveries, limits)
-            self._navigator.on_plan = lambda points: self._display.plan(points, self._goal_yaw())
-            self._navigator.on_recovery = self._reports.recovery
-            self._navigator.on_log = rospy.logwarn
+            navigator = Navigator(costmap, self._planner, self._follower, self._recoveries, self._settings.navigator)
+            navigator.on_plan = lambda points: self._display.plan(points, navigator.goal.yaw)
+            navigator.on_recovery = self._reports.recovery
+            navigator.on_log = rospy.logwarn
+            self._navigator = navigator
             self._guarded(lambda: warm_up(self._planner, self._follower, costmap))
         else:
             self._navigator.costmap = costmap
@@ -134,15 +134,13 @@ class MoveBaseNode:
         self._prepares = True
         self._display.new_map(costmap)
 
-    def _goal_yaw(self) -> float:
-        return self._navigator.goal.yaw if self._navigator else 0.0
-
     def _settle(self) -> None:
         """Tick when a control period has passed."""
         now = self._sensing.now()
         if self._navigator is None or now <= 0.0:
             return
         self._prepare(self._navigator)
+        self._look(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)
             forget_cancels(self._server.action_server)
@@ -155,9 +153,7 @@ class MoveBaseNode:
             if not self._ready:
                 self._ready = True
                 start_server(self._server.action_server)
-            if self._navigator.active or not self._settings.rest_when_idle:
-                if self._sensing.observe(self._navigator.costmap):
-                    self._navigator.obstacles_changed()
+            if self._watchful(self._navigator):
                 frame = self._sensing.local_frame(self._settings.local_frame)
                 self._display.see(View(self._navigator.costmap, located.pose, *frame))
         if self._navigator.active:
@@ -165,6 +161,14 @@ class MoveBaseNode:
             if fault:
                 self._abort(f"A planner or recovery plugin failed: {fault}")
         self._display.costmaps(now)  # last, as the command is what others wait for
+
+    def _watchful(self, navigator: Navigator) -> bool:
+        return navigator.active or not self._settings.rest_when_idle
+
+    def _look(self, navigator: Navigator) -> None:
+        """Enter a scan as soon as it is there, before the next control period needs it."""
+        if self._watchful(navigator) and self._sensing.observe(navigator.costmap):
+            navigator.obstacles_changed()
 
     def _prepare(self, navigator: Navigator) -> None:
         """Have the planner use the time while nothing is driven."""

@@ -222,13 +222,13 @@ class SimulatorNode:
     def _publish(self) -> None:
         now = self._simulation.time
         stamp = _ros_time(now)
-        self._clock_message.clock = stamp
-        self._clock.publish(self._clock_message)
         if self._tf.get_num_connections():
             self._tf_message.transforms = [t for topics in self._topics.values() for t in topics.frames(stamp)]
             self._tf.publish(self._tf_message)
         for name, topics in self._topics.items():
             topics.publish(stamp, now, functools.partial(self._simulation.scan, name))
+        self._clock_message.clock = stamp  # last, as in stage_ros: it wakes every node
+        self._clock.publish(self._clock_message)
 
     def _reset(self) -> None:
         self._simulation.reset()
