@@ -66,6 +66,21 @@ def test_a_whole_world(world):
     Simulation(spec).step()
 
 
+def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
+    robots = load_world(
+        world(
+            robots=[
+                {"pose": [1, 1], "lasers": [{"beams": 5}, {"angle": 90}]},
+                {"pose": [2, 2], "lasers": []},
+                {"pose": [3, 3], "laser": None, "radius": "1e-1"},
+            ]
+        )
+    ).robots
+    assert robots[0].lasers == (LaserSpec(beams=5), LaserSpec(angle=90.0))
+    assert robots[1].lasers == robots[2].lasers == ()
+    assert robots[2].radius == 0.1
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -89,7 +104,29 @@ def test_a_whole_world(world):
         ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
         ({"obstacles": [{"name": "o", "at": [1, 1], "radius": 1, "box": [1, 1]}]}, r"obstacles\[0\]"),
         ({"packages": [{"id": 1, "at": 5}]}, r"packages\[0\].at"),
+        ({"packages": [{"id": None, "at": "office1"}]}, r"packages\[0\].id: must be a whole number or a text"),
+        ({"packages": [{"id": [1], "at": "office1"}]}, r"packages\[0\].id"),
         ({"interval": 0}, "interval: must be 0.001 or more"),
+        ({"interval": 60}, "interval: must be 10.0 or less"),
+        ({"interval": float("inf")}, "interval: must be a finite number"),
+        ({"seed": 10**400}, "seed: must be a whole number"),
+        ({"robots": [{"pose": [10**400, 1]}]}, r"robots\[0\].pose: must be finite"),
+        ({"robots": [{"pose": [1, 1], "radius": float("nan")}]}, r"robots\[0\].radius: must be a finite number"),
+        ({"robots": [{"pose": [1, 1], "max_speed": 1e9}]}, r"robots\[0\].max_speed: must be 1000.0 or less"),
+        ({"robots": [{"pose": [1, 1], "drift": [0.1, -0.1]}]}, r"robots\[0\].drift: must be two relative errors"),
+        ({"robots": [{"pose": [1, 1], "footprint": 3}]}, r"robots\[0\].footprint: needs three corners"),
+        ({"robots": [{"pose": [1, 1], "footprint": "abc"}]}, r"robots\[0\].footprint: needs three corners"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], 2]}]}, r"robots\[0\].footprint: must be 2 numbers"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint: .* in a line"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [1e9, 2]]}]}, r"robots\[0\].footprint: a corner"),
+        ({"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]}, r"robots\[0\].laser.beams: must be 100000 or less"),
+        ({"robots": [{"pose": [1, 1], "laser": {"range": 1e39}}]}, r"robots\[0\].laser.range: must be 1000.0 or less"),
+        ({"robots": [{"pose": [1, 1], "laser": {"min_range": 9}}]}, r"robots\[0\].laser.min_range: must be less than"),
+        ({"robots": [{"pose": [1, 1], "laser": True}]}, r"robots\[0\].laser: must hold keys and values"),
+        ({"robots": [{"pose": [1, 1], "laser": {}, "lasers": []}]}, r"robots\[0\].lasers: .* not both"),
+        ({"robots": [{"pose": [1, 1], "lasers": 2}]}, r"robots\[0\].lasers: must be a list"),
+        ({"robots": [{"pose": [1, 1], "lasers": [{}, {"beams": 1}]}]}, r"robots\[0\].lasers\[1\].beams: must be 2 or"),
+        ({"obstacles": [{"name": "o", "at": [1, 1], "box": [1, -1]}]}, r"obstacles\[0\]: the width and depth"),
         ({"seed": "x"}, "seed"),
         ({"extra": 1}, "extra: is no key known here"),
         ({"robots": [{"pose": [1, 9]}]}, r"robots\[0\].pose: \(1, 9\) is off the map, which covers x 0 .. 4, y 0 .. 4"),

@@ -181,7 +181,7 @@ def _number(
     if isinstance(value, str):  # such as 5e-2, a number to map_server, a text to PyYAML
         with contextlib.suppress(ValueError):
             value = float(value)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise MapError(f"map {path}: {key}: must be a number, is {value!r}")
     if not low <= value <= high:
         raise MapError(f"map {path}: {key}: {value} is not within {low} .. {high}")

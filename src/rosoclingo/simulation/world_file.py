@@ -170,7 +170,10 @@ def _obstacle(reader: WorldReader) -> ObstacleSpec:
 def _package(reader: WorldReader) -> PackageSpec:
     at = reader.get("at")
     place = at if isinstance(at, str) and at else _point(reader.floats("at", at, (2,)))
-    spec = PackageSpec(str(reader.get("id")), place)
+    name = reader.get("id")
+    if isinstance(name, bool) or not isinstance(name, (int, str)) or name == "":
+        raise reader.error("id", f"must be a whole number or a text, is {name!r}")
+    spec = PackageSpec(str(name), place)
     reader.finish()
     return spec
 

@@ -1,11 +1,13 @@
 """Reading mappings from a world file, with errors that name file and key."""
 
 import math
+import sys
 from typing import Any, Dict, List, Sequence, Tuple
 
 __all__ = ["MISSING", "WorldError", "WorldReader"]
 
 MISSING = object()
+LARGEST = sys.float_info.max
 
 
 class WorldError(ValueError):
@@ -39,9 +41,9 @@ class WorldReader:
         self, key: str, default: Any = MISSING, low: float = -math.inf, high: float = math.inf, whole: bool = False
     ) -> Any:
         """Return a finite number from ``low`` to ``high``; ``whole``: an integer."""
-        value = self.get(key, default)
+        value = _plain(self.get(key, default))
         kind = int if whole else (int, float)
-        if isinstance(value, bool) or not isinstance(value, kind) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, kind) or not -LARGEST <= value <= LARGEST:
             raise self.error(key, "must be a {} number, is {!r}".format("whole" if whole else "finite", value))
         if value < low:
             raise self.error(key, f"must be {low} or more, is {value}")
@@ -69,12 +71,13 @@ class WorldReader:
 
     def floats(self, key: str, value: Any, sizes: Sequence[int]) -> Tuple[float, ...]:
         """Return a value as finite numbers, as many as one of ``sizes``."""
-        good = isinstance(value, (list, tuple)) and len(value) in sizes
-        if not good or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value):
+        numbers = [_plain(v) for v in value] if isinstance(value, (list, tuple)) else []
+        good = len(numbers) in sizes and all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in numbers)
+        if not good:
             raise self.error(key, "must be {} numbers, is {!r}".format(" or ".join(map(str, sizes)), value))
-        if not all(map(math.isfinite, value)):
+        if not all(-LARGEST <= v <= LARGEST for v in numbers):
             raise self.error(key, f"must be finite, is {value!r}")
-        return tuple(float(v) for v in value)
+        return tuple(float(v) for v in numbers)
 
     def each(self, key: str) -> List["WorldReader"]:
         """Return readers of the mappings in a list."""
@@ -89,3 +92,11 @@ class WorldReader:
         unknown = sorted(str(key) for key in set(self.data) - set(self._seen))
         if unknown:
             raise self.error(unknown[0], "is no key known here (known: {})".format(", ".join(sorted(self._seen))))
+
+
+def _plain(value: Any) -> Any:
+    """Return a number that YAML takes for a text, such as 1e-3, as a number; all else as it is."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
