@@ -102,6 +102,18 @@ def test_nothing_accumulates():
     assert len(state.forgotten) < 12
 
 
+def test_cycles_in_which_nothing_can_be_done_are_retired():
+    text = WALK.replace("not blocked(t).", "not blocked(t), t \\ 5 = 1.")
+    solver = ReactiveSolver(ReactiveProgram.from_text(text), shortest=True, oclingo_strings=False)
+    before = []
+    for cycle in range(1, 41):
+        text = f"#step {cycle}. " + "".join(f":- not {atom}. " for atom in before)
+        text += f"_request(goal({'abc'[cycle // 5 % 3]},{cycle}),{cycle + 1}). " if cycle % 5 == 1 else ""
+        solver.forget_before(cycle - 3)
+        _, before = ask(solver, text + "#endstep.")
+    assert solver.snapshot().past.first >= 36
+
+
 def test_what_is_open_is_ground_as_ever():
     """A base choice that decides what the steps hold keeps them all."""
     solver = ReactiveSolver(ReactiveProgram.from_text(WALK + "#program base.\n{ odd }.\n" + TIED), shortest=True)

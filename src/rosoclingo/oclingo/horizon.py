@@ -25,6 +25,7 @@ class HorizonLiterals:
         self._settled = before
         self._beyond: Dict[int, int] = {}
         self._linked = before
+        self._names: Dict[int, int] = {}  # step -> the literal of the program's name for it
 
     def _literal(self, step: int) -> int:
         """Return the literal ``beyond(step)``, making it and those before it."""
@@ -51,13 +52,25 @@ class HorizonLiterals:
                 return  # an action of that cycle may still come with a later step
             self._linked += 1
             if atom is not None:
+                self._names[self._linked] = atom.literal
                 self._editor.backend.add_rule([atom.literal], [self._literal(self._linked)])
+                self._end(range(self._linked, self._settled + 1))
 
     def settle(self, step: int) -> None:
         """Say for good that no horizon lies before ``step``, which lets clingo simplify."""
         for settled in range(self._settled + 1, step + 1):
             self._editor.backend.add_rule([], [self._literal(settled)])
+        self._end(range(self._settled + 1, step + 1))
         self._settled = max(self._settled, step)
+
+    def _end(self, steps: range) -> None:
+        """Say for good that ``steps``, or those of them that the program has a name for, do not lie beyond.
+
+        The rule is not enough: its body is false now, and an external without a rule is open to clingo.
+        """
+        for step in steps:
+            if step in self._names:
+                self._editor.backend.add_rule([], [self._names.pop(step)])
 
     def range(self, first: int, last: int) -> List[int]:
         """Return the assumptions by which the horizon lies in first..last."""
