@@ -99,8 +99,8 @@ class Event:
                 self.change(self.undo)
                 self.undo = None
         elif self.door:
-            door, pose = world.doors[self.door], drive.robot.pose
-            if math.hypot(door.start[0] - pose.x, door.start[1] - pose.y) < self.distance:
+            away = gap_to(world.doors[self.door], drive.robot.pose) - self.tour.variant.reach
+            if 0.5 < away < self.distance:
                 self.happen(lambda: world.set_door(self.door, False), lambda: world.set_door(self.door, True))
         elif world.time - self.since > self.wait and drive.robot.v > 0.3:
             pose, radius = drive.robot.pose, self.random.uniform(0.1, 0.25)
@@ -120,6 +120,13 @@ class Event:
             return False
         self.changed = self.tour.drive.world.time
         return True
+
+
+def gap_to(door, pose: Pose2D) -> float:
+    """Return the distance (m) of a pose from a door."""
+    a, b, p = np.array(door.start), np.array(door.end), np.array(pose[:2])
+    part = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+    return float(np.hypot(*(a + part * (b - a) - p)))
 
 
 def crosses(points: np.ndarray, door) -> bool:
@@ -144,6 +151,7 @@ class Tour:
         spots = [self.somewhere() for _ in range(things)]
         spots = [spot for spot in spots if start.distance(spot) > 0.8]
         standing = [] if events == 0.0 else spots[::4]
+        standing = [spot for i, spot in enumerate(standing) if all(spot.distance(o) > 0.5 for o in standing[:i])]
         laser = LaserSpec(range=6.0, angle=270.0, beams=1081, noise=variant.noise)
         robots = [RobotSpec(pose=start, footprint=variant.footprint, max_speed=SPEED, lasers=(laser,))]
         robots += [RobotSpec(f"standing{i}", spot, lasers=()) for i, spot in enumerate(standing)]
@@ -257,7 +265,7 @@ def main() -> None:
             counts[text.split(",")[0].split(" within")[0]] += 1
             if text != "reached":
                 print(f"{kind} {seed} {number} {tuple(variant)}: {text}", flush=True)
-        for collision in tour.drive.collisions:
+        for collision in tour.drive.collisions[:1]:
             print(f"{kind} {seed} {tuple(variant)}: COLLISION {collision}", flush=True)
         collisions += len(tour.drive.collisions)
         simulated += tour.drive.world.time

@@ -1,4 +1,4 @@
-"""Tight places: gaps with millimetres to spare are driven through, and what blinks does not draw the robot to and fro."""
+"""Tight places: gaps with millimetres to spare are driven through; what blinks draws no robot to and fro."""
 
 import numpy as np
 import pytest

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from rosoclingo.navigation.compiled import jit, square_distance
+from rosoclingo.navigation.compiled_places import line_is_clear
 
 __all__ = [
     "best_command",
@@ -47,10 +48,21 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def path_is_clear(clearance, points, least) -> bool:
-    """Tell whether the way along points (float64 n, 2; cells) keeps ``least`` (cells) of clearance."""
-    for i in range(points.shape[0] - 1):
-        if least_along(clearance, points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]) < least:
+def path_is_clear(clearance, occupied, points, x, y, radius, near) -> bool:
+    """Tell whether a disc of ``radius`` (cells) can go along points (float64 n, 2; cells).
+
+    What is behind the robot at (x, y) does not matter, and within ``near`` of it a way may be as tight as it is there.
+    """
+    best, start = np.inf, 0
+    for i in range(points.shape[0]):
+        away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
+        if away < best:
+            best, start = away, i
+    here = min(radius, square_distance(occupied, x, y, radius + 0.5) - 1e-3)
+    for i in range(start, points.shape[0] - 1):
+        x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
+        close = math.hypot(x0 - x, y0 - y) < near
+        if not line_is_clear(clearance, occupied, x0, y0, x1, y1, here if close else radius):
             return False
     return True
 

@@ -30,6 +30,9 @@ __all__ = ["Navigator"]
 DETOUR, MOST_DETOURS = 1.0, 20
 # The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
 MOMENT = 0.25
+# For so long (s) a way must seem to be blocked to be left, by how many were left before without any progress since:
+# what the laser just touches is marked in some scans only, and must not draw the robot to and fro.
+SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 # A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals. The factor
 # counts once more for each detour: what seems to be open and closed in turns must not draw the robot to and fro.
 WORTHWHILE = 0.9
@@ -121,8 +124,8 @@ class Navigator:
         """Set the clocks and counts of a fresh goal."""
         self._now = self._last_plan = self._last_control = self._last_progress = now
         self._oscillation: Tuple[float, Optional[Pose2D]] = (now, None)
-        self._planned_at = -math.inf
-        self._tries = self._recovery = 0
+        self._planned_at = self._good_until = -math.inf
+        self._tries = self._recovery = self._left = 0
         self._running: Optional[RecoveryBehavior] = None
         self._reason = ""
         self._best = math.inf
@@ -207,9 +210,11 @@ class Navigator:
             return False
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
-        if keep and plan.length > left * WORTHWHILE ** (1 + self._detours) and self._path_is_clear():
+        good = self._seems_good(now)
+        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._detours):
             return True
-        self.plan = plan
+        self._left += keep and not good
+        self.plan, self._good_until = plan, now
         self.follower.set_plan(self.plan.points, self.goal)
         self.on_plan(self.plan.points)
         self._note_progress(now)
@@ -217,24 +222,31 @@ class Navigator:
 
     def _replan(self, now: float, pose: Pose2D) -> bool:
         """Plan again where it is time to; tell whether there is a path to follow."""
+        if self._path_is_clear(pose):
+            self._good_until = now
         if not self._changed:
             return True
         since = now - self._planned_at
         due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
-        if due or (since >= MOMENT and not self._path_is_clear()):
+        if due or (since >= MOMENT and not self._seems_good(now)):
             return self._make_plan(now, pose, keep=True)
         return True
 
-    def _path_is_clear(self) -> bool:
+    def _seems_good(self, now: float) -> bool:
+        return now - self._good_until <= SEEMS[min(self._left, len(SEEMS) - 1)]
+
+    def _path_is_clear(self, pose: Pose2D) -> bool:
         costmap = self.costmap
         cells = (self.plan.points - (costmap.grid.origin_x, costmap.grid.origin_y)) / costmap.resolution
-        return bool(path_is_clear(costmap.clearance, cells, self.follower.radius / costmap.resolution - 0.5))
+        x, y = costmap.to_cells(pose.x, pose.y)
+        radius = self.follower.radius / costmap.resolution
+        return bool(path_is_clear(costmap.clearance, costmap.occupied, cells, x, y, radius, 2.0 * radius))
 
     def _note_progress(self, now: float) -> None:
         """Keep the least length of the way that was left; getting half a metre below it renews all patience."""
         length = self.plan.length
         if length < self._best - self.limits.oscillation_distance:
-            self._best, self._last_progress, self._recovery = length, now, 0
+            self._best, self._last_progress, self._recovery, self._left = length, now, 0, 0
         elif length > self._best + DETOUR and self._detours < MOST_DETOURS:
             # The way is blocked and another one known: that takes its time, but renews no recovery.
             self._best, self._last_progress, self._detours = length, now, self._detours + 1
@@ -242,7 +254,7 @@ class Navigator:
     def _watch_progress(self, now: float, pose: Pose2D) -> None:
         length = self.follower.length_left(pose)
         if length < self._best - self.limits.oscillation_distance:
-            self._best, self._last_progress, self._recovery = length, now, 0
+            self._best, self._last_progress, self._recovery, self._left = length, now, 0, 0
 
     def _stuck(self, now: float, pose: Pose2D) -> bool:
         """Tell whether the way left has not become shorter for progress_timeout, the end of the way aside."""
