@@ -102,7 +102,9 @@ def test_nothing_accumulates():
     assert len(state.forgotten) < 12
 
 
-def test_cycles_in_which_nothing_can_be_done_are_retired():
+def test_cycles_in_which_nothing_can_be_done_are_retired(monkeypatch):
+    monkeypatch.setattr(building, "BLOCK", 64)
+    monkeypatch.setattr(solver_module, "BLOCK", 8)
     text = WALK.replace("not blocked(t).", "not blocked(t), t \\ 5 = 1.")
     solver = ReactiveSolver(ReactiveProgram.from_text(text), shortest=True, oclingo_strings=False)
     before = []
