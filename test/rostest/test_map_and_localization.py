@@ -16,7 +16,8 @@ from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformSta
 from interface_helpers import Process
 from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
-from rosoclingo.srv import SetRobotPose, StepSimulation
+from rosoclingo.srv import PutObstacle, SetRobotPose, StepSimulation
+from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -90,7 +91,7 @@ class Localization(unittest.TestCase):
         rospy.Subscriber("/tf", TFMessage, cls.keep_transform)
         cls.truth = rospy.Publisher("base_pose_ground_truth", Odometry, queue_size=10)
         cls.tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
-        cls.initial = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
+        cls.initial = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
 
     @classmethod
     def keep(cls, message, name):
@@ -128,16 +129,19 @@ class Localization(unittest.TestCase):
         position = self.last["amcl_pose"].pose.pose.position if "amcl_pose" in self.last else None
         return position is not None and math.hypot(position.x - x, position.y - y) < 1e-6
 
+    def wheels_at(self, x, y):
+        """Tell whether odometry's frame is at a place in the map."""
+        place = self.last["wheels"].transform.translation
+        return math.hypot(place.x - x, place.y - y) < 1e-6
+
     def test_pose_cloud_and_transform(self):
         names = {"amcl_pose", "particlecloud", "wheels"}
-        self.until(lambda last: names <= set(last) and self.at(1.0, -4.0))
+        # The robot is at (1, -4) with yaw -90 degrees in the map, and at (1, 0) with yaw 90 degrees by its wheels.
+        self.until(lambda last: names <= set(last) and self.at(1.0, -4.0) and self.wheels_at(2.0, -4.0))
         pose, cloud, transform = (self.last[name] for name in ("amcl_pose", "particlecloud", "wheels"))
         self.assertEqual([m.header.frame_id for m in (pose, cloud, transform)], ["floor"] * 3)
         self.assertAlmostEqual(2.0 * math.asin(pose.pose.pose.orientation.z), -math.pi / 2)
         self.assertEqual(len(cloud.poses), 1)
-        # The robot is at (1, -4) with yaw -90 degrees in the map, and at (1, 0) with yaw 90 degrees by its wheels.
-        self.assertAlmostEqual(transform.transform.translation.x, 2.0)
-        self.assertAlmostEqual(transform.transform.translation.y, -4.0)
         self.assertAlmostEqual(abs(transform.transform.rotation.z), 1.0)
         self.assertGreater((transform.header.stamp - pose.header.stamp).to_sec(), 0.1)
 
@@ -202,7 +206,11 @@ class SimulatorParameters(unittest.TestCase):
             Path(folder, f"{name}.pgm").write_bytes(b"P5 %d %d 255 " % (cells, cells) + bytes([254]) * cells**2)
             text = SMALL.replace("small", name).replace("0.5, origin: [1, 2, 0]", "0.1, origin: [0, 0, 0]")
             Path(folder, f"{name}.yaml").write_text(text)
-        Path(folder, "world.yaml").write_text("{map: small.yaml, robots: [{name: anna, pose: [1, 1, 0]}]}")
+        lasers = (
+            "[{beams: 9, range: 5, pose: [0, 0]}, {beams: 5, range: 3, angle: 90, pose: [-0.1, 0, 3.14159], rate: 2}]"
+        )
+        robots = f"[{{name: anna, pose: [1, 1, 0], lasers: {lasers}}}]"
+        Path(folder, "world.yaml").write_text(f"{{map: small.yaml, robots: {robots}}}")
 
     def test_each(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -212,6 +220,7 @@ class SimulatorParameters(unittest.TestCase):
             with Process("rosrun", "rosoclingo", "simulator", "__name:=other", *values, *files):
                 rospy.wait_for_service("other/step", timeout=60.0)
                 self.check()
+                self.check_lasers()
 
     def check(self):
         step, place = (
@@ -238,6 +247,42 @@ class SimulatorParameters(unittest.TestCase):
             moving += 1
         # It goes on for 1 s and brakes for two steps; by the default it would be two and two.
         self.assertTrue(8 <= moving <= 20, moving)
+
+    def check_lasers(self):
+        """Each has a topic and a frame of its own, counted as by stage_ros, and its own rate; 1 m from a pillar."""
+        step = rospy.ServiceProxy("other/step", StepSimulation)
+        put, place = (
+            rospy.ServiceProxy("other/put_obstacle", PutObstacle),
+            rospy.ServiceProxy("other/set_pose", SetRobotPose),
+        )
+        self.assertTrue(place("anna", 5.0, 5.0, 0.0).success)
+        self.assertTrue(put("pillar", 4.0, 5.0, 0.1, 0.0, 0.0, 0.0).success)
+        scans, frames = [queue.Queue(), queue.Queue()], queue.Queue()
+        for i in (0, 1):
+            rospy.Subscriber(f"anna/base_scan_{i}", LaserScan, scans[i].put)
+        rospy.Subscriber("/tf", TFMessage, frames.put)
+        while scans[0].empty() or scans[1].empty() or frames.empty():
+            step(5)
+        front, back = scans[0].get(), scans[1].get()
+        self.assertEqual(
+            [s.header.frame_id for s in (front, back)], ["anna/base_laser_link_0", "anna/base_laser_link_1"]
+        )
+        self.assertEqual((len(front.ranges), len(back.ranges), len(back.intensities)), (9, 5, 5))
+        self.assertEqual((front.range_max, back.range_max, back.range_min), (5.0, 3.0, 0.0))
+        self.assertAlmostEqual(back.angle_max, math.pi / 4, places=5)
+        self.assertAlmostEqual(back.angle_min + 4 * back.angle_increment, back.angle_max, places=5)
+        self.assertAlmostEqual(back.ranges[2], 0.8, places=3)
+        self.assertEqual(list(back.intensities), [0.0, 0.0, 1.0, 0.0, 0.0])
+        self.assertEqual(set(front.intensities), {0.0})
+        sent = {t.child_frame_id: t for t in frames.get().transforms}
+        self.assertEqual(sent["anna/base_laser_link_1"].header.frame_id, "anna/base_link")
+        self.assertAlmostEqual(sent["anna/base_laser_link_1"].transform.translation.x, -0.1)
+        begin, end = step(0).time.to_sec(), step(50).time.to_sec()
+        for scan, period, count in zip(scans, (0.1, 0.5), (50, 10)):
+            stamps = [scan.get(timeout=30.0).header.stamp.to_sec()]
+            while stamps[-1] < end - period + 0.01:
+                stamps.append(scan.get(timeout=30.0).header.stamp.to_sec())
+            self.assertEqual(len([stamp for stamp in stamps if stamp > begin + 0.01]), count, stamps)
 
 
 class Suite(unittest.TestSuite):

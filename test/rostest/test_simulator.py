@@ -82,6 +82,7 @@ class SimulatorTest(unittest.TestCase):
             times = [message.header.stamp.to_sec() for message in messages]
             gaps = [b - a for a, b in zip(times, times[1:])]
             self.assertTrue(all(abs(gap - 0.1) < 1e-6 for gap in gaps), gaps)
+            self.assertEqual({message.header.stamp.nsecs % 10**8 for message in messages}, {0})
         frames = self.transforms.wait(lambda m: len(m) > 20)
         for child in ("base_footprint", "base_link", "base_laser_link"):
             times = [
@@ -140,6 +141,12 @@ class SimulatorTest(unittest.TestCase):
         answer = self.step(1)
         self.assertFalse(answer.success)
         self.assertIn("paused", answer.message)
+        self.assertTrue(self.pause(True).success)
+        try:
+            self.assertIn("too many", self.step(2**32 - 1).message)
+            self.assertTrue(self.step(1).success)
+        finally:
+            self.pause(False)
 
     def test_a_door_blocks_the_beam_and_cannot_close_on_a_robot(self):
         def ahead():
@@ -164,6 +171,18 @@ class SimulatorTest(unittest.TestCase):
         self.assertFalse(self.put("crate", 1.9, 0.0, 0.2, 0.0, 0.0, 0.0).success)
         self.assertFalse(self.put("", 5.0, 0.0, 0.2, 0.0, 0.0, 0.0).success)
         self.assertFalse(self.put("crate", 5.0, 0.0, 0.2, 1.0, 1.0, 0.0).success)
+        for wrong, words in (
+            ((math.nan, 0.0, 0.2, 0.0, 0.0, 0.0), "finite"),
+            ((5.0, 0.0, math.inf, 0.0, 0.0, 0.0), "finite"),
+            ((5.0, 0.0, 0.0, 1.0, 0.0, 0.0), "more than 0"),
+            ((5.0, 0.0, -0.2, 0.0, 0.0, 0.0), "either a radius"),
+            ((99.0, 0.0, 0.2, 0.0, 0.0, 0.0), "off the map"),
+            ((*START, 0.0, 3.0, 3.0, 0.0), "where robot 'mailbot' is"),
+        ):
+            answer = self.put("crate", *wrong)
+            self.assertFalse(answer.success)
+            self.assertIn(words, answer.message)
+        self.assertFalse(self.remove("crate").success)
 
     def test_poses(self):
         self.assertTrue(self.place("mailbot", 5.0, 0.2, 1.0).success)
@@ -172,6 +191,8 @@ class SimulatorTest(unittest.TestCase):
         self.assertAlmostEqual(2.0 * math.atan2(pose.orientation.z, pose.orientation.w), 1.0)
         self.assertIn("wall", self.place("", 7.93, 3.0, 0.0).message)
         self.assertIn("rover", self.place("rover", 5.0, 0.0, 0.0).message)
+        self.assertIn("finite", self.place("", math.nan, 0.0, 0.0).message)
+        self.assertIn("off the map", self.place("", 1e300, 0.0, 0.0).message)
         rospy.ServiceProxy("reset_positions", Empty)()
         self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, START[0])
 
