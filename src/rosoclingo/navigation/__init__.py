@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rosoclingo.navigation.local_planner import Command, FollowOutcome, LocalPlanner, Velocity
     from rosoclingo.navigation.navigation_types import NavigationError, NavigatorLimits, Outcome, Result, State, Tick
     from rosoclingo.navigation.navigator import Navigator
+    from rosoclingo.navigation.patience import PatienceClock
     from rosoclingo.navigation.planner import GlobalPlanner, GridPlanner, GridPlannerLimits, Plan, PlanOutcome
     from rosoclingo.navigation.recovery import ClearCostmap, RecoveryBehavior, RotateRecovery, default_recoveries
 
@@ -32,6 +33,7 @@ __all__ = [
     "NavigatorLimits",
     "OccupancyGrid",
     "Outcome",
+    "PatienceClock",
     "Plan",
     "PlanOutcome",
     "Pose2D",
@@ -68,6 +70,7 @@ __getattr__ = loader(
         "NavigatorLimits": "navigation_types",
         "OccupancyGrid": "grid",
         "Outcome": "navigation_types",
+        "PatienceClock": "patience",
         "Plan": "planner",
         "PlanOutcome": "planner",
         "Pose2D": "geometry",

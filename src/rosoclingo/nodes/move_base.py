@@ -19,7 +19,7 @@ from move_base_msgs.msg import (
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from std_srvs.srv import Empty, EmptyResponse
 
-from rosoclingo.navigation import Costmap, MapError, Navigator, Outcome, Pose2D, Result, Velocity
+from rosoclingo.navigation import Costmap, MapError, Navigator, Outcome, PatienceClock, Pose2D, Result, Velocity
 from rosoclingo.nodes.action_servers import forget_cancels, start_server
 from rosoclingo.nodes.localization import to_pose2d
 from rosoclingo.nodes.map_server import grid_from_message
@@ -67,6 +67,7 @@ class MoveBaseNode:
         self._ready = False
         self._prepares = True  # until it is done, or fails, which costs nothing but its gain
         self._last_tick = -float("inf")
+        self._patience = PatienceClock()
         self._pose: Optional[Pose2D] = None
         self._worker = Worker(settle=self._settle, period=0.02)
         self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
@@ -147,6 +148,7 @@ class MoveBaseNode:
         elif now - self._last_tick < self._settings.controller_period - 1e-6:
             return
         self._last_tick = now
+        self._patience.see(now)
         located = self._sensing.locate(now)
         if located.pose is not None:
             self._pose = located.pose
@@ -190,15 +192,15 @@ class MoveBaseNode:
         """Give the command of this control period, and the goal's end when it has come."""
         navigator = self._navigator
         assert navigator is not None
-        period = self._settings.controller_period
+        period, patience = self._settings.controller_period, self._patience.now
         laser_age = self._sensing.laser_age(now)
         if located.pose is None or located.fault:
-            tick = navigator.blind(now, Outcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault)
+            tick = navigator.blind(patience, Outcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault)
         elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
             text = f"The laser is lost: no scan on {self._settings.frames.scan_topic} for {laser_age:.1f} s"
-            tick = navigator.blind(now, Outcome.LASER_LOST, text)
+            tick = navigator.blind(patience, Outcome.LASER_LOST, text)
         else:
-            tick = navigator.tick(now, located.pose, self._sensing.velocity, max(period, 0.05))
+            tick = navigator.tick(patience, located.pose, self._sensing.velocity, max(period, 0.05))
         self._drive(tick.velocity)
         if located.pose is not None:
             self._feed_back(located.pose, tick.velocity)
@@ -236,7 +238,6 @@ class MoveBaseNode:
 
     def _abort(self, fault: str) -> None:
         """Stop, and end the goal."""
-        assert self._navigator is not None
         self._navigator.cancel()
         self._drive(Velocity())
         rospy.logerr("%s", fault)
@@ -256,7 +257,7 @@ class MoveBaseNode:
             name, known = target.header.frame_id, self._settings.frames.map
             return f"Aborting on goal because its frame {name!r} is unknown to tf, or not connected to {known}"
         goal = frame.compose(pose)
-        self._navigator.set_goal(rospy.get_time(), goal)
+        self._navigator.set_goal(self._patience.now, goal)
         self._reports.goal(goal)
         return ""
 
