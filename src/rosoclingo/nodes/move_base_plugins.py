@@ -1,6 +1,7 @@
 """The planners and recovery behaviours of the move_base node, which parameters name by class path."""
 
 import importlib
+import time
 from typing import Any, Dict, List, NamedTuple, Type
 
 import numpy as np
@@ -44,6 +45,7 @@ OWN_SETTINGS: Dict[type, Dict[str, Any]] = {
 }
 # Read from a planner's namespace by the node itself, as the costmap needs to know.
 OF_THE_NODE = ("allow_unknown",)
+PREPARATION = 0.5  # s that a start lasts longer for: what is left to prepare then is done beside all else
 
 
 class _Plugin(NamedTuple):
@@ -125,10 +127,12 @@ def _namespace(path: str) -> str:
 
 
 def warm_up(planner: GlobalPlanner, follower: LocalPlanner, costmap: Costmap) -> None:
-    """Have what numba compiles compiled before the first goal."""
+    """Have what numba compiles compiled before the first goal, and the planner prepared for the most part."""
     row, column = np.unravel_index(int(costmap.clearance.argmax()), costmap.clearance.shape)
     pose = Pose2D(*costmap.grid.centre(int(row), int(column)))
-    planner.prepare(costmap)
+    enough = time.monotonic() + PREPARATION
+    while planner.prepare(costmap) and time.monotonic() < enough:
+        pass
     plan = planner.plan(costmap, pose, pose)
     follower.set_plan(plan.points + [[0.0, 0.0], [0.5, 0.0]][: len(plan.points)], pose)
     follower.compute(costmap, pose, Velocity(), 0.1)
