@@ -53,18 +53,23 @@ def test_transparent_cells_are_unknown_in_scale_mode(tmp_path):
     assert cells[0, 1] == -1
 
 
-def picture(tmp_path, pixels, mode, text="mode: trinary\n", kind="png"):
-    """The cells of a map whose image has pixels of any mode of Pillow."""
-    Image.fromarray(np.array(pixels), mode).save(str(tmp_path / f"map.{kind}"))
-    (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", f"map.{kind}") + text)
+def picture(tmp_path, pixels, mode, text="mode: trinary\n"):
+    """The cells of a map whose image has pixels of some mode of Pillow."""
+    Image.fromarray(np.array(pixels), mode).save(str(tmp_path / "map.png"))
+    (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", "map.png") + text)
     return load_map(tmp_path / "map.yaml").cells.tolist()
 
 
 @pytest.mark.parametrize("kind", ["png", "pgm"])
 def test_sixteen_bits(tmp_path, kind):
     """Black, the usual grey of what is unknown, white; the image's lower bits count for nothing."""
-    levels = np.array([[0, 205 * 257, 65535, 205 * 256]], dtype=np.uint16).astype(np.int32)
-    assert picture(tmp_path, levels, "I", kind=kind) == [[100, -1, 0, -1]]
+    levels = np.array([[0, 205 * 257, 65535, 205 * 256]], dtype=np.uint16)
+    if kind == "png":
+        Image.fromarray(levels).save(str(tmp_path / "map.png"))
+    else:
+        (tmp_path / "map.pgm").write_bytes(b"P5 4 1 65535 " + levels.astype(">u2").tobytes())
+    (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", f"map.{kind}"))
+    assert load_map(tmp_path / "map.yaml").cells.tolist() == [[100, -1, 0, -1]]
 
 
 def test_colours_count_by_their_mean(tmp_path):
