@@ -120,6 +120,17 @@ def test_what_stage_is_told():
     assert not stage.remap_args
 
 
+def test_stage_names_topics_after_the_models_where_it_is_asked_to():
+    stage = node(load("simulation.launch", sim="stage", use_model_names="true", stage_world="/a.world"), "stageros")
+    assert stage.args.split() == ["-g", "-u", "/a.world"]
+
+
+def test_what_fake_localization_is_told():
+    """Its own default of the map's frame begins with a slash, which tf2 refuses to look up."""
+    found = parameters(load("navigation.launch", localization="fake"), "/fake_localization/")
+    assert found == {"global_frame_id": "map", "odom_frame_id": "odom", "base_frame_id": "base_link"}
+
+
 def test_what_amcl_is_told():
     config = load("navigation.launch", localization="amcl", initial_pose="1 -2 0.5")
     found = parameters(config, "/amcl/")
