@@ -13,8 +13,9 @@ from clingo.backend import Observer
 
 from rosoclingo.oclingo.closing import ACTION, RETURN
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.patterns import time_offset
 from rosoclingo.oclingo.rewriting import Part
-from rosoclingo.oclingo.signatures import Occurrence, Signature, occurrences, signature_of, time_offset
+from rosoclingo.oclingo.signatures import Occurrence, Signature, occurrences, signature_of
 
 KEYWORDS = {
     signature.name: signature

@@ -11,10 +11,10 @@ from rosoclingo.oclingo.closing import closing_text
 from rosoclingo.oclingo.directives import Directives, Placed
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.messages import Messages
+from rosoclingo.oclingo.patterns import Pattern
 from rosoclingo.oclingo.rewriting import Part, open_parts, rewrite
 from rosoclingo.oclingo.signatures import (
     Dependencies,
-    Pattern,
     Signature,
     evaluate,
     occurrences,
@@ -146,11 +146,11 @@ class ReactiveProgram:
             self.signatures.add(signature)
             if one.head and statement.ast_type == ASTType.External:
                 self.external_signatures.add(signature)
-                self._declarations.setdefault(signature, []).append(Pattern(one.term, part.parameter))
+                self._declarations.setdefault(signature, []).append(Pattern(one.term, part.parameter, statement))
             elif one.head:
                 self.head_signatures.add(signature)
             if not one.head or signature in self.open_signatures:
-                self._patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter))
+                self._patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter, statement))
 
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""

@@ -1,7 +1,6 @@
-"""What a program's statements mention: signatures, who depends on whom, and where open externals stand.
+"""What a program's statements mention: signatures, the values of simple terms, and who depends on whom.
 
-Works on :mod:`clingo.ast` statements. A *pattern* is an atom as a rule writes it; it tells, without grounding, at
-which steps a rule could see a given ground atom.
+Works on :mod:`clingo.ast` statements.
 """
 
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
@@ -140,97 +139,6 @@ def _arithmetic(term: AST, left: Optional[clingo.Symbol], right: Optional[clingo
     if term.operator_type == BinaryOperator.Division and b != 0:
         return clingo.Number(int(a / b))
     return None
-
-
-class Pattern:
-    """An atom as a statement of a program part writes it.
-
-    Attributes:
-        term: the atom's term.
-        parameter: name of the part's step parameter, empty in base.
-
-    """
-
-    def __init__(self, term: AST, parameter: str) -> None:
-        """Take the atom's term and the part's parameter."""
-        self.term, self.parameter = term, parameter
-        self._offset: Optional[Tuple[int, int]] = None  # the first argument that is t + c, and c
-        self._known = False
-
-    def may_match(self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]) -> bool:
-        """Tell whether a ground instance at some step first..last (base: always grounded) could be ``atom``.
-
-        Never wrongly False; variables, intervals and what is hard to evaluate count as a match. The constants have to
-        be the same for every call.
-        """
-        if not self.parameter:
-            return _matches(self.term, atom, constants)
-        return self.first_match(atom, first, last, constants) is not None
-
-    def first_match(
-        self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]
-    ) -> Optional[int]:
-        """Return the first step in first..last whose ground instance could be ``atom``, None where there is none."""
-        if first > last:
-            return None
-        pinned = self._pinned_step(atom, constants)
-        if pinned is None:
-            return first if _matches(self.term, atom, constants, self.parameter) else None
-        if not first <= pinned <= last:
-            return None
-        at_step = dict(constants, **{self.parameter: clingo.Number(pinned)})
-        return pinned if _matches(self.term, atom, at_step) else None
-
-    def _pinned_step(self, atom: clingo.Symbol, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
-        """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
-        if not self._known:
-            self._offset, self._known = self._find_offset(constants), True
-        if self._offset is None:
-            return None
-        position, offset = self._offset
-        value = atom.arguments[position]
-        return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
-
-    def _find_offset(self, constants: Dict[str, clingo.Symbol]) -> Optional[Tuple[int, int]]:
-        arguments = () if self.term.ast_type != ASTType.Function else self.term.arguments
-        for position, argument in enumerate(arguments):
-            offset = time_offset(argument, self.parameter, constants)
-            if offset is not None:
-                return position, offset
-        return None
-
-
-def time_offset(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
-    """Return c where ``term`` is ``parameter + c``, None where it is anything else."""
-    values = []
-    for step in (0, 1, 5):
-        value = evaluate(term, dict(constants, **{parameter: clingo.Number(step)}))
-        if value is None or value.type != clingo.SymbolType.Number:
-            return None
-        values.append(value.number - step)
-    return values[0] if len(set(values)) == 1 else None
-
-
-def _matches(term: AST, symbol: clingo.Symbol, values: Dict[str, clingo.Symbol], parameter: str = "") -> bool:
-    """Tell whether ``term`` could be ``symbol``; what holds ``parameter`` could be anything."""
-    if term.ast_type == ASTType.UnaryOperation and symbol.type == clingo.SymbolType.Function and not symbol.positive:
-        return _matches(term.argument, clingo.Function(symbol.name, symbol.arguments), values, parameter)
-    if term.ast_type == ASTType.Function and not term.external:
-        if symbol.type != clingo.SymbolType.Function or symbol.name != term.name:
-            return False
-        pairs = list(zip(term.arguments, symbol.arguments))
-        alike = len(term.arguments) == len(symbol.arguments)
-        return alike and all(_matches(part, value, values, parameter) for part, value in pairs)
-    value = evaluate(term, values)
-    return value is None or value == symbol or (parameter != "" and _mentions(term, parameter))
-
-
-def _mentions(term: AST, name: str) -> bool:
-    if term.ast_type == ASTType.BinaryOperation:
-        return _mentions(term.left, name) or _mentions(term.right, name)
-    if term.ast_type == ASTType.UnaryOperation:
-        return _mentions(term.argument, name)
-    return bool(term.ast_type == ASTType.SymbolicTerm and str(term) == name)
 
 
 class Dependencies:
