@@ -3,11 +3,13 @@
 from pathlib import Path
 
 import pytest
+from core_driver import Driver
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import ENCODINGS, Mailbot, fewest_steps, neighbours
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.reasoning import CoreSettings
 
 ROW = tuple((number, number + 1) for number in range(1, 6))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
@@ -253,3 +255,17 @@ def test_the_search_that_plans_are_compared_with():
     assert fewest_steps(graph, 3, "o1", [("rides", "o1")], astray=True) == 2
     assert fewest_steps(graph, 3, "o1", [("rides", "o2")], shut={frozenset(("o1", "o2"))}) is None
     assert fewest_steps(graph, 1, "o1", [("stuck",), ("waits", "o1", "o2")]) is None
+
+
+def test_what_is_remembered_of_a_long_run_does_not_grow():
+    """As long as a bound is kept (``window``), the requests of its cycle are; all else that is over is forgotten."""
+    files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
+    driver = Driver(settings=CoreSettings(), program=ReactiveProgram.from_files(files, {"window": "20"}))
+    number = 0
+    while driver.core.cycle < 80:
+        number += 1
+        driver.goal(str(number), f"goal(office{number % 4 + 1},office{number % 3 + 1},{number})").finish()
+    past = driver.core._planner._solver.snapshot().past
+    assert past.first > 40
+    times = [atom.arguments[-1].number for atom in past.facts if atom.name in ("waiting", "aim", "crossed")]
+    assert min(times) >= past.first - 20
