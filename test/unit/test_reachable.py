@@ -79,3 +79,14 @@ def check_path(cells, radius, points, ends, exact):
     for a, b in zip(points[:-1], points[1:]):
         for t in np.linspace(0.0, 1.0, 2 + int(np.hypot(*(b - a)) / 0.01)):
             assert distance(cells, *(a + (b - a) * t)) >= radius - 1e-6
+
+
+def test_a_goal_in_what_the_map_does_not_know_is_told_as_such():
+    cells = np.zeros((20, 20), dtype=np.int8)
+    cells[10:] = -1
+    grid, start, goal = OccupancyGrid(cells, CELL), Pose2D(0.5, 0.5), Pose2D(0.5, 1.5)
+    plan = GridPlanner().plan(Costmap(grid), start, goal)
+    assert plan.outcome is PlanOutcome.GOAL_UNKNOWN
+    assert plan.outcome.on_map
+    allowed = GridPlanner().plan(Costmap(grid, CostmapLimits(allow_unknown=True)), start, goal)
+    assert allowed.outcome is PlanOutcome.FOUND

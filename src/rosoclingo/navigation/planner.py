@@ -28,6 +28,7 @@ class PlanOutcome(enum.Enum):
     GOAL_OFF_MAP = "the goal is outside of the map"
     START_BLOCKED = "the robot is too close to an obstacle, and nowhere near it can it stand"
     GOAL_IN_OBSTACLE = "the goal is in an obstacle of the map, or closer to one than the robot's radius"
+    GOAL_UNKNOWN = "the goal is where the map does not know what is there (see allow_unknown)"
     GOAL_IN_UNMAPPED = "the goal is taken: something that is not on the map stands there"
     NO_PATH = "no path leads to the goal on the map"
     BLOCKED = "every path to the goal is blocked by something that is not on the map"
@@ -35,7 +36,12 @@ class PlanOutcome(enum.Enum):
     @property
     def on_map(self) -> bool:
         """Whether the map alone is the reason, so that waiting or clearing cannot help."""
-        return self in (PlanOutcome.GOAL_OFF_MAP, PlanOutcome.GOAL_IN_OBSTACLE, PlanOutcome.NO_PATH)
+        return self in (
+            PlanOutcome.GOAL_OFF_MAP,
+            PlanOutcome.GOAL_IN_OBSTACLE,
+            PlanOutcome.GOAL_UNKNOWN,
+            PlanOutcome.NO_PATH,
+        )
 
 
 class Plan(NamedTuple):
@@ -115,8 +121,10 @@ class GridPlanner(GlobalPlanner):
         reach = self.limits.default_tolerance if tolerance is None else max(0.0, tolerance)
         last = _end(costmap, ground, goal, reach)
         if last is None:
-            on_map = _end(costmap, costmap.static_ground, goal, reach) is None
-            return _failed(PlanOutcome.GOAL_IN_OBSTACLE if on_map else PlanOutcome.GOAL_IN_UNMAPPED)
+            if _end(costmap, costmap.static_ground, goal, reach) is not None:
+                return _failed(PlanOutcome.GOAL_IN_UNMAPPED)
+            unknown = costmap.grid.cells[costmap.grid.cell(goal.x, goal.y)] < 0
+            return _failed(PlanOutcome.GOAL_UNKNOWN if unknown else PlanOutcome.GOAL_IN_OBSTACLE)
         first = _end(costmap, ground, start, self.limits.escape_distance)
         if first is None:
             return _failed(PlanOutcome.START_BLOCKED)

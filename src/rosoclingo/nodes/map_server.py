@@ -16,6 +16,9 @@ from rosoclingo.nodes.parameters import parameter
 from rosoclingo.nodes.sendable import sendable
 from rosoclingo.nodes.worker import Worker
 
+# Answers whose maps are written from arrays: of a large map, to write it number by number takes seconds.
+MAP_ANSWER, CHANGE_ANSWER = numpy_msg(GetMapResponse), numpy_msg(LoadMapResponse)
+
 
 def grid_message(occupancy: grid.OccupancyGrid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
     """Return a grid as a message."""
@@ -66,7 +69,7 @@ class MapServerNode:
         self._worker = Worker(settle=lambda: None)
         self._worker.start()
         self._services = (
-            rospy.Service("static_map", GetMap, lambda _: self._worker.ask(lambda: GetMapResponse(map=self._message))),
+            rospy.Service("static_map", GetMap, lambda _: self._worker.ask(lambda: MAP_ANSWER(map=self._message))),
             rospy.Service("change_map", LoadMap, lambda request: self._worker.ask(lambda: self._change(request))),
         )
         rospy.on_shutdown(lambda: self._worker.stop(2.0))
@@ -91,12 +94,12 @@ class MapServerNode:
             self._show(str(path))
         except grid.MapError as error:
             return self._refused(str(error), LoadMapResponse.RESULT_INVALID_MAP_DATA)
-        return LoadMapResponse(map=self._message, result=LoadMapResponse.RESULT_SUCCESS)
+        return CHANGE_ANSWER(map=self._message, result=LoadMapResponse.RESULT_SUCCESS)
 
     def _refused(self, reason: str, result: int) -> LoadMapResponse:
         """Answer that a map is not taken; the old one stays."""
         rospy.logerr("change_map: %s", reason)
-        return LoadMapResponse(map=self._message, result=result)
+        return CHANGE_ANSWER(map=self._message, result=result)
 
 
 def local_path(url: str) -> Path:
