@@ -49,13 +49,13 @@ class Sensing:
         self._since = rospy.get_time()
         self._stamped = 0.0
         self._subscribers = [
-            rospy.Subscriber("odom", Odometry, self._on_odom, queue_size=1, tcp_nodelay=True, buff_size=1 << 20)
+            rospy.Subscriber("odom", Odometry, self._on_odom, queue_size=1, tcp_nodelay=True, buff_size=1 << 17)
         ]
         if obstacles:
             self._subscribers.append(
                 rospy.Subscriber(
                     frames.scan_topic, numpy_msg(LaserScan), self._on_scan, queue_size=1, tcp_nodelay=True,
-                    buff_size=1 << 20,
+                    buff_size=1 << 17,
                 )
             )  # fmt: skip
 
