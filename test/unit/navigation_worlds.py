@@ -12,7 +12,7 @@ from rosoclingo.navigation import (
     Velocity,
     default_recoveries,
 )
-from rosoclingo.navigation.local_planner import inscribed_radius
+from rosoclingo.navigation.local_planner import inscribed_radius, way_radii
 from rosoclingo.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
 LASER = LaserSpec(range=6.0, noise=0.01)
@@ -51,7 +51,8 @@ class Drive:
         self.robot = next(iter(world.robots.values()))
         spec = self.robot.spec
         radius = inscribed_radius(spec.radius, spec.footprint)
-        self.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=radius, **costmap))
+        ways = way_radii(radius, spec.footprint)
+        self.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=radius, way_radii=ways, **costmap))
         follower = RolloutFollower(radius=radius, footprint=spec.footprint)
         self.navigator = Navigator(self.costmap, GridPlanner(), follower, default_recoveries(), limits)
         self.collisions = []

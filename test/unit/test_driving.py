@@ -164,8 +164,6 @@ def test_a_rectangular_robot():
         footprint=((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)),
     )
     drive = Drive(world)
-    drive.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=0.2))
-    drive.navigator.costmap = drive.costmap
     for goal in (Pose2D(6.5, 6.5, 0.0), Pose2D(1.5, 6.5, 1.5), Pose2D(6.0, 2.0, -1.5)):
         assert drive.to(goal).outcome is Outcome.REACHED
     assert drive.collisions == []

@@ -57,3 +57,14 @@ def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
     result = drive.to(Pose2D(5.0, 0.7), 400.0, blink)
     assert result.outcome is Outcome.REACHED
     assert drive.collisions == []
+
+
+def test_a_footprint_goes_round_what_it_does_not_fit_through():
+    """The circle within the robot fits through the near gap, the robot does not; through the far one it does."""
+    walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.3, 3.1, 4.0), (2.9, 4.7, 3.1, 6.0)]
+    square = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
+    drive = Drive(simulation(room(walls=walls), Pose2D(1.5, 1.2), footprint=square))
+    for goal in (Pose2D(4.5, 1.2, 1.0), Pose2D(1.5, 1.2, 3.0)):
+        assert drive.to(goal, 90.0).outcome is Outcome.REACHED
+    assert drive.collisions == []
+    assert drive.recoveries == []

@@ -48,11 +48,13 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def path_is_clear(clearance, occupied, points, x, y, radius, near) -> bool:
-    """Tell whether a disc of ``radius`` (cells) can go along points (float64 n, 2; cells).
+def path_is_clear(clearance, occupied, points, x, y, radius, bare) -> bool:
+    """Tell whether a disc of ``radius`` (cells) can go along points (float64 n, 2), one of ``bare`` at their end.
 
-    What is behind the robot at (x, y) does not matter, and within ``near`` of it a way may be as tight as it is there.
+    What is behind the robot at (x, y) does not matter, and near to it a way may be as tight as it is there.
     """
+    near = 2.0 * radius + 3.0
+    last = points[points.shape[0] - 1]
     best, start = np.inf, 0
     for i in range(points.shape[0]):
         away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
@@ -61,8 +63,10 @@ def path_is_clear(clearance, occupied, points, x, y, radius, near) -> bool:
     here = min(radius, square_distance(occupied, x, y, radius + 0.5) - 1e-3)
     for i in range(start, points.shape[0] - 1):
         x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
-        close = math.hypot(x0 - x, y0 - y) < near
-        if not line_is_clear(clearance, occupied, x0, y0, x1, y1, here if close else radius):
+        least = here if math.hypot(x0 - x, y0 - y) < near else radius
+        if radius > bare and math.hypot(x1 - last[0], y1 - last[1]) < near:
+            least = min(bare, least)
+        if not line_is_clear(clearance, occupied, x0, y0, x1, y1, least):
             return False
     return True
 

@@ -10,7 +10,7 @@ from rosoclingo.navigation.compiled_places import Ground, update_places
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
 
-__all__ = ["Costmap", "CostmapLimits", "Window"]
+__all__ = ["SPARE", "Costmap", "CostmapLimits", "Window"]
 
 Window = Tuple[int, int, int, int]
 EMPTY: Window = (0, 0, 0, 0)
@@ -25,7 +25,8 @@ class CostmapLimits(NamedTuple):
     """How the costmap reads map and laser; lengths in m. Names and meanings as in costmap_2d.
 
     ``static_tolerance`` is this costmap's own: a hit that near to something on the map is that thing, not a new one,
-    so that noise does not make walls thicker and doors narrower.
+    so that noise does not make walls thicker and doors narrower. So are ``way_radii``, what ways keep free, widest
+    first: each where there is no way by those before it; empty for ``robot_radius`` alone.
     """
 
     robot_radius: float = 0.18
@@ -36,14 +37,15 @@ class CostmapLimits(NamedTuple):
     static_tolerance: float = 0.1
     lethal_threshold: int = OCCUPIED
     allow_unknown: bool = False
+    way_radii: Tuple[float, ...] = ()
 
 
 class Costmap:
     """A grid with a clearance field: for each cell the distance to the nearest obstacle, cut off at ``reach``.
 
     ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`),
-    -1 where nothing may go: unknown cells, unless allowed. ``ground`` is what planners plan on, with that clearance;
-    ``static_ground`` is the same for the map alone.
+    -1 where nothing may go: unknown cells, unless allowed. ``grounds`` are what planners plan on, with that clearance,
+    for each of the radii to plan with; ``static_grounds`` are the same for the map alone.
     ``unmarked`` (n, 2; m) is what the last scan hit nearby that is neither on the map nor marked yet.
     """
 
@@ -51,7 +53,8 @@ class Costmap:
         self.grid = grid
         self.limits = limits or CostmapLimits()
         self.resolution = grid.resolution
-        self.reach = (max(self.limits.inflation_radius, self.limits.robot_radius) + 0.1) / grid.resolution + 2.0
+        radii = self.limits.way_radii or (self.limits.robot_radius,)
+        self.reach = (max(self.limits.inflation_radius, *radii) + 0.1) / grid.resolution + 2.0
         static = grid.occupied(self.limits.lethal_threshold)
         self._closed = (grid.cells < 0) & (not self.limits.allow_unknown)
         self._occupied = static.copy()
@@ -60,10 +63,15 @@ class Costmap:
         self._marked = 0
         self._static = static
         self.clearance = np.empty(grid.shape, dtype=np.float32)
-        radius = (self.limits.robot_radius + SPARE) / grid.resolution
-        self.ground = Ground(self.clearance, self._occupied, np.zeros(grid.shape, dtype=np.uint8), radius)
+        self.grounds = tuple(
+            Ground(self.clearance, self._occupied, np.zeros(grid.shape, np.uint8), (radius + SPARE) / grid.resolution)
+            for radius in radii
+        )
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
-        self.static_ground = Ground(self.clearance.copy(), static, self.ground.places.copy(), radius)
+        clearance = self.clearance.copy()
+        self.static_grounds = tuple(
+            Ground(clearance, static, ground.places.copy(), ground.radius) for ground in self.grounds
+        )
         near = self.limits.static_tolerance / grid.resolution
         self.unmarked = np.empty((0, 2))
         self._mapped = np.ascontiguousarray(self.clearance <= near, dtype=np.uint8)
@@ -155,7 +163,8 @@ class Costmap:
         update_clearance(self._occupied, self.reach, row0, row1, column0, column1, self.clearance)
         part = (slice(row0, row1), slice(column0, column1))
         self.clearance[part][self._closed[part]] = -1.0
-        update_places(self.ground, row0, row1, column0, column1)
+        for ground in self.grounds:
+            update_places(ground, row0, row1, column0, column1)
 
 
 def _window_of(cells: np.ndarray) -> Window:

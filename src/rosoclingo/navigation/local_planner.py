@@ -2,14 +2,14 @@
 
 import enum
 import math
-from typing import NamedTuple, Optional, Sequence
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
 
-__all__ = ["STOP", "Command", "FollowOutcome", "LocalPlanner", "Velocity", "inscribed_radius"]
+__all__ = ["STOP", "Command", "FollowOutcome", "LocalPlanner", "Velocity", "inscribed_radius", "way_radii"]
 
 
 class Velocity(NamedTuple):
@@ -86,3 +86,15 @@ def inscribed_radius(radius: float, footprint: Sequence) -> float:
         length = a.distance(b)
         least = min(least, abs(a.x * b.y - a.y * b.x) / length if length > 0.0 else a.distance(Pose2D(0.0, 0.0)))
     return least
+
+
+def way_radii(radius: float, footprint: Sequence) -> Tuple[float, ...]:
+    """Return the radii (m) that ways keep free, widest first: where the robot can turn, where it can drive ahead.
+
+    None for a disc, whose ways keep its radius.
+    """
+    if not len(footprint):
+        return ()
+    turning = max(math.hypot(*corner) for corner in footprint)
+    sides = min(max(y for _, y in footprint), max(-y for _, y in footprint))
+    return turning, min(turning, max(sides, inscribed_radius(radius, footprint)))

@@ -128,7 +128,7 @@ class Navigator:
         self._tries = self._recovery = self._left = 0
         self._running: Optional[RecoveryBehavior] = None
         self._reason = ""
-        self._best = math.inf
+        self._best = self._least = math.inf
         self._detours = 0
         self._blind_since = None
 
@@ -239,22 +239,26 @@ class Navigator:
         costmap = self.costmap
         cells = (self.plan.points - (costmap.grid.origin_x, costmap.grid.origin_y)) / costmap.resolution
         x, y = costmap.to_cells(pose.x, pose.y)
-        radius = self.follower.radius / costmap.resolution
-        return bool(path_is_clear(costmap.clearance, costmap.occupied, cells, x, y, radius, 2.0 * radius))
+        bare = self.follower.radius / costmap.resolution
+        radius = max(bare, self.plan.radius / costmap.resolution)
+        return bool(path_is_clear(costmap.clearance, costmap.occupied, cells, x, y, radius, bare))
 
     def _note_progress(self, now: float) -> None:
-        """Keep the least length of the way that was left; getting half a metre below it renews all patience."""
+        """Take a new way's length for what there is left to drive; only to have driven is progress."""
         length = self.plan.length
-        if length < self._best - self.limits.oscillation_distance:
-            self._best, self._last_progress, self._recovery, self._left = length, now, 0, 0
-        elif length > self._best + DETOUR and self._detours < MOST_DETOURS:
+        if length > self._best + DETOUR and self._detours < MOST_DETOURS:
             # The way is blocked and another one known: that takes its time, but renews no recovery.
             self._best, self._last_progress, self._detours = length, now, self._detours + 1
+        else:
+            self._best = min(self._best, length)
 
     def _watch_progress(self, now: float, pose: Pose2D) -> None:
+        """Keep the least length that was left; half a metre below it renews patience, below all others all of it."""
         length = self.follower.length_left(pose)
         if length < self._best - self.limits.oscillation_distance:
-            self._best, self._last_progress, self._recovery, self._left = length, now, 0, 0
+            self._best, self._last_progress, self._recovery = length, now, 0
+        if length < self._least - self.limits.oscillation_distance:
+            self._least, self._left = length, 0
 
     def _stuck(self, now: float, pose: Pose2D) -> bool:
         """Tell whether the way left has not become shorter for progress_timeout, the end of the way aside."""

@@ -9,7 +9,7 @@ import numpy as np
 from rosoclingo.navigation.compiled_places import Ground, nearest_place, places_of
 from rosoclingo.navigation.compiled_search import find_cells
 from rosoclingo.navigation.compiled_straightening import pull, straighten, tighten
-from rosoclingo.navigation.costmap import Costmap
+from rosoclingo.navigation.costmap import SPARE, Costmap
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.landmarks import Landmarks, Tariff
 
@@ -45,10 +45,14 @@ class PlanOutcome(enum.Enum):
 
 
 class Plan(NamedTuple):
-    """What a planner found: ``points`` (float64 n, 2; x, y in m in the map's frame), empty unless FOUND."""
+    """What a planner found: ``points`` (float64 n, 2; x, y in m in the map's frame), empty unless FOUND.
+
+    ``radius`` (m): what the way keeps free, but at its ends; 0 for the robot's own.
+    """
 
     outcome: PlanOutcome
     points: np.ndarray
+    radius: float = 0.0
 
     @property
     def length(self) -> float:
@@ -103,17 +107,21 @@ class GridPlanner(GlobalPlanner):
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return the path; see :class:`GlobalPlanner`."""
-        found = self._plan_on(costmap, costmap.ground, start, goal, tolerance)
+        for i in range(len(costmap.grounds)):
+            found = self._plan_on(costmap, (costmap.grounds[i], costmap.static_grounds[i]), start, goal, tolerance)
+            if found.outcome is PlanOutcome.FOUND:
+                return found
         if found.outcome is not PlanOutcome.NO_PATH or not costmap.has_marks:
             return found
         # Whom to blame: is there a way on the map alone?
-        alone = self._plan_on(costmap, costmap.static_ground, start, goal, tolerance)
+        alone = self._plan_on(costmap, (costmap.static_grounds[-1],) * 2, start, goal, tolerance)
         return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
 
     def _plan_on(
-        self, costmap: Costmap, ground: Ground, start: Pose2D, goal: Pose2D, tolerance: Optional[float]
+        self, costmap: Costmap, grounds: Tuple[Ground, Ground], start: Pose2D, goal: Pose2D, tolerance: Optional[float]
     ) -> Plan:
-        """Plan on one ground."""
+        """Plan on one ground; the other one is that of the map alone."""
+        ground, static_ground = grounds
         if not costmap.grid.contains(start.x, start.y):
             return _failed(PlanOutcome.START_OFF_MAP)
         if not costmap.grid.contains(goal.x, goal.y):
@@ -121,7 +129,7 @@ class GridPlanner(GlobalPlanner):
         reach = self.limits.default_tolerance if tolerance is None else max(0.0, tolerance)
         last = _end(costmap, ground, goal, reach)
         if last is None:
-            if _end(costmap, costmap.static_ground, goal, reach) is not None:
+            if _end(costmap, static_ground, goal, reach) is not None:
                 return _failed(PlanOutcome.GOAL_IN_UNMAPPED)
             unknown = costmap.grid.cells[costmap.grid.cell(goal.x, goal.y)] < 0
             return _failed(PlanOutcome.GOAL_UNKNOWN if unknown else PlanOutcome.GOAL_IN_OBSTACLE)
@@ -137,20 +145,20 @@ class GridPlanner(GlobalPlanner):
         points = straighten(points, ground, *tariff)
         tighten(points, ground, *tariff, ROUNDS)
         points = straighten(points, ground, *tariff)
-        return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points))
+        return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points), ground.radius * costmap.resolution - SPARE)
 
     def prepare(self, costmap: Costmap) -> bool:
         """Find landmarks on the map, part by part; see :class:`GlobalPlanner`."""
-        if self._landmarks is None or self._landmarks.ground is not costmap.static_ground:
-            self._landmarks = Landmarks(costmap.static_ground, self._tariff(costmap))
+        if self._landmarks is None or self._landmarks.ground is not costmap.static_grounds[-1]:
+            self._landmarks = Landmarks(costmap.static_grounds[-1], self._tariff(costmap))
         self._landmarks.go_on()
         return not self._landmarks.done
 
     def _costs_of_landmarks(self, costmap: Costmap, tariff: Tariff) -> np.ndarray:
         """Return what the search is led by (float32; n, cells), n 0 where nothing has been prepared for this map."""
         found = self._landmarks
-        if found is None or found.ground is not costmap.static_ground or found.tariff != tariff:
-            return np.empty((0, costmap.ground.places.size), dtype=np.float32)
+        if found is None or found.ground is not costmap.static_grounds[-1] or found.tariff != tariff:
+            return np.empty((0, costmap.grounds[-1].places.size), dtype=np.float32)
         return found.costs
 
     def _tariff(self, costmap: Costmap) -> Tariff:
@@ -174,7 +182,7 @@ def _end(costmap: Costmap, ground: Ground, pose: Pose2D, reach: float) -> Option
     """Return how a pose is joined to the ways: by a straight line, else by the nearest place within ``reach`` m."""
     x, y = costmap.to_cells(pose.x, pose.y)
     bare = ground._replace(radius=costmap.limits.robot_radius / costmap.resolution)
-    row, column = nearest_place(bare, x, y, JOINED, True)
+    row, column = nearest_place(bare, x, y, JOINED + 1.5 * (ground.radius - bare.radius), True)
     if row >= 0:
         return _End((row, column), np.array([[x, y]]))
     row, column = nearest_place(ground, x, y, reach / costmap.resolution, False)

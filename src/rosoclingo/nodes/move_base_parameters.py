@@ -7,7 +7,7 @@ import rospy
 import yaml
 
 from rosoclingo.navigation import CostmapLimits, NavigatorLimits
-from rosoclingo.navigation.local_planner import inscribed_radius
+from rosoclingo.navigation.local_planner import inscribed_radius, way_radii
 from rosoclingo.nodes.move_base_plugins import global_planner_namespace
 from rosoclingo.nodes.parameters import ParameterError, not_negative, parameter
 
@@ -68,7 +68,7 @@ def read_settings() -> Settings:
             parameter(_layer("obstacle_layer", source + "/topic"), str, source),
             not_negative(_layer("obstacle_layer", source + "/expected_update_rate"), 1.0),
         ),
-        _costmap(radius),
+        _costmap(radius, way_radii(radius, footprint)),
         _navigator(),
         1.0 / _positive("~controller_frequency", 20.0),
         footprint,
@@ -100,7 +100,7 @@ def _layer(usual: str, key: str) -> str:
     return names[1] if not rospy.has_param(names[0]) and rospy.has_param(names[1]) else names[0]
 
 
-def _costmap(radius: float) -> CostmapLimits:
+def _costmap(radius: float, ways: Tuple[float, ...]) -> CostmapLimits:
     base = CostmapLimits()
     lengths = {
         key: not_negative(_layer(layer, key), getattr(base, key))
@@ -114,7 +114,9 @@ def _costmap(radius: float) -> CostmapLimits:
     }
     threshold = parameter(_layer("static_layer", "lethal_cost_threshold"), int, base.lethal_threshold)
     unknown = parameter(f"~{global_planner_namespace()}/allow_unknown", bool, base.allow_unknown)
-    return CostmapLimits(robot_radius=radius, lethal_threshold=threshold, allow_unknown=unknown, **lengths)
+    return CostmapLimits(
+        robot_radius=radius, lethal_threshold=threshold, allow_unknown=unknown, way_radii=ways, **lengths
+    )
 
 
 def _navigator() -> NavigatorLimits:
