@@ -27,6 +27,11 @@ class Situation(NamedTuple):
         """Return the angle (rad) by which the robot would have to turn to face a point."""
         return normalize_angle(math.atan2(point[1] - self.pose.y, point[0] - self.pose.x) - self.pose.yaw)
 
+    def eased(self, rate: float, acceleration: float) -> float:
+        """Return a turn (rad/s), but no faster than an acceleration (rad/s2) allows; slower it may be at once."""
+        before = self.velocity.angular if self.velocity.angular * rate > 0.0 else 0.0
+        return math.copysign(min(abs(rate), abs(before) + acceleration * self.period), rate)
+
     def distance(self, point: Sequence[float]) -> float:
         """Return the distance (m) to a point."""
         return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)

@@ -106,7 +106,9 @@ class Costmap:
         far = np.asarray(ranges[good], dtype=np.float64)
         x, y = self.to_cells(sensor.x, sensor.y)
         hits = far < min(self.limits.obstacle_range, range_max - 1e-3)
-        lengths = np.minimum(far, min(self.limits.raytrace_range, range_max)) / self.resolution + 1e-3
+        # What is hit is marked where it is, however far off clearing ends.
+        ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max)))
+        lengths = ends / self.resolution + 1e-3
         window = count_rays(
             self._counts, self._marks, self._mapped, x, y, turned, lengths, hits, GAIN, LIMIT, SURE
         )  # fmt: skip

@@ -73,7 +73,9 @@ class RolloutFollower(LocalPlanner):
         self._index, self._place = 0, 0.0
         self._arrived = False
         self._body = Body(radius, footprint)
-        self._squeeze = Squeeze(self._body, limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
+        self._squeeze = Squeeze(
+            self._body, limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain, limits.acc_lim_theta
+        )
         self._held: Optional[Pose2D] = None  # where a tight place began
         self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
 
@@ -241,7 +243,8 @@ class RolloutFollower(LocalPlanner):
         for angle in (error, error - math.copysign(2.0 * math.pi, error)):
             if self._body.may_turn(now, angle):
                 rate = min(self.limits.max_vel_theta, self.limits.turn_gain * abs(angle) + 0.03)
-                return Command(FollowOutcome.DRIVING, Velocity(0.0, math.copysign(rate, angle)))
+                turn = now.eased(math.copysign(rate, angle), self.limits.acc_lim_theta)
+                return Command(FollowOutcome.DRIVING, Velocity(0.0, turn))
         return Command(FollowOutcome.BLOCKED)
 
     def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
