@@ -45,7 +45,7 @@ def test_writes_into_a_folder(files):
     (files / "new").mkdir()
     assert run("one.lp", "two.lp", "-o", "new", folder=files) == (0, "", "")
     assert (files / "new" / "one.lp").read_text() == "\n{ p(X); q } :- f(X).\n"
-    code, _, err = run("one.lp", "-o", "missing", folder=files)
+    code, _, err = run("one.lp", "-o", "two.lp", folder=files)
     assert (code, "cannot be written" in err) == (1, True)
 
 

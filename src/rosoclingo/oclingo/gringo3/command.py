@@ -58,6 +58,7 @@ def _write(results: List[Tuple[str, TranslationResult]], folder: Optional[str]) 
             continue
         path = Path(folder) / ("standard_input.lp" if name == "-" else Path(name).name)
         try:
+            path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(result.text, encoding="utf-8")
         except OSError as error:
             sys.stderr.write("{}\n".format(Fault(str(path), 0, 0, f"cannot be written: {error.strerror}")))
