@@ -155,7 +155,7 @@ class SumInterface(Interface):
 
     def make_answer(self, action, ended):
         if ended.status == "succeeded":
-            return Answer(Number(ended.result.sum), ("calculated",))
+            return Answer(Number(ended.result.sum), ("calculated",)) if ended.result.sum else None
         return Answer(Function("no_sum")) if ended.status == "aborted" else super().make_answer(action, ended)
 
 
@@ -181,6 +181,9 @@ class SubclassedInterface(unittest.TestCase):
         core.send("sum", "_action_lib(sum,two(3,4),6)")
         server.accept().set_succeeded(TwoIntsResult(2**40))
         self.assertEqual(core.receive(), ["_return(sum,failed,6)"])
+        core.send("sum", "_action_lib(sum,two(3,-3),7)")
+        server.accept().set_succeeded(TwoIntsResult(0))
+        self.assertEqual(core.receive(), ["_return(sum,failed,7)"])
         self.check_health()
         worker.stop()
 
@@ -195,7 +198,7 @@ class SubclassedInterface(unittest.TestCase):
         status = found["rosoclingo: interface sum"]
         values = {pair.key: pair.value for pair in status.values}
         self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "idle"))
-        self.assertEqual((values["server"], values["succeeded"], values["failed"]), ("adder", "2", "4"))
+        self.assertEqual((values["server"], values["succeeded"], values["failed"]), ("adder", "3", "4"))
         wait_until(lambda: "rosoclingo: interface absent" in found, "a report of the interface without a server")
         status = found["rosoclingo: interface absent"]
         self.assertEqual((status.level, status.message), (DiagnosticStatus.WARN, "server absent is not connected"))

@@ -10,6 +10,7 @@ from rosoclingo.interfaces.terms import TermError, as_term, as_text, read_atom
 from rosoclingo.reasoning.labels import UnknownLabelError
 
 SUCCEEDED = "succeeded"
+LOST = "server_lost"
 
 # Return term by how the goal ended, where no rule says otherwise; the parameter itself stands for success.
 DEFAULT_RETURNS: Dict[str, str] = {
@@ -19,7 +20,7 @@ DEFAULT_RETURNS: Dict[str, str] = {
     "preempted": "preempted",
     "recalled": "preempted",
     "timeout": "timeout",
-    "server_lost": "server_lost",
+    LOST: LOST,
     "interface_lost": "interface_lost",
     "unknown_label": "unknown_label",
     "bad_parameter": "bad_parameter",

@@ -8,7 +8,7 @@ from typing import Any, Dict, Optional, Tuple
 import rospy
 from clingo import Function
 
-from rosoclingo.interfaces.answers import SUCCEEDED, Answer, answer, conclude
+from rosoclingo.interfaces.answers import LOST, SUCCEEDED, Answer, answer, conclude
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
 from rosoclingo.interfaces.health import Health
@@ -97,6 +97,7 @@ class Interface(abc.ABC):
         self._retry_on = retry_on
         self._worker = worker
         self._attempts: Dict[Action, _Attempt] = {}
+        self._server = server
         self._link = ServerLink(server, action_type)
         self._outbox = Outbox(IN_TOPIC)
         self._health = Health(name, server)
@@ -173,7 +174,7 @@ class Interface(abc.ABC):
         action, ended = attempt.action, conclude(attempt.run.verdict, attempt.ended)
         result = self._answer(action, ended)
         if self._is_worth_another(attempt, ended, result):
-            rospy.logwarn("%s: %s: %s: %s; once more", self.name, action.atom, ended.status, ended.text)
+            rospy.logwarn("%s: %s: %s; once more", self.name, action.atom, self._words(ended))
             self._attempts[action] = attempt.again(_now())
             return
         del self._attempts[action]
@@ -184,7 +185,10 @@ class Interface(abc.ABC):
 
     def _answer(self, action: Action, ended: Ended) -> Answer:
         try:
-            return self.make_answer(action, ended)
+            found = self.make_answer(action, ended)
+            if not isinstance(found, Answer):
+                raise TypeError(f"make_answer gave {found!r}: return an Answer")
+            return found
         except Exception as error:  # noqa: BLE001 as in _begin
             rospy.logerr("%s: %s", self.name, action.atom, exc_info=True)
             return Answer(Function("failed"), warnings=(f"{type(error).__name__}: {error}",))
@@ -220,10 +224,15 @@ class Interface(abc.ABC):
             rospy.logerr("%s: %s: %s", self.name, action.atom, warning)
         succeeded = ended.status == SUCCEEDED
         if not succeeded:
-            rospy.logwarn("%s: %s: %s: %s", self.name, action.atom, ended.status, ended.text)
-        self._health.note(succeeded, f"{action.atom}: {ended.status}: {ended.text}")
+            rospy.logwarn("%s: %s: %s", self.name, action.atom, self._words(ended))
+        self._health.note(succeeded, f"{action.atom}: {self._words(ended)}")
         facts = [*result.facts, return_text(action, result.value)]
         self._outbox.put(InterfaceIO(interface=self.name, facts=facts), reader, _now().wall)
+
+    def _words(self, ended: Ended) -> str:
+        """How an action ended, for people."""
+        why = ended.text or (f"the action server {self._server} does not answer" if ended.status == LOST else "")
+        return f"{ended.status}: {why}" if why else ended.status
 
 
 def _now() -> Instant:
