@@ -6,12 +6,11 @@ All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (
 
 import math
 
-import numba
 import numpy as np
 
-__all__ = ["cast_rays", "count_rays", "hits_apart", "inflate", "jit", "square_distance", "update_clearance"]
+from rosoclingo.navigation.jit import jit
 
-jit = numba.njit(cache=True, nogil=True)
+__all__ = ["cast_rays", "count_rays", "hits_apart", "inflate", "square_distance", "update_clearance"]
 
 
 @jit

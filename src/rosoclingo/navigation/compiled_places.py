@@ -11,7 +11,8 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit, square_distance
+from rosoclingo.navigation.compiled import square_distance
+from rosoclingo.navigation.jit import jit
 
 __all__ = ["Ground", "line_is_clear", "nearest_place", "place_of", "places_of", "update_places"]
 

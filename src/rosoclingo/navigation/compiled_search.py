@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit
 from rosoclingo.navigation.compiled_places import NOWHERE, OPEN, line_is_clear, place_of
+from rosoclingo.navigation.jit import jit
 
 __all__ = ["find_cells", "price", "spread"]
 

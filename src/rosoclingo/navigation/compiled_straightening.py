@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit
 from rosoclingo.navigation.compiled_places import line_is_clear
 from rosoclingo.navigation.compiled_search import price
+from rosoclingo.navigation.jit import jit
 
 __all__ = ["pull", "straighten", "tighten"]
 

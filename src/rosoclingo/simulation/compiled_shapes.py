@@ -7,7 +7,7 @@ float64 (k, 2), its corners in the body's frame.
 
 import math
 
-from rosoclingo.navigation.compiled import jit
+from rosoclingo.navigation.jit import jit
 
 __all__ = [
     "CLEAR",
