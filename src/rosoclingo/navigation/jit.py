@@ -26,13 +26,22 @@ def cache_folder(sources: Path) -> str:
     return os.path.join(numba.config.CACHE_DIR or os.path.join(user, "rosoclingo", "numba"), digest)
 
 
+def _is_writable(folder: str) -> bool:
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
+
+
 FOLDER = cache_folder(SOURCES)
+CACHES = _is_writable(FOLDER)  # else each process compiles anew
 
 
 def jit(function: Callable) -> Any:
     """Have a function compiled by numba when it is called first, to run without holding the interpreter's lock."""
     others, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
     try:
-        return numba.njit(cache=True, nogil=True)(function)
+        return numba.njit(cache=CACHES, nogil=True)(function)
     finally:
         numba.config.CACHE_DIR = others
