@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from navigation_worlds import Drive, room, simulation
 
-from rosoclingo.navigation import Outcome, Pose2D
+from rosoclingo.navigation import Costmap, Outcome, Pose2D
 from rosoclingo.simulation import DoorSpec
 
 
@@ -68,3 +68,35 @@ def test_a_footprint_goes_round_what_it_does_not_fit_through():
         assert drive.to(goal, 90.0).outcome is Outcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
+
+
+def test_what_is_hit_now_and_then_stays_marked_once_it_is():
+    """A thing's edge next to a cell's: by noise a quarter of the hits, then a fifth, is in the cell before."""
+    costmap = Costmap(room(resolution=0.05))
+    sensor, angles = Pose2D(1.0, 3.02), np.zeros(1)
+    before, behind = np.array([2.03 - 1.0]), np.array([2.07 - 1.0])  # on either side of an edge
+
+    def look(hits, count):
+        for i in range(count):
+            costmap.observe(sensor, angles, before if i % hits == 0 else behind, 6.0)
+
+    look(4, 400)
+    assert not costmap.marks[costmap.grid.cell(2.03, 3.02)]
+    look(2, 40)
+    assert costmap.marks[costmap.grid.cell(2.03, 3.02)]
+    look(5, 400)
+    assert costmap.marks[costmap.grid.cell(2.03, 3.02)]
+    look(1000, 40)  # gone
+    assert not costmap.marks[costmap.grid.cell(2.03, 3.02)]
+
+
+@pytest.mark.parametrize("resolution", [0.1, 0.05])
+def test_a_long_footprint_gets_straight_into_a_gap(resolution):
+    """The robot cannot turn in the gap, whose way in is askew."""
+    walls = [(2.9, 0.0, 3.1, 1.5), (2.9, 2.0, 3.1, 4.0), (1.5, 1.1, 2.2, 1.4)]
+    long = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
+    grid = room(6.0, 4.0, resolution, walls)
+    drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), footprint=long))
+    for goal in (Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)):
+        assert drive.to(goal, 120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []

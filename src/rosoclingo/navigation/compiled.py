@@ -144,7 +144,8 @@ def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, 
         )
         if not (0 <= row < height and 0 <= column < width) or mapped[row, column]:
             continue
-        counts[row, column] = min(counts[row, column] + gain, limit)
+        # It takes fewer hits to stay marked than to become so: else noise would open and close a passage in turns.
+        counts[row, column] = min(counts[row, column] + (3 * gain if marks[row, column] else gain), limit)
         if counts[row, column] >= sure and not marks[row, column]:
             marks[row, column] = 1
             low_r, high_r = min(low_r, row), max(high_r, row)

@@ -14,6 +14,7 @@ __all__ = [
     "furthest_clear",
     "furthest_leg",
     "least_along",
+    "least_at",
     "path_is_clear",
     "place_on",
     "point_clearance",
@@ -207,24 +208,45 @@ def furthest_leg(clearance, occupied, body, pose, points, floors):
 
     ``pose``: x, y (cells), yaw. The first of ``floors`` (cells, descending) that is possible at all is kept; a body
     that has not got as much room now may keep what it has. ``turn`` (rad): the short or the long way round; the index
-    is -1 where nothing is possible.
+    is -1 where nothing is possible. A leg ends where the body can turn to the next of the points.
     """
     now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], floors[0])
+    last = points.shape[0] - 1
     for floor in floors:
         least = min(floor, now - 1e-3)
-        for i in range(points.shape[0] - 1, -1, -1):
-            dx, dy = points[i, 0] - pose[0], points[i, 1] - pose[1]
-            bearing = math.atan2(dy, dx) - pose[2]
-            turn = math.atan2(math.sin(bearing), math.cos(bearing))
-            spare = _straight_spare(clearance, occupied, body, pose[0], pose[1], points[i, 0], points[i, 1], least)
+        for i in range(last, -1, -1):
+            x, y = points[i, 0], points[i, 1]
+            yaw = math.atan2(y - pose[1], x - pose[0])
+            spare = _straight_spare(clearance, occupied, body, pose[0], pose[1], x, y, least)
             if spare < least:
                 continue
+            if i < last and body.shape[0] > 1:
+                dx, dy = points[i + 1, 0] - x, points[i + 1, 1] - y
+                on = _between(yaw, math.atan2(dy, dx)) if dx * dx + dy * dy > 1e-9 else 0.0
+                if turn_spare(clearance, occupied, body, x, y, yaw, on, least) < least:
+                    continue
+            turn = _between(pose[2], yaw)
             if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
                 return i, turn, spare
             turn -= math.copysign(2.0 * math.pi, turn)
             if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
                 return i, turn, spare
     return -1, 0.0, now
+
+
+@jit
+def _between(yaw, other):
+    """Return the turn from one yaw to another, the short way round."""
+    return math.atan2(math.sin(other - yaw), math.cos(other - yaw))
+
+
+@jit
+def least_at(clearance, points):
+    """Return the least clearance (cells) at points (float64 n, 2; cells)."""
+    least = np.inf
+    for i in range(points.shape[0]):
+        least = min(least, point_clearance(clearance, points[i, 0], points[i, 1]))
+    return least
 
 
 @jit

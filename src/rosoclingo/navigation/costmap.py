@@ -95,6 +95,10 @@ class Costmap:
         """Return a point (m) in cells, as the compiled functions take it."""
         return (x - self.grid.origin_x) / self.resolution, (y - self.grid.origin_y) / self.resolution
 
+    def all_to_cells(self, points: np.ndarray) -> np.ndarray:
+        """Return points (float64 n, 2; m) in cells."""
+        return (points - (self.grid.origin_x, self.grid.origin_y)) / self.resolution
+
     def observe(self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, range_max: float) -> bool:
         """Mark what a scan hit and clear what it looked through; tell whether anything changed.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from rosoclingo.navigation.body import Body, Situation
-from rosoclingo.navigation.compiled_rollout import best_command, furthest_clear, place_on, points_at
+from rosoclingo.navigation.compiled_rollout import best_command, furthest_clear, least_at, place_on, points_at
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import STOP, Command, FollowOutcome, LocalPlanner, Velocity
@@ -99,7 +99,7 @@ class RolloutFollower(LocalPlanner):
         if self._arrived:
             return self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
         self._watch(now)
-        if self._held is None and self._lull < LULL:
+        if self._held is None and self._lull < LULL and not self._is_narrow(now):
             carrot = self._carrot(now)
             command = self._towards(now, carrot) if carrot is not None else Command(FollowOutcome.BLOCKED)
             if command.outcome is not FollowOutcome.BLOCKED:
@@ -128,7 +128,7 @@ class RolloutFollower(LocalPlanner):
         if self._held is None:
             self._held = now.pose
         elif self._held.distance(now.pose) > HOLD and self._body.spare(now, self.limits.margin) >= self.limits.margin:
-            self._held = None
+            self._held = None  # until the next look
         places = self._place + np.append(self._ahead[1:] * 0.5, self._ahead[-1])
         points = points_at(self._points, self._along, self._index, np.concatenate(([self._place], places)))
         if self._lull < PATIENCE:
@@ -137,6 +137,14 @@ class RolloutFollower(LocalPlanner):
             if velocity is not None:
                 return Command(FollowOutcome.DRIVING, velocity)
         return self._escape(now, points[0])
+
+    def _is_narrow(self, now: Situation) -> bool:
+        """Tell whether the path ahead leads where a robot that is no disc cannot turn: it must get straight in."""
+        if not self.footprint:
+            return False
+        points = points_at(self._points, self._along, self._index, self._place + self._ahead)
+        room = least_at(now.costmap.clearance, now.costmap.all_to_cells(points)) * now.costmap.resolution
+        return bool(room < self._body.outer)
 
     def _escape(self, now: Situation, point: Sequence[float]) -> Command:
         """Creep, backwards too, to where there is more room."""
@@ -218,12 +226,12 @@ class RolloutFollower(LocalPlanner):
         self._advance(now.pose)
         costmap = now.costmap
         points = points_at(self._points, self._along, self._index, self._place + self._ahead)
-        inner, scale = self._body.inner / costmap.resolution, 1.0 / costmap.resolution
+        inner = self._body.inner / costmap.resolution
         i = furthest_clear(
             costmap.clearance,
             *costmap.to_cells(now.pose.x, now.pose.y),
-            (points - (costmap.grid.origin_x, costmap.grid.origin_y)) * scale,
-            min(1.2, now.distance(self._points[-1]) * scale) - 1e-6,
+            costmap.all_to_cells(points),
+            min(1.2, now.distance(self._points[-1]) / costmap.resolution) - 1e-6,
             # Only a direction: what is driven is tried for safety. So, in a tight place, a line may graze something.
             np.array([inner, inner - 0.25, inner - 0.5]),
         )

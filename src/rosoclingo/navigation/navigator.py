@@ -237,7 +237,7 @@ class Navigator:
 
     def _path_is_clear(self, pose: Pose2D) -> bool:
         costmap = self.costmap
-        cells = (self.plan.points - (costmap.grid.origin_x, costmap.grid.origin_y)) / costmap.resolution
+        cells = costmap.all_to_cells(self.plan.points)
         x, y = costmap.to_cells(pose.x, pose.y)
         bare = self.follower.radius / costmap.resolution
         radius = max(bare, self.plan.radius / costmap.resolution)

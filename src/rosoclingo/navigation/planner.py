@@ -15,6 +15,7 @@ from rosoclingo.navigation.landmarks import Landmarks, Tariff
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
 
+STRAIGHT = 5.0  # weight of room on ways that are narrower than the robot's turning circle
 PULLS = 1  # of pulling a path straight part by part
 ROUNDS = 6  # of pulling a path tight
 JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is a place of the ways
@@ -137,6 +138,9 @@ class GridPlanner(GlobalPlanner):
         if first is None:
             return _failed(PlanOutcome.START_BLOCKED)
         tariff = self._tariff(costmap)
+        if ground.radius < costmap.grounds[0].radius:
+            # Where it cannot turn the robot is to get straight in and straight out.
+            tariff = Tariff(costmap.grounds[0].radius, STRAIGHT)
         cells = find_cells(ground, *tariff, *first.cell, *last.cell, self._costs_of_landmarks(costmap, tariff))
         if not len(cells):
             return _failed(PlanOutcome.NO_PATH)

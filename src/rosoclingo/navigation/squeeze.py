@@ -37,12 +37,14 @@ class Squeeze:
     def command(self, now: Situation, points: np.ndarray) -> Optional[Velocity]:
         """Return what to drive to get on along points (float64 n, 2; m), None where no leg leads to any of them."""
         costmap = now.costmap
-        scale = 1.0 / costmap.resolution
-        cells = (points - (costmap.grid.origin_x, costmap.grid.origin_y)) * scale
         i, turn, spare = furthest_leg(
-            costmap.clearance, costmap.occupied, self._body.discs(costmap.resolution), np.array(now.cells), cells,
-            FLOORS * scale,
-        )  # fmt: skip
+            costmap.clearance,
+            costmap.occupied,
+            self._body.discs(costmap.resolution),
+            np.array(now.cells),
+            costmap.all_to_cells(points),
+            FLOORS / costmap.resolution,
+        )
         if i < 0:
             return None
         fastest = min(self._speed, max(SLOWEST, now.distance(points[i]) / AHEAD))
