@@ -6,7 +6,8 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from rosoclingo.navigation.body import Body, Situation
-from rosoclingo.navigation.compiled_rollout import best_command, furthest_clear, least_at, place_on, points_at
+from rosoclingo.navigation.compiled_path import furthest_clear, least_at, place_on, points_at
+from rosoclingo.navigation.compiled_rollout import best_command
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import STOP, Command, FollowOutcome, LocalPlanner, Velocity

@@ -6,7 +6,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 from rosoclingo.navigation.brake import braked
-from rosoclingo.navigation.compiled_rollout import path_is_clear
+from rosoclingo.navigation.compiled_path import path_is_clear
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.local_planner import FollowOutcome, LocalPlanner, Velocity
