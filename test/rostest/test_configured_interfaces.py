@@ -72,7 +72,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.assertEqual(self.core.receive(), ["said(1,2)", "_return(ask,answer(1),2)"])
 
     def test_parameters_that_do_not_fit(self):
-        for parameter in ("q(1,a,false)", "q(much,a,false,0)", "q(1,a,perhaps,0)", "alone"):
+        for parameter in ("q(1,a,false)", "q(much,a,false,0)", "q(1,a,perhaps,0)", 'q(1,a,false,"1e300")', "alone"):
             self.assertEqual(
                 self.core.run("ask", f"_action_lib(ask,{parameter},2)"), ["_return(ask,bad_parameter,2)"], parameter
             )

@@ -2,6 +2,7 @@
 
 import abc
 import functools
+import io
 import time
 from typing import Any, Dict, Optional, Tuple
 
@@ -145,6 +146,7 @@ class Interface(abc.ABC):
     def _begin(self, action: Action, sender: str) -> None:
         try:
             goal = self.make_goal(action)
+            goal.serialize(io.BytesIO())  # a value that does not fit its field is told now, not when it is sent
         except RefusalError as error:
             self._conclude(action, Ended(error.reason, str(error)), sender)
         except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer
