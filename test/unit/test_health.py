@@ -80,3 +80,11 @@ def test_problems_name_the_interface_that_they_are_about():
     driver.now += 1e6
     driver.run()
     assert [problem.origin for problem in driver.journal.of(Problem)] == ["interface", "interface", "walk"]
+
+
+def test_a_long_problem_is_told_by_its_beginning_and_its_end():
+    complaints = Complaints()
+    line = complaints.take(Problem(1, f"'seen({'9' * 100_000})' is ignored: it makes no sense", "eye"), 0.0)
+    assert len(line) < 1000
+    assert line.startswith("cycle 1: 'seen(999")
+    assert line.endswith("it makes no sense")

@@ -11,6 +11,9 @@ QUIET = 60.0
 #: So many different problems of one interface are said within that time.
 MANY = 10
 
+#: Characters of a text that are told from its beginning, and from its end, where the reason stands.
+BEGINNING, END = 600, 300
+
 _NUMBERS = re.compile("[0-9]+")
 
 
@@ -28,7 +31,7 @@ class Complaints:
     def take(self, problem: Problem, now: float) -> str:
         """The line for a problem at ``now`` (seconds of a clock that only goes forward), empty for none."""
         self.count += 1
-        self.latest = f"cycle {problem.cycle}: {problem.message}"
+        self.latest = _shortened(f"cycle {problem.cycle}: {problem.message}")
         self._forget(now)
         text = _NUMBERS.sub("", problem.message) if problem.origin else problem.message
         key = (problem.origin, text)
@@ -41,3 +44,8 @@ class Complaints:
     def _forget(self, now: float) -> None:
         """Forget what was said long ago."""
         self._said = {key: said for key, said in self._said.items() if now - said < QUIET}
+
+
+def _shortened(text: str) -> str:
+    """The text without its middle, if it is long: whoever sends a fact of a megabyte need not read it again."""
+    return text if len(text) <= BEGINNING + END else f"{text[:BEGINNING]} ... {text[-END:]}"
