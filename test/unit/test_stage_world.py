@@ -88,6 +88,17 @@ def test_robots():
     assert "ranger" not in box
 
 
+def test_several_lasers_and_noise():
+    """Stage takes a variance."""
+    lasers = (LaserSpec(4.0, noise=0.02), LaserSpec(2.0, 90.0, 7, pose=Pose2D(-0.1, 0.0, np.pi), min_range=0.1))
+    text = stage_world(WorldSpec(grid_of(ROWS), (RobotSpec("a", lasers=lasers),)), "w.yaml", "m.pgm", "own.pgm").text
+    first, second = entity(text, "a").split("ranger\n")[1:]
+    assert "noise [ 0.0004 0 0 ]" in first
+    assert "noise" not in second
+    assert "range [ 0.1 2 ] fov 90 samples 7" in second
+    assert numbers(second, "pose") == [-0.1, 0.0, -0.15, 180.0]
+
+
 def test_the_laser_looks_from_within_the_bodies():
     text = stage_world(WorldSpec(grid_of(ROWS), (RobotSpec("a"),)), "w.yaml", "m.pgm", "own.pgm").text
     body = entity(text, "a")
