@@ -191,3 +191,12 @@ def test_both_configurations_are_for_the_same_robot():
     assert {real[name]["robot_radius"] for name in ("global_costmap", "local_costmap")} == {world["radius"]}
     assert real["DWAPlannerROS"]["max_vel_x"] <= world["max_speed"]
     assert own["RolloutFollower"]["max_vel_x"] <= world["max_speed"]
+
+
+def test_labels_and_packages_of_an_earlier_launch_do_not_stay():
+    """Maps of parameters are merged on the server: a house's things would be in the office of the next launch."""
+    config = load("mailbot.launch", rviz="true")
+    keys = [key.split("/") for key in config.params if key.count("/") > 1]
+    loaded = {key[1] for key in keys if key[2] in ("labels", "packages", "interfaces")}
+    assert {"rosoclingo", "office", "markers", "move_base_interface", "pickup_interface"} <= loaded
+    assert {f"/{name}/" for name in loaded} <= set(config.clear_params)
