@@ -23,7 +23,7 @@ SERVERS = ("move_base", "pickup", "deliver")
 #: Topics that the recorder has to be connected to before a scenario begins.
 RECORDED = ("/rosoclingo/updates", "/rosoclingo/task_plan", "/out_rosoclingo", "/in_rosoclingo", "/packages")
 
-#: Seconds of wall time for a start, the first of which compiles, longer than a minute on a busy machine; and for an end:
+#: Seconds of wall time for a start, which compiles the first time (minutes on a busy machine), and for an end:
 #: roslaunch itself gives its nodes 15 s to end before it kills them.
 START_TIME = 300.0
 END_TIME = 25.0
