@@ -7,8 +7,10 @@ import unittest
 import rosnode
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalStatusArray
-from navigation_helpers import PREEMPTED, SUCCEEDED, Driver, pose_goal
+from actionlib import SimpleActionClient
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
+from rosoclingo.msg import PickupAction, PickupGoal
 
 
 class TimeJump(unittest.TestCase):
@@ -21,6 +23,10 @@ class TimeJump(unittest.TestCase):
         driver.send(pose_goal(4.0, 0.0))
         driver.wait(lambda: driver.speed[0] > 0.3)
         cancelled = rospy.get_time()
+        pickup = SimpleActionClient("pickup", PickupAction)
+        pickup.wait_for_server()
+        pickup.cancel_goals_at_and_before_time(rospy.Time.from_sec(cancelled + 1000.0))
+        self.assertEqual(pickup.send_goal_and_wait(PickupGoal(package="1")), GoalStatus.RECALLED)
         rosnode.kill_nodes(["/simulator"])
         driver.wait(lambda: rospy.get_time() < cancelled)
         self.assertEqual(driver.end(), (SUCCEEDED, "Goal reached."))
@@ -29,6 +35,7 @@ class TimeJump(unittest.TestCase):
         self.assertLess(rospy.get_time(), cancelled + 60.0)
         self.assertEqual(driver.drive(3.0, 0.0)[0], SUCCEEDED)
         self.assertEqual(driver.collisions, [])
+        self.assertEqual(pickup.send_goal_and_wait(PickupGoal(package="1")), ABORTED, "there is no package 1")
         for server in ("move_base", "pickup", "deliver"):
             now = rospy.get_time()
             while (

@@ -1,5 +1,7 @@
 """Action servers in simulated time, which may go back."""
 
+from typing import Any
+
 import rospy
 from actionlib import ActionServer
 
@@ -12,10 +14,18 @@ def start_server(server: ActionServer) -> None:
     if server.status_frequency > 0.0:
         server.status_timer.shutdown()
         period = rospy.Duration(1.0 / server.status_frequency)
-        server.status_timer = rospy.Timer(period, server.publish_status_async, reset=True)
+        server.status_timer = rospy.Timer(period, lambda event: _publish_status(server, event), reset=True)
 
 
 def forget_cancels(server: ActionServer) -> None:
     """Forget the last cancel's time; after time went back, each goal until that time would be cancelled on arrival."""
     with server.lock:
         server.last_cancel = rospy.Time()
+
+
+def _publish_status(server: ActionServer, event: Any) -> None:
+    try:
+        server.publish_status_async(event)
+    except rospy.ROSException:  # the topic has been closed since the server looked
+        if not rospy.is_shutdown():
+            raise

@@ -7,7 +7,7 @@ import rospy
 from actionlib import ActionServer, ServerGoalHandle
 
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction
-from rosoclingo.nodes.action_servers import start_server
+from rosoclingo.nodes.action_servers import forget_cancels, start_server
 from rosoclingo.nodes.core_health import CoreHealth
 from rosoclingo.nodes.core_parameters import core_parameters, load_program
 from rosoclingo.nodes.core_topics import CoreTopics
@@ -151,7 +151,7 @@ class CoreNode:
         now = rospy.get_time()
         if now < self._last_time:
             rospy.logwarn("time jumped back by %.1f s", self._last_time - now)
-            self._server.last_cancel = rospy.Time()  # else it would cancel every goal until that time comes again
+            forget_cancels(self._server)
         self._last_time = now
         if now == 0.0:
             rospy.logwarn_throttle(10.0, "waiting for /clock")

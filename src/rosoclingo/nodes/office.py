@@ -2,7 +2,7 @@
 
 import functools
 from collections import deque
-from typing import Any, Callable, Deque, NamedTuple, Optional
+from typing import Any, Callable, Deque, NamedTuple, Optional, Tuple
 
 import rospy
 from actionlib.action_server import ActionServer
@@ -18,7 +18,7 @@ from rosoclingo.msg import (
     PickupFeedback,
     PickupResult,
 )
-from rosoclingo.nodes.action_servers import start_server
+from rosoclingo.nodes.action_servers import forget_cancels, start_server
 from rosoclingo.nodes.parameters import not_negative, parameter
 from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.nodes.worker import Worker
@@ -111,6 +111,8 @@ class OfficeNode:
         self._duration = not_negative("~duration", 3.0)
         self._tolerance = not_negative("~tolerance", 0.5)
         self._jobs: Deque[_Job] = deque()
+        self._servers: Tuple[ActionServer, ...] = ()
+        self._last_time = 0.0
         self._worker = Worker(settle=self._tick, period=0.02)
         self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
         self._publish()
@@ -138,11 +140,16 @@ class OfficeNode:
     # ---- the arm --------------------------------------------------------------------------------------------------
 
     def _tick(self) -> None:
+        now = rospy.get_time()
+        if now < self._last_time:
+            for server in self._servers:
+                forget_cancels(server)
+        self._last_time = now
         for job in [job for job in self._jobs if job.cancelled]:
             self._jobs.remove(job)
             job.end(HandlingResult(PREEMPTED, f"cancelled before {words_for(job.package)} was moved"))
         if self._jobs:
-            self._work(self._jobs[0], rospy.get_time())
+            self._work(self._jobs[0], now)
 
     def _work(self, job: _Job, now: float) -> None:
         if job.since is None:
