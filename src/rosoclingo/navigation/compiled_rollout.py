@@ -12,7 +12,7 @@ __all__ = ["best_command", "body_clearance", "furthest_leg", "spare_after", "tur
 
 @jit
 def body_clearance(clearance, occupied, body, x, y, yaw, enough):
-    """Return how far (cells) a body at a pose is from what is nearest; 0 or less when it touches that.
+    """Return how far (cells) a body at a pose is from what is nearest; less than 0, the more it is in that.
 
     ``body``: float64 (n, 3), discs (x, y, radius in cells, in the robot's frame): one, or one that the whole robot is
     in and those along its edge, which are left out where more than ``enough`` is certain. Exact where it is tight,
@@ -23,7 +23,7 @@ def body_clearance(clearance, occupied, body, x, y, yaw, enough):
         spare = point_clearance(clearance, x, y) - body[0, 2]
         if spare > enough:
             return spare
-    least = np.inf
+    least, within = np.inf, 0.0
     c, s = math.cos(yaw), math.sin(yaw)
     for i in range(min(1, count - 1), count):
         px = x + c * body[i, 0] - s * body[i, 1]
@@ -33,7 +33,8 @@ def body_clearance(clearance, occupied, body, x, y, yaw, enough):
             if spare + body[i, 2] > -1.0 and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
                 spare = square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
             least = min(least, spare)
-    return least
+            within += min(0.0, spare)
+    return within if within < 0.0 else least
 
 
 @jit

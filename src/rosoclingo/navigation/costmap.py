@@ -1,7 +1,8 @@
 """What is known to be in the way: the static map, and what the laser saw that the map lacks."""
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from collections import deque
+from typing import Deque, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -19,6 +20,7 @@ EMPTY: Window = (0, 0, 0, 0)
 GAIN, SURE, LIMIT = 2, 8, 24
 SPARE = 0.005  # m that ways keep free beside the robot's radius: no robot drives along a wall that it touches
 NEARBY = 1.5  # m: what is hit within it and not marked yet is kept, for who has to brake
+SCANS = 3  # for so many scans: what is seen edge on is not hit in each
 
 
 class CostmapLimits(NamedTuple):
@@ -46,7 +48,7 @@ class Costmap:
     ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`),
     -1 where nothing may go: unknown cells, unless allowed. ``grounds`` are what planners plan on, with that clearance,
     for each of the radii to plan with; ``static_grounds`` are the same for the map alone.
-    ``unmarked`` (n, 2; m) is what the last scan hit nearby that is neither on the map nor marked yet.
+    ``unmarked`` (n, 2; m) is what the last few scans hit nearby that is neither on the map nor marked yet.
     """
 
     def __init__(self, grid: OccupancyGrid, limits: Optional[CostmapLimits] = None) -> None:
@@ -74,6 +76,7 @@ class Costmap:
         )
         near = self.limits.static_tolerance / grid.resolution
         self.unmarked = np.empty((0, 2))
+        self._unmarked: Deque[np.ndarray] = deque(maxlen=SCANS)
         self._mapped = np.ascontiguousarray(self.clearance <= near, dtype=np.uint8)
 
     @property
@@ -120,7 +123,8 @@ class Costmap:
         # What is neither on the map nor marked yet.
         known = self.limits.static_tolerance / self.resolution
         seen = hits_apart(self.clearance, x, y, turned, far / self.resolution, hits, NEARBY / self.resolution, known)
-        self.unmarked = seen * self.resolution + (self.grid.origin_x, self.grid.origin_y)
+        self._unmarked.append(seen * self.resolution + (self.grid.origin_x, self.grid.origin_y))
+        self.unmarked = np.concatenate(self._unmarked)
         return changed
 
     def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
