@@ -74,9 +74,7 @@ class RolloutFollower(LocalPlanner):
         self._index, self._place = 0, 0.0
         self._arrived = False
         self._body = Body(radius, footprint)
-        self._squeeze = Squeeze(
-            self._body, limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain, limits.acc_lim_theta
-        )
+        self._squeeze = Squeeze(self._body, limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
         self._held: Optional[Pose2D] = None  # where a tight place began
         self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
 

@@ -26,13 +26,12 @@ PARTS = (1.0, 0.5, 0.25)  # of the speed, tried in turn
 class Squeeze:
     """Finds the furthest point of a path that a straight leg leads to, turns to it and drives there.
 
-    ``speed`` (m/s), ``rate`` (rad/s), ``acceleration`` (rad/s2): the most; ``gain`` (1/s): a turn is slower towards
-    its end.
+    ``speed`` (m/s), ``rate`` (rad/s): the most; ``gain`` (1/s): a turn is slower towards its end. Turns begin at once,
+    as a leg would be bent by one that has to get faster first.
     """
 
-    def __init__(self, body: Body, speed: float, rate: float, gain: float, acceleration: float) -> None:
+    def __init__(self, body: Body, speed: float, rate: float, gain: float) -> None:
         self._body, self._speed, self._rate, self._gain = body, speed, rate, gain
-        self._acceleration = acceleration
 
     def command(self, now: Situation, points: np.ndarray) -> Optional[Velocity]:
         """Return what to drive to get on along points (float64 n, 2; m), None where no leg leads to any of them."""
@@ -50,17 +49,17 @@ class Squeeze:
         fastest = min(self._speed, max(SLOWEST, now.distance(points[i]) / AHEAD))
         if abs(turn) < 0.5 * math.pi:
             for part in PARTS:
-                velocity = Velocity(max(SLOWEST, part * fastest), self._turning(now, self._gain * turn))
+                velocity = Velocity(max(SLOWEST, part * fastest), self._clipped(self._gain * turn))
                 if self._is_clear(now, velocity, spare * costmap.resolution - SLACK):
                     return velocity
         if abs(turn) <= FACING:
-            return Velocity(SLOWEST, self._turning(now, self._gain * turn))
+            return Velocity(SLOWEST, self._clipped(self._gain * turn))
         if abs(now.velocity.linear) > 0.05:
             return STOP
-        return Velocity(0.0, self._turning(now, math.copysign(self._gain * abs(turn) + 0.03, turn)))
+        return Velocity(0.0, self._clipped(math.copysign(self._gain * abs(turn) + 0.03, turn)))
 
-    def _turning(self, now: Situation, rate: float) -> float:
-        return now.eased(max(-self._rate, min(self._rate, rate)), self._acceleration)
+    def _clipped(self, rate: float) -> float:
+        return max(-self._rate, min(self._rate, rate))
 
     def _is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
         costmap = now.costmap
