@@ -23,7 +23,8 @@ def parameter(name: str, kind: type, default: Any = None) -> Any:
     """The value of a ROS parameter, or `default`; raises ParameterError if it is missing or not of that kind."""
     value = rospy.get_param(name, default)
     if value is None:
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} is not set")
+        mend = f"give it in the launch file, or on the command line as {name.replace('~', '_', 1)}:=..."
+        raise ParameterError(f"parameter {rospy.resolve_name(name)} is not set; {mend}")
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
