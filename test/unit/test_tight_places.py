@@ -100,3 +100,13 @@ def test_a_long_footprint_gets_straight_into_a_gap(resolution):
     for goal in (Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)):
         assert drive.to(goal, 120.0).outcome is Outcome.REACHED
     assert drive.collisions == []
+
+
+def test_a_footprint_backs_out_of_where_it_cannot_turn():
+    """A dead end hardly wider than the robot, into which it has driven."""
+    walls = [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]
+    long = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
+    drive = Drive(simulation(room(5.0, 5.0, 0.05, walls), Pose2D(1.0, 2.45, 0.0), footprint=long))
+    assert drive.to(Pose2D(4.0, 2.45, 0.0), 60.0).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(1.0, 4.0, 2.0), 120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []

@@ -109,10 +109,10 @@ def furthest_leg(clearance, occupied, body, pose, points, floors):
                     continue
             turn = _between(pose[2], yaw)
             if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
-                return i, turn, spare
+                return i, turn, min(spare, now)
             turn -= math.copysign(2.0 * math.pi, turn)
             if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
-                return i, turn, spare
+                return i, turn, min(spare, now)
     return -1, 0.0, now
 
 

@@ -12,6 +12,7 @@ from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import STOP, Command, FollowOutcome, LocalPlanner, Velocity
 from rosoclingo.navigation.squeeze import Squeeze
+from rosoclingo.navigation.trail import Trail
 
 __all__ = ["FollowerLimits", "RolloutFollower"]
 
@@ -76,12 +77,13 @@ class RolloutFollower(LocalPlanner):
         self._body = Body(radius, footprint)
         self._squeeze = Squeeze(self._body, limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
         self._held: Optional[Pose2D] = None  # where a tight place began
+        self._trail, self._backing = Trail(), False
         self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
-            self._arrived, self._held, self._lull = False, None, 0.0
+            self._arrived, self._held, self._lull, self._backing = False, None, 0.0, False
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -98,6 +100,9 @@ class RolloutFollower(LocalPlanner):
         if self._arrived:
             return self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
         self._watch(now)
+        if self._backing:
+            return self._back(now)
+        self._trail.note(pose)
         if self._held is None and self._lull < LULL and not self._is_narrow(now):
             carrot = self._carrot(now)
             command = self._towards(now, carrot) if carrot is not None else Command(FollowOutcome.BLOCKED)
@@ -135,15 +140,31 @@ class RolloutFollower(LocalPlanner):
             velocity = self._squeeze.command(now, points[far]) if far.any() else None
             if velocity is not None:
                 return Command(FollowOutcome.DRIVING, velocity)
-        return self._escape(now, points[0])
+        self._backing = self._lull >= PATIENCE and not self._has_room(now, now.pose[:2])
+        return self._back(now) if self._backing else self._escape(now, points[0])
+
+    def _back(self, now: Situation) -> Command:
+        """Go back the way the robot came, until it can turn."""
+        point = self._trail.back(now.pose)
+        if point is not None and not self._has_room(now, now.pose[:2]):
+            speeds = np.array([-1.0, -0.5]) * self.limits.creep_vel_x
+            found = self._best(now, point, Trial(speeds, np.full(2, -CLOSE), 0.0, (1.0, 0.0, 0.0)))
+            if found is not None:
+                return Command(FollowOutcome.DRIVING, found)
+        self._backing = False
+        return self._escape(now, self._points[self._index])
+
+    def _has_room(self, now: Situation, *points: Sequence[float]) -> bool:
+        """Tell whether the robot can turn at points (m); a disc always can."""
+        if not self.footprint:
+            return True
+        cells = now.costmap.all_to_cells(np.array(points))
+        return bool(least_at(now.costmap.clearance, cells) * now.costmap.resolution >= self._body.outer)
 
     def _is_narrow(self, now: Situation) -> bool:
-        """Tell whether the path ahead leads where a robot that is no disc cannot turn: it must get straight in."""
-        if not self.footprint:
-            return False
-        points = points_at(self._points, self._along, self._index, self._place + self._ahead)
-        room = least_at(now.costmap.clearance, now.costmap.all_to_cells(points)) * now.costmap.resolution
-        return bool(room < self._body.outer)
+        """Tell whether the path ahead leads where the robot cannot turn: it must get straight in."""
+        ahead = points_at(self._points, self._along, self._index, self._place + self._ahead)
+        return bool(self.footprint) and not self._has_room(now, *ahead)
 
     def _escape(self, now: Situation, point: Sequence[float]) -> Command:
         """Creep, backwards too, to where there is more room."""

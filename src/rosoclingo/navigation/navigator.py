@@ -253,12 +253,12 @@ class Navigator:
             self._best = min(self._best, length)
 
     def _watch_progress(self, now: float, pose: Pose2D) -> None:
-        """Keep the least length that was left; half a metre below it renews patience, below all others all of it."""
+        """Keep the least length that was left: half a metre less is progress, and less than ever renews recoveries."""
         length = self.follower.length_left(pose)
         if length < self._best - self.limits.oscillation_distance:
-            self._best, self._last_progress, self._recovery = length, now, 0
+            self._best, self._last_progress = length, now
         if length < self._least - self.limits.oscillation_distance:
-            self._least, self._left = length, 0
+            self._least, self._left, self._recovery = length, 0, 0
 
     def _stuck(self, now: float, pose: Pose2D) -> bool:
         """Tell whether the way left has not become shorter for progress_timeout, the end of the way aside."""
