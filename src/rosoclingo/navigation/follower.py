@@ -167,10 +167,9 @@ class RolloutFollower(LocalPlanner):
         return bool(self.footprint) and not self._has_room(now, *ahead)
 
     def _escape(self, now: Situation, point: Sequence[float]) -> Command:
-        """Creep, backwards too, to where there is more room."""
-        slow = self.limits.creep_vel_x
-        speeds = np.array([slow, 0.5 * slow, -0.5 * slow, -slow])
-        found = self._best(now, point, Trial(speeds, np.full(4, -CLOSE), 2.0 * self.radius, (0.1, 0.0, 1.0)))
+        """Creep, backwards too, or turn to where there is more room."""
+        speeds = np.array([1.0, 0.5, 0.0, -0.5, -1.0]) * self.limits.creep_vel_x
+        found = self._best(now, point, Trial(speeds, np.full(5, -CLOSE), 2.0 * self.radius, (0.1, 0.0, 1.0)))
         if found is None or self._lull > 2.0 * PATIENCE:
             self._held, self._lull = None, 0.0
             return Command(FollowOutcome.BLOCKED)
