@@ -21,6 +21,7 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_update,
     process_solver,
+    retiring,
 )
 from rosoclingo.oclingo.process import SolverProcess
 from rosoclingo.oclingo.state import Past
@@ -240,7 +241,7 @@ RUN = """
 at(0,0).
 #program cumulative(t).
 #external _request/2.
-{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1).
+{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
 at(X,t) :- _action_lib(go,X,t).
 at(X,t) :- at(X,t-1), not moved(t).
 moved(t) :- _action_lib(go,X,t).
@@ -276,7 +277,9 @@ def test_a_long_stream_goes_on_from_a_state_not_from_its_start():
         assert len(there.snapshot().log) < 60
         # 84 asked to go to 84 % 5 - 2, which is done by now; what was shown of retired steps is still told
         assert parse_atom("at(2,90)") in answer & other
-        assert {atom.arguments[1].number for atom in other if atom.name == "at"} == set(range(91))
+        shown = {atom.arguments[1].number for atom in other if atom.name == "at"} - {0}  # which base holds
+        assert shown == set(range(min(shown), 91))
+        assert min(shown) <= 90 - retiring.SHOWN_STEPS
 
 
 def test_states_travel_as_messages():
