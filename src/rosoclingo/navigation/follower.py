@@ -168,8 +168,9 @@ class RolloutFollower(LocalPlanner):
 
     def _escape(self, now: Situation, point: Sequence[float]) -> Command:
         """Creep, backwards too, or turn to where there is more room."""
-        speeds = np.array([1.0, 0.5, 0.0, -0.5, -1.0]) * self.limits.creep_vel_x
-        found = self._best(now, point, Trial(speeds, np.full(5, -CLOSE), 2.0 * self.radius, (0.1, 0.0, 1.0)))
+        parts = (1.0, 0.5, 0.0, -0.5, -1.0) if self.footprint else (1.0, 0.5, -0.5, -1.0)
+        speeds = np.array(parts) * self.limits.creep_vel_x
+        found = self._best(now, point, Trial(speeds, np.full(len(parts), -CLOSE), 2.0 * self.radius, (0.1, 0.0, 1.0)))
         if found is None or self._lull > 2.0 * PATIENCE:
             self._held, self._lull = None, 0.0
             return Command(FollowOutcome.BLOCKED)
