@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit, square_distance
+from rosoclingo.navigation.compiled import square_distance
 from rosoclingo.navigation.compiled_path import point_clearance
+from rosoclingo.navigation.jit import jit
 
 __all__ = ["best_command", "body_clearance", "furthest_leg", "spare_after", "turn_spare"]
 
@@ -38,12 +39,18 @@ def body_clearance(clearance, occupied, body, x, y, yaw, enough):
 
 
 @jit
+def _arc(v, w, time):
+    """Return half the turn (rad) of an arc, and the length of its chord, whose direction that is."""
+    half = 0.5 * w * time
+    return half, v * time * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+
+
+@jit
 def spare_after(clearance, occupied, body, x, y, yaw, v, w, horizon, steps, least, enough):
     """Return the least body clearance along an arc of ``horizon`` s; stops looking where that is below ``least``."""
     dt = horizon / steps
     found = np.inf
-    half = 0.5 * w * dt
-    chord = v * dt * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+    half, chord = _arc(v, w, dt)
     for _ in range(steps):
         x += chord * math.cos(yaw + half)
         y += chord * math.sin(yaw + half)
@@ -138,8 +145,7 @@ def best_command(clearance, occupied, body, pose, speeds, turns, carrot, needs, 
         for j in range(turns.shape[0]):
             if abs(speeds[i]) < 1e-6 and abs(turns[j]) < 0.05:
                 continue  # to stand still is the caller's last resort
-            half = 0.5 * turns[j] * horizon
-            chord = speeds[i] * horizon * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+            half, chord = _arc(speeds[i], turns[j], horizon)
             x, y = pose[0] + chord * math.cos(pose[2] + half), pose[1] + chord * math.sin(pose[2] + half)
             away = math.hypot(carrot[0] - x, carrot[1] - y)
             bearing = math.atan2(carrot[1] - y, carrot[0] - x) - pose[2] - 2.0 * half
