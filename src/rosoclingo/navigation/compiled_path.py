@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import jit, square_distance
+from rosoclingo.navigation.compiled import square_distance
 from rosoclingo.navigation.compiled_places import line_is_clear
+from rosoclingo.navigation.jit import jit
 
 __all__ = [
     "furthest_clear",

@@ -165,6 +165,7 @@ class CoreNode:
         start, limit = time.monotonic(), self._parameters.search_timeout
 
         def look() -> Optional[Halt]:
+            """Return why the search is to end now, None while it may go on."""
             self._health.tick()
             elapsed = time.monotonic() - start
             if self._ending:

@@ -149,6 +149,7 @@ class SimulatorNode:
         answer: queue.Queue[Optional[str]] = queue.Queue(1)
 
         def job() -> None:
+            """Do the work, and answer with its fault or None."""
             try:
                 work()
             except WorldError as error:

@@ -216,6 +216,7 @@ class Engine:
             options.opt_mode = "optN"
 
         def keep(model: clingo.Model) -> None:
+            """Take a model for an answer; of a program that optimizes, only one that is proven best."""
             if not best or model.optimality_proven:
                 self.shown = frozenset(model.symbols(shown=True)) - self._hidden
                 answers.append(self.shown | self._retired)

@@ -95,6 +95,7 @@ class SolverProcess:
         """Have the solver at ``place``, whose state is that after ``log``, do a command; return the child's reply."""
 
         def ask() -> Message:
+            """Tell the child what it has not been told of the log yet, and the command."""
             self._prepare(stopped, place.number, log)
             assert self._child is not None
             missing = list(log[self._taken[place.number] :])

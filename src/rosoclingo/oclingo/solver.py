@@ -142,6 +142,7 @@ class ReactiveSolver:
             update = strings_apart(update)
 
         def take() -> None:
+            """Go through the steps up to the horizon, as the search did."""
             transaction.begin(update, lambda: transaction.state.horizon >= horizon)
             while transaction.state.horizon < horizon:
                 transaction.grow()

@@ -146,6 +146,7 @@ def main() -> None:
         os.dup2(2, 1)  # what a script in a program prints must not get among the replies
 
         def answer(message: Message) -> None:
+            """Write a whole message to the parent: one write may take only a part of it."""
             data = memoryview(encode(message))
             while data:
                 data = data[replies.write(data) :]

@@ -79,6 +79,7 @@ def remembering(met: Met[T], known: Dict[FrozenSet[T], bool]) -> Met[T]:
     """The same test, which asks for no set of things whose answer follows from those ``known``, which it adds to."""
 
     def ask(things: Tuple[T, ...]) -> bool:
+        """Tell whether things can be met together; a part of what can be can, more than what cannot be cannot."""
         key = frozenset(things)
         if any(answer and key <= other for other, answer in known.items()):
             return True

@@ -17,6 +17,7 @@ def feed(planner: Planner, batch: Batch, desk: GoalDesk, problem: Callable[[str]
     """
 
     def refused(error: SolverError, goals: Sequence[Goal]) -> None:
+        """Report an update that the solver does not take, and end the goals that it was for."""
         dropped = isinstance(error, DroppedError)
         why = ": ".join(filter(None, (planner.ended_by if dropped else "", str(error))))
         problem(f"update {batch.update.step} is {'dropped' if dropped else 'refused by the solver'}: {why}")

@@ -139,6 +139,7 @@ class Planner:
         look, halt = self._watch(), None
 
         def stopped() -> bool:
+            """Tell whether the search is to end; the first reason is kept."""
             nonlocal halt
             halt = halt or look()
             return halt is not None

@@ -93,6 +93,7 @@ class ElementTranslator:
         ranges: List[Literal] = []
 
         def name(term: Term) -> Term:
+            """Return a variable in place of an interval, which its range is kept for, and any other term as it is."""
             if not isinstance(term, Interval):
                 return term
             variable = self._naming.fresh()
