@@ -107,22 +107,26 @@ def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
 
 
 class Counted:
-    """Counts and marks of a row of cells that one ray looks along."""
+    """Counts and marks of rows of cells that one ray at a time looks along, ``spacing`` rad from the next."""
 
-    def __init__(self):
+    def __init__(self, spacing=0.0):
         self.counts, self.marks, self.mapped = (np.zeros((5, 9), dtype=np.uint8) for _ in range(3))
+        self.spots, self.spacing = np.zeros((5, 9, 2), dtype=np.uint8), spacing
 
-    def ray(self, length, hit=True, times=1):
+    def ray(self, length, hit=True, times=1, y=2.5):
         for _ in range(times):
             window = count_rays(
                 self.counts,
                 self.marks,
+                self.spots,
                 self.mapped,
                 0.5,
-                2.5,
+                y,
                 np.zeros(1),
                 np.array([length]),
                 np.array([hit]),
+                0.2,
+                self.spacing,
                 2,
                 24,
                 8,
@@ -152,6 +156,34 @@ def test_rare_hits_are_noise_and_rare_passes_clear_nothing():
         row.ray(5.2, times=2)
         row.ray(7.0, hit=False, times=3)
     assert row.marks.sum() == 1
+
+
+def test_what_fills_a_part_of_a_cell_is_not_cleared_by_what_passes_beside_it():
+    row = Counted()
+    row.ray(5.2, times=12, y=2.1)
+    row.ray(7.0, hit=False, times=100, y=2.4)
+    assert row.marks.sum() == 1
+    row.ray(7.0, hit=False, times=24, y=2.25)
+    assert not row.marks.any()
+
+
+def test_where_rays_are_far_apart_one_that_passes_by_will_do():
+    row = Counted(spacing=0.2)  # some 0.9 cells there
+    row.ray(5.2, times=12, y=2.1)
+    row.ray(7.0, hit=False, times=24, y=2.7)
+    assert row.marks.sum() == 1
+    row.ray(7.0, hit=False, times=24, y=2.5)
+    assert not row.marks.any()
+
+
+def test_the_place_of_what_is_hit_follows_the_hits():
+    row = Counted()
+    row.ray(5.2, times=12, y=2.1)
+    row.ray(5.2, times=40, y=2.8)
+    row.ray(7.0, hit=False, times=24, y=2.1)
+    assert row.marks.sum() == 1
+    row.ray(7.0, hit=False, times=24, y=2.8)
+    assert not row.marks.any()
 
 
 def test_hits_on_the_map_are_left_out():

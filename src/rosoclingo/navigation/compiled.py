@@ -104,14 +104,17 @@ def _leaves(index, step, size):
 
 
 @jit
-def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, sure):
+def count_rays(counts, marks, spots, mapped, x, y, angles, lengths, hits, near, spacing, gain, limit, sure):
     """Count what rays from (x, y) crossed and hit, and mark and clear by that.
 
-    ``counts`` (uint8 H, W) goes down by 1 for each ray that crosses a cell before its ``lengths`` end, and up by
-    ``gain`` to ``limit`` in the cell where it ends, if it ``hits`` (bool n) there. ``marks`` (uint8 H, W) is set where
-    a count reaches ``sure``, cleared where it comes down to 0, and else stays: noise does not set and clear a cell in
-    turns. Hits in cells that are ``mapped`` (uint8 H, W) are left out. Returns the window (row0, row1, column0,
-    column1; half-open) of the marks changed, empty (0, 0, 0, 0) where none was.
+    ``counts`` (uint8 H, W) goes up by ``gain`` to ``limit`` in the cell where a ray ends, if it ``hits`` (bool n)
+    there, and ``spots`` (uint8 H, W, 2; in 1/256 of a cell from its lower left) keeps the place. It goes down by 1 for
+    each ray that crosses a cell before its ``lengths`` end and passes that place no further than ``near`` (cells), or
+    half of what is between two rays ``spacing`` rad apart: what fills a part of a cell only is not cleared by what
+    passes beside it. ``marks`` (uint8 H, W) is set where a count reaches ``sure``, cleared where it comes down to 0,
+    and else stays: noise does not set and clear a cell in turns. Hits in cells that are ``mapped`` (uint8 H, W) are
+    left out. Returns the window (row0, row1, column0, column1; half-open) of the marks changed, empty (0, 0, 0, 0)
+    where none was.
     """
     height, width = marks.shape
     low_r, high_r, low_c, high_c = height, -1, width, -1
@@ -125,7 +128,12 @@ def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, 
         next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
         next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
         for _ in range(abs(last_c - column) + abs(last_r - row)):
-            if 0 <= row < height and 0 <= column < width and counts[row, column]:
+            if (
+                0 <= row < height
+                and 0 <= column < width
+                and counts[row, column]
+                and _passes(column - x, row - y, dx, dy, spots[row, column], near, spacing)
+            ):
                 counts[row, column] -= 1
                 if counts[row, column] == 0 and marks[row, column]:
                     marks[row, column] = 0
@@ -138,12 +146,11 @@ def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, 
     for i in range(angles.shape[0]):
         if not hits[i]:
             continue
-        column, row = (
-            int(math.floor(x + math.cos(angles[i]) * lengths[i])),
-            int(math.floor(y + math.sin(angles[i]) * lengths[i])),
-        )
+        px, py = x + math.cos(angles[i]) * lengths[i], y + math.sin(angles[i]) * lengths[i]
+        column, row = int(math.floor(px)), int(math.floor(py))
         if not (0 <= row < height and 0 <= column < width) or mapped[row, column]:
             continue
+        _note(spots[row, column], px - column, py - row, counts[row, column] == 0)
         # It takes fewer hits to stay marked than to become so: else noise would open and close a passage in turns.
         counts[row, column] = min(counts[row, column] + (3 * gain if marks[row, column] else gain), limit)
         if counts[row, column] >= sure and not marks[row, column]:
@@ -153,6 +160,21 @@ def count_rays(counts, marks, mapped, x, y, angles, lengths, hits, gain, limit, 
     if high_r < 0:
         return 0, 0, 0, 0
     return low_r, high_r + 1, low_c, high_c + 1
+
+
+@jit
+def _passes(x, y, dx, dy, spot, near, spacing):
+    """Tell whether a ray from the origin towards (dx, dy) passes the ``spot`` in a cell at (x, y)."""
+    x, y = x + (spot[0] + 0.5) / 256.0, y + (spot[1] + 0.5) / 256.0
+    return abs(x * dy - y * dx) <= max(near, 0.5 * spacing * math.hypot(x, y))
+
+
+@jit
+def _note(spot, x, y, first) -> None:
+    """Move a spot towards where in its cell (0 .. 1) something was hit: the first time all the way, then a part."""
+    for axis in range(2):
+        at = min(255.0, 256.0 * (x if axis == 0 else y))
+        spot[axis] = np.uint8(at if first else spot[axis] + 0.25 * (at - spot[axis]))
 
 
 @jit

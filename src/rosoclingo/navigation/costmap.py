@@ -18,6 +18,7 @@ EMPTY: Window = (0, 0, 0, 0)
 # A hit counts for so many rays that pass; from SURE on a cell is marked, and LIMIT is as sure as it gets: what hits in
 # less than a third of all scans is noise, and what has gone is forgotten after LIMIT rays have passed.
 GAIN, SURE, LIMIT = 2, 8, 24
+NEAR = 0.01  # m: a ray that passes so near to what was hit shows that it has gone
 SPARE = 0.005  # m that ways keep free beside the robot's radius: no robot drives along a wall that it touches
 NEARBY = 1.5  # m: what is hit within it and not marked yet is kept, for who has to brake
 SCANS = 3  # for so many scans: what is seen edge on is not hit in each
@@ -62,6 +63,7 @@ class Costmap:
         self._occupied = static.copy()
         self._marks = np.zeros(grid.shape, dtype=np.uint8)
         self._counts = np.zeros(grid.shape, dtype=np.uint8)
+        self._spots = np.zeros((*grid.shape, 2), dtype=np.uint8)
         self._marked = 0
         self._static = static
         self.clearance = np.empty(grid.shape, dtype=np.float32)
@@ -116,8 +118,10 @@ class Costmap:
         # What is hit is marked where it is, however far off clearing ends.
         ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max)))
         lengths = ends / self.resolution + 1e-3
+        spacing = float(abs(angles[-1] - angles[0])) / max(1, len(angles) - 1) if len(angles) else 0.0
         window = count_rays(
-            self._counts, self._marks, self._mapped, x, y, turned, lengths, hits, GAIN, LIMIT, SURE
+            self._counts, self._marks, self._spots, self._mapped, x, y, turned, lengths, hits,
+            NEAR / self.resolution, spacing, GAIN, LIMIT, SURE,
         )  # fmt: skip
         changed = self._changed(window)
         # What is neither on the map nor marked yet.
