@@ -144,9 +144,8 @@ class Tour:
     def __init__(self, floor: Floor, variant: Variant, random, things: int, events: float) -> None:
         self.grid, self.random, self.variant, self.events = floor.grid, random, variant, events
         room = max(0.3, variant.reach + 0.02)
-        self.free = np.argwhere(
-            Costmap(self.grid, CostmapLimits(inflation_radius=0.6)).clearance * self.grid.resolution > room
-        )
+        clearance = Costmap(self.grid, CostmapLimits(inflation_radius=0.6)).clearance * self.grid.resolution
+        self.free = np.argwhere((clearance > room) & (self.grid.cells >= 0))
         start = self.somewhere()
         spots = [self.somewhere() for _ in range(things)]
         spots = [spot for spot in spots if start.distance(spot) > 0.8]

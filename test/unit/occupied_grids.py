@@ -18,8 +18,9 @@ def clearance_of(occupied, reach=50.0):
     return out
 
 
-def ground_of(occupied, radius, reach=8.0):
-    ground = Ground(clearance_of(occupied, reach), occupied, np.full(occupied.shape, 7, dtype=np.uint8), radius)
+def ground_of(occupied, radius, reach=8.0, unknown=None):
+    inland = clearance_of(np.zeros_like(occupied) if unknown is None else unknown, reach)
+    ground = Ground(clearance_of(occupied, reach), occupied, inland, np.full(occupied.shape, 7, dtype=np.uint8), radius)
     update_places(ground, 0, occupied.shape[0], 0, occupied.shape[1])
     return ground
 

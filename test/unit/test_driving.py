@@ -169,6 +169,18 @@ def test_a_rectangular_robot():
     assert drive.collisions == []
 
 
+@pytest.mark.parametrize("footprint", [(), ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))])
+def test_past_a_patch_that_the_map_does_not_know(footprint):
+    """The way keeps off it, as the planner of move_base does; the robot's sides may be over it."""
+    grid = room(6.0, 6.0)
+    rows, columns = np.indices(grid.shape)
+    grid.cells[np.hypot(rows - 60, columns - 60) < 30] = -1
+    drive = Drive(simulation(grid, Pose2D(0.6, 2.9), footprint=footprint))
+    for goal in (Pose2D(5.4, 3.1, 1.5), Pose2D(3.1, 0.6, 0.0), Pose2D(2.9, 5.4, 0.0)):
+        assert drive.to(goal, limit=120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []
+
+
 def test_the_robot_gives_up_when_it_cannot_move():
     """Its wheels do not turn: no progress, recovery, and an end in bounded time."""
     drive = Drive(

@@ -137,13 +137,29 @@ def test_few_cells_have_a_place_besides_their_middle():
 @settings(max_examples=150, deadline=None)
 def test_a_line_is_clear_if_each_of_its_points_is(occupied, ends, radius):
     x0, y0, x1, y1 = ends
-    clear = line_is_clear(ground_of(occupied, radius, 50.0).clearance, occupied, x0, y0, x1, y1, radius)
+    clear = line_is_clear(ground_of(occupied, radius, 50.0), x0, y0, x1, y1, radius)
     away = [distance(occupied, x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) for t in np.linspace(0, 1, 400)]
     inside = all(0 <= x < occupied.shape[1] and 0 <= y < occupied.shape[0] for x, y in ((x0, y0), (x1, y1)))
     if not inside:
         assert not clear
     elif abs(min(away) - radius) > 0.05:
         assert clear == (min(away) > radius)
+
+
+@given(GRIDS, st.tuples(*[st.floats(0.0, 20.0)] * 4))
+@settings(max_examples=150, deadline=None)
+def test_a_line_is_not_clear_where_nobody_knows_what_is_there(unknown, ends):
+    x0, y0, x1, y1 = (min(end, size - 0.01) for end, size in zip(ends, unknown.shape[::-1] * 2))
+    clear = line_is_clear(ground_of(np.zeros_like(unknown), 1.0, 50.0, unknown), x0, y0, x1, y1, 1.0)
+    depth = [-_depth(unknown, x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) for t in np.linspace(0, 1, 400)]
+    if min(depth) > 0.0 or min(depth) < -0.1:  # a corner may be cut by less
+        assert clear == (min(depth) > 0.0)
+
+
+def _depth(unknown, x, y):
+    """How deep a point is in unknown cells, below 0 outside."""
+    known = distance(1 - unknown, x, y)
+    return known if known > 0.0 else -distance(unknown, x, y) or -1e-9
 
 
 def test_the_nearest_place():

@@ -45,7 +45,7 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def path_is_clear(clearance, occupied, points, x, y, radius, bare) -> bool:
+def path_is_clear(ground, points, x, y, radius, bare) -> bool:
     """Tell whether a disc of ``radius`` (cells) can go along points (float64 n, 2), one of ``bare`` at their end.
 
     What is behind the robot at (x, y) does not matter, and near to it a way may be as tight as it is there.
@@ -57,13 +57,13 @@ def path_is_clear(clearance, occupied, points, x, y, radius, bare) -> bool:
         away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
         if away < best:
             best, start = away, i
-    here = min(radius, square_distance(occupied, x, y, radius + 0.5) - 1e-3)
+    here = min(radius, square_distance(ground.occupied, x, y, radius + 0.5) - 1e-3)
     for i in range(start, points.shape[0] - 1):
         x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
         least = here if math.hypot(x0 - x, y0 - y) < near else radius
         if radius > bare and math.hypot(x1 - last[0], y1 - last[1]) < near:
             least = min(bare, least)
-        if not line_is_clear(clearance, occupied, x0, y0, x1, y1, least):
+        if not line_is_clear(ground, x0, y0, x1, y1, least):
             return False
     return True
 

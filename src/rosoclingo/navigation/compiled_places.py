@@ -29,22 +29,25 @@ HALF_DIAGONAL = math.sqrt(0.5)
 class Ground(NamedTuple):
     """What a planner plans on; all arrays (height, width).
 
-    ``clearance``: float32, distance of each cell's centre from what is occupied, -1 where nothing may go;
-    ``occupied``: uint8; ``places``: uint8, made by :func:`update_places`; ``radius``: what a way keeps free.
+    ``clearance``: float32, distance of each cell's centre from what is ``occupied`` (uint8); ``inland``: float32, from
+    where no way may lead, as nobody knows what is there, below 0 in that; ``places``: uint8, made by
+    :func:`update_places`; ``radius``: what a way keeps free.
     """
 
     clearance: np.ndarray
     occupied: np.ndarray
+    inland: np.ndarray
     places: np.ndarray
     radius: float
 
 
 @jit
-def line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
-    """Tell whether a segment (in cells) keeps ``radius`` away from what is occupied, and off what is closed.
+def line_is_clear(ground, x0, y0, x1, y1, radius):
+    """Tell whether a segment (in cells) keeps ``radius`` away from what is occupied, and off what nobody knows.
 
     Distances are exact (looked at every tenth of a cell) where it is tight, and bounded by the field elsewhere.
     """
+    clearance, occupied, inland = ground.clearance, ground.occupied, ground.inland
     height, width = clearance.shape
     length = math.hypot(x1 - x0, y1 - y0)
     done = 0.0
@@ -52,7 +55,7 @@ def line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
         part = done / length if length > 0.0 else 0.0
         x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
         column, row = math.floor(x), math.floor(y)
-        if not (0 <= row < height and 0 <= column < width):
+        if not (0 <= row < height and 0 <= column < width) or inland[row, column] < 0.0:
             return False
         off_centre = math.hypot(x - column - 0.5, y - row - 0.5)
         spare = clearance[row, column] - off_centre - radius
@@ -64,7 +67,7 @@ def line_is_clear(clearance, occupied, x0, y0, x1, y1, radius):
                 return False
         if done >= length:
             return True
-        done = min(length, done + max(spare, 0.1))
+        done = min(length, done + max(min(spare, inland[row, column] - off_centre), 0.1))
 
 
 @jit
@@ -88,14 +91,16 @@ def places_of(places, cells):
 @jit
 def update_places(ground, row0, row1, column0, column1) -> None:
     """Bring ``ground.places[row0:row1, column0:column1]`` up to date with clearance and occupancy."""
-    clearance, places, radius = ground.clearance, ground.places, ground.radius
+    clearance, inland, places, radius = ground.clearance, ground.inland, ground.places, ground.radius
     least = math.sqrt(radius * radius + 0.5)
     for row in range(row0, row1):
         for column in range(column0, column1):
             room = clearance[row, column]
-            if room >= least:
+            if inland[row, column] < 0.0:
+                places[row, column] = NOWHERE
+            elif room >= least:
                 places[row, column] = OPEN
-            elif room + HALF_DIAGONAL < radius or _is_needless(clearance, row, column, least, radius):
+            elif room + HALF_DIAGONAL < radius or _is_needless(ground, row, column, least):
                 places[row, column] = NOWHERE
             else:
                 places[row, column] = _best_place(ground.occupied, row, column, radius)
@@ -113,16 +118,19 @@ def _best_place(occupied, row, column, radius):
 
 
 @jit
-def _is_needless(clearance, row, column, least, radius):
+def _is_needless(ground, row, column, least):
     """Tell whether the ways past a cell that is not open are open without it.
 
     They are when the open cells around it hang together, unless a cell next to it has no open ones around itself.
     """
+    clearance, inland, radius = ground.clearance, ground.inland, ground.radius
     height, width = clearance.shape
     free, tight = 0, 0
     for r in range(max(0, row - AROUND), min(height, row + AROUND + 1)):
         for c in range(max(0, column - AROUND), min(width, column + AROUND + 1)):
             bit = 1 << (SPAN * (r - row + AROUND) + c - column + AROUND)
+            if inland[r, c] < 0.0:
+                continue
             if clearance[r, c] >= least:
                 free |= bit
             elif clearance[r, c] + HALF_DIAGONAL >= radius:
@@ -150,7 +158,7 @@ def nearest_place(ground, x, y, reach, direct):
 
     ``direct``: only one to which a straight line is clear.
     """
-    clearance, occupied, places, radius = ground
+    places = ground.places
     height, width = places.shape
     row, column = math.floor(y), math.floor(x)
     span = int(reach) + 1
@@ -161,6 +169,6 @@ def nearest_place(ground, x, y, reach, direct):
                 continue
             px, py = place_of(places, r, c)
             away = 0.0 if r == row and c == column and not direct else math.hypot(px - x, py - y)
-            if away < best and not (direct and not line_is_clear(clearance, occupied, x, y, px, py, radius)):
+            if away < best and not (direct and not line_is_clear(ground, x, y, px, py, ground.radius)):
                 best, best_row, best_column = away, r, c
     return best_row, best_column

@@ -19,6 +19,7 @@ def body_clearance(clearance, occupied, body, x, y, yaw, enough):
     in and those along its edge, which are left out where more than ``enough`` is certain. Exact where it is tight,
     interpolated elsewhere.
     """
+    height, width = clearance.shape
     count = body.shape[0]
     if count > 1:
         spare = point_clearance(clearance, x, y) - body[0, 2]
@@ -31,7 +32,8 @@ def body_clearance(clearance, occupied, body, x, y, yaw, enough):
         py = y + s * body[i, 0] + c * body[i, 1]
         spare = point_clearance(clearance, px, py) - body[i, 2]
         if spare - 0.75 < least:  # the interpolation may be that wrong
-            if spare + body[i, 2] > -1.0 and spare < 0.75 and clearance[int(py), int(px)] > -0.9:
+            on_grid = 0.0 <= px < width and 0.0 <= py < height
+            if on_grid and spare < 0.75:
                 spare = square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
             least = min(least, spare)
             within += min(0.0, spare)

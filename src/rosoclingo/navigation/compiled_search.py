@@ -104,12 +104,12 @@ def _pop(keys, items, size):
 @jit
 def _leads(ground, row, column, r, c):
     """Tell whether the straight line from the place in a cell to that in a cell next to it is clear."""
-    clearance, occupied, places, radius = ground
+    places = ground.places
     if places[row, column] == OPEN and places[r, c] == OPEN:
         return True
     x0, y0 = place_of(places, row, column)
     x1, y1 = place_of(places, r, c)
-    return line_is_clear(clearance, occupied, x0, y0, x1, y1, radius)
+    return line_is_clear(ground, x0, y0, x1, y1, ground.radius)
 
 
 @jit
@@ -119,7 +119,7 @@ def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_
     Uses cells in which there is a place; start and goal must be such cells.
     ``landmarks``: float32 (n, cells), n from 0 on: what each cell costs from each landmark, infinity beyond reach.
     """
-    clearance, _, places, _ = ground
+    clearance, places = ground.clearance, ground.places
     height, width = clearance.shape
     total = height * width
     costs = np.full(total, np.inf, dtype=np.float32)
@@ -169,7 +169,7 @@ def spread(ground, comfort, weight, costs, keys, items, size, most):
     ``items`` (int32) hold its 0 and its cell, and ``size`` is 1. It is done when ``size`` is 0.
     Cells without a place are given costs too, as what the laser sees may make them needed, but lead nowhere.
     """
-    clearance, _, places, _ = ground
+    clearance, places = ground.clearance, ground.places
     height, width = clearance.shape
     while size > 0 and most > 0:
         key = keys[0]

@@ -90,7 +90,7 @@ def _price_between(clearance, a, b, comfort, weight):
 def _shortcut(ground, start, end, comfort, weight, cost):
     """Tell whether the line between two points is clear and costs no more than ``cost``."""
     x0, y0, x1, y1 = start[0], start[1], end[0], end[1]
-    if not line_is_clear(ground.clearance, ground.occupied, x0, y0, x1, y1, ground.radius):
+    if not line_is_clear(ground, x0, y0, x1, y1, ground.radius):
         return False
     return _segment_price(ground.clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
 
@@ -98,7 +98,7 @@ def _shortcut(ground, start, end, comfort, weight, cost):
 @jit
 def tighten(points, ground, comfort, weight, rounds):
     """Pull a way (float64 n, 2) tight: move inner points towards the line between their neighbours where that pays."""
-    clearance, occupied, _, radius = ground
+    clearance = ground.clearance
     for _ in range(rounds):
         for i in range(1, points.shape[0] - 1):
             a, b = points[i - 1], points[i + 1]
@@ -118,8 +118,8 @@ def tighten(points, ground, comfort, weight, rounds):
                 there += _segment_price(clearance, nx, ny, b[0], b[1], comfort, weight)
                 if (
                     there < now
-                    and line_is_clear(clearance, occupied, a[0], a[1], nx, ny, radius)
-                    and line_is_clear(clearance, occupied, nx, ny, b[0], b[1], radius)
+                    and line_is_clear(ground, a[0], a[1], nx, ny, ground.radius)
+                    and line_is_clear(ground, nx, ny, b[0], b[1], ground.radius)
                 ):
                     points[i, 0], points[i, 1] = nx, ny
                     break

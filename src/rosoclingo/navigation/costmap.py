@@ -46,9 +46,9 @@ class CostmapLimits(NamedTuple):
 class Costmap:
     """A grid with a clearance field: for each cell the distance to the nearest obstacle, cut off at ``reach``.
 
-    ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`),
-    -1 where nothing may go: unknown cells, unless allowed. ``grounds`` are what planners plan on, with that clearance,
-    for each of the radii to plan with; ``static_grounds`` are the same for the map alone.
+    ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`).
+    ``grounds`` are what planners plan on, with that clearance, for each of the radii to plan with: off unknown cells,
+    unless these are allowed; ``static_grounds`` are the same for the map alone.
     ``unmarked`` (n, 2; m) is what the last few scans hit nearby that is neither on the map nor marked yet.
     """
 
@@ -67,14 +67,17 @@ class Costmap:
         self._marked = 0
         self._static = static
         self.clearance = np.empty(grid.shape, dtype=np.float32)
+        inland = np.empty(grid.shape, dtype=np.float32)
+        update_clearance(self._closed.view(np.uint8), self.reach, 0, grid.shape[0], 0, grid.shape[1], inland)
+        blank = Ground(self.clearance, self._occupied, inland, inland, 0.0)
         self.grounds = tuple(
-            Ground(self.clearance, self._occupied, np.zeros(grid.shape, np.uint8), (radius + SPARE) / grid.resolution)
+            blank._replace(places=np.zeros(grid.shape, np.uint8), radius=(radius + SPARE) / grid.resolution)
             for radius in radii
         )
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
-        clearance = self.clearance.copy()
+        alone = blank._replace(clearance=self.clearance.copy(), occupied=static)
         self.static_grounds = tuple(
-            Ground(clearance, static, ground.places.copy(), ground.radius) for ground in self.grounds
+            alone._replace(places=ground.places.copy(), radius=ground.radius) for ground in self.grounds
         )
         near = self.limits.static_tolerance / grid.resolution
         self.unmarked = np.empty((0, 2))
@@ -175,8 +178,6 @@ class Costmap:
         row0, row1 = max(0, row0 - margin), min(self.grid.shape[0], row1 + margin)
         column0, column1 = max(0, column0 - margin), min(self.grid.shape[1], column1 + margin)
         update_clearance(self._occupied, self.reach, row0, row1, column0, column1, self.clearance)
-        part = (slice(row0, row1), slice(column0, column1))
-        self.clearance[part][self._closed[part]] = -1.0
         for ground in self.grounds:
             update_places(ground, row0, row1, column0, column1)
 

@@ -34,7 +34,8 @@ MOMENT = 0.25
 # what the laser just touches is marked in some scans only, and must not draw the robot to and fro.
 SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 # A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals. The factor
-# counts once more for each detour: what seems to be open and closed in turns must not draw the robot to and fro.
+# counts once more for each detour and each way left: what seems to be open and closed in turns must not draw it to and
+# fro.
 WORTHWHILE = 0.9
 
 
@@ -211,7 +212,7 @@ class Navigator:
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
-        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._detours):
+        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._detours + self._left):
             return True
         self._left += keep and not good
         self.plan, self._good_until = plan, now
@@ -241,7 +242,7 @@ class Navigator:
         x, y = costmap.to_cells(pose.x, pose.y)
         bare = self.follower.radius / costmap.resolution
         radius = max(bare, self.plan.radius / costmap.resolution)
-        return bool(path_is_clear(costmap.clearance, costmap.occupied, cells, x, y, radius, bare))
+        return bool(path_is_clear(costmap.grounds[0], cells, x, y, radius, bare))
 
     def _note_progress(self, now: float) -> None:
         """Take a new way's length for what there is left to drive; only to have driven is progress."""
