@@ -39,6 +39,7 @@ SETTLED = 90.0  # s without a change after which the robot is judged by what sta
 SPEED = 0.65  # m/s
 ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
 LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
+BODIES = {"disc": (), "erratic": ERRATIC, "long": LONG}
 
 
 class Variant(NamedTuple):
@@ -250,6 +251,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--events", type=int, default=4, help="in how many of ten drives something happens")
     parser.add_argument("--plain", action="store_true", help="a disc, straight clean maps, control at 10 Hz")
+    parser.add_argument("--body", choices=BODIES, help="the robot's body on all floors")
     arguments = parser.parse_args()
     counts = dict.fromkeys(("reached", "told", "either", "MISSED", "NO END"), 0)
     begin, collisions, simulated, slowness, aborts, costs = time.time(), 0, 0.0, [], [], []
@@ -257,6 +259,8 @@ def main() -> None:
     for seed, kind in enumerate(kinds, arguments.seed):
         random = np.random.default_rng(seed)
         variant = Variant() if arguments.plain else varied(kind, random)
+        if arguments.body:
+            variant = variant._replace(footprint=BODIES[arguments.body])
         floor = variant.floor(kind, random, seed)
         tour = Tour(floor, variant, random, 6 if kind == "small" else 60, arguments.events / 10.0)
         for number in range(arguments.goals):

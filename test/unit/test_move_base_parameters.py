@@ -134,6 +134,7 @@ SETTINGS = [
     ("global_costmap/obstacle_layer/obstacle_range", 2.5, lambda s: s.costmap.obstacle_range, 2.5),
     ("global_costmap/obstacle_layer/raytrace_range", 3.0, lambda s: s.costmap.raytrace_range, 3.0),
     ("global_costmap/obstacle_layer/static_tolerance", 0.0, lambda s: s.costmap.static_tolerance, 0.0),
+    ("global_costmap/obstacle_layer/most_tolerance", 0.2, lambda s: s.costmap.most_tolerance, 0.2),
     ("global_costmap/obstacle_layer/base_scan/topic", "scan", lambda s: s.frames.scan_topic, "scan"),
     ("global_costmap/obstacle_layer/base_scan/expected_update_rate", 0.4, lambda s: s.frames.scan_timeout, 0.4),
     ("local_costmap/publish_frequency", 0.0, lambda s: s.publish_periods[1], float("inf")),

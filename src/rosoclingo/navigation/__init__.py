@@ -6,11 +6,19 @@ from rosoclingo.lazy import loader
 
 if TYPE_CHECKING:
     from rosoclingo.navigation.costmap import Costmap, CostmapLimits
-    from rosoclingo.navigation.follower import FollowerLimits, RolloutFollower
+    from rosoclingo.navigation.follower import RolloutFollower
     from rosoclingo.navigation.geometry import Pose2D, normalize_angle, quaternion_to_yaw, yaw_to_quaternion
     from rosoclingo.navigation.grid import MapError, OccupancyGrid, load_map
     from rosoclingo.navigation.local_planner import Command, FollowOutcome, LocalPlanner, Velocity
-    from rosoclingo.navigation.navigation_types import NavigationError, NavigatorLimits, Outcome, Result, State, Tick
+    from rosoclingo.navigation.navigation_types import (
+        FollowerLimits,
+        NavigationError,
+        NavigatorLimits,
+        Outcome,
+        Result,
+        State,
+        Tick,
+    )
     from rosoclingo.navigation.navigator import Navigator
     from rosoclingo.navigation.patience import PatienceClock
     from rosoclingo.navigation.planner import GlobalPlanner, GridPlanner, GridPlannerLimits, Plan, PlanOutcome
@@ -59,7 +67,7 @@ __getattr__ = loader(
         "Costmap": "costmap",
         "CostmapLimits": "costmap",
         "FollowOutcome": "local_planner",
-        "FollowerLimits": "follower",
+        "FollowerLimits": "navigation_types",
         "GlobalPlanner": "planner",
         "GridPlanner": "planner",
         "GridPlannerLimits": "planner",

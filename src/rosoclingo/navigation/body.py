@@ -5,7 +5,8 @@ from typing import NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled_rollout import body_clearance, turn_spare
+from rosoclingo.navigation.compiled_body import Around, around, body_clearance
+from rosoclingo.navigation.compiled_rollout import turn_spare
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import Velocity, inscribed_radius
@@ -16,12 +17,13 @@ FINEST = 0.0125  # m between the discs along an edge: finer ones gain nothing
 
 
 class Situation(NamedTuple):
-    """What a command is found for: the map, the robot's pose and velocity, and for how long (s)."""
+    """What a command is found for: the map, the robot's pose and velocity, and for how long (s); what it touches."""
 
     costmap: Costmap
     pose: Pose2D
     velocity: Velocity
     period: float
+    around: Around
 
     def bearing(self, point: Sequence[float]) -> float:
         """Return the angle (rad) by which the robot would have to turn to face a point."""
@@ -72,19 +74,20 @@ class Body:
             discs += [(*(a + (b - a) * (i / count)), 0.5 * length / count) for i in range(count)]
         return np.array(discs) / resolution
 
+    def situation(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Situation:
+        """Return what a command is found for, with what the body touches there."""
+        discs, cells = self.discs(costmap.resolution), (*costmap.to_cells(pose.x, pose.y), pose.yaw)
+        return Situation(costmap, pose, velocity, period, around(costmap.clearance, costmap.occupied, discs, *cells))
+
     def spare(self, now: Situation, enough: float) -> float:
         """Return how far (m) the body is from what is nearest; may be less where more than ``enough`` is certain."""
-        costmap = now.costmap
-        spare = body_clearance(
-            costmap.clearance, costmap.occupied, self.discs(costmap.resolution), *now.cells, enough / costmap.resolution
-        )
-        return float(spare) * costmap.resolution
+        scale = now.costmap.resolution
+        return float(body_clearance(now.around, self.discs(scale), *now.cells, enough / scale)) * scale
 
     def may_turn(self, now: Situation, angle: float) -> bool:
         """Tell whether turning on the spot by ``angle`` rad touches nothing that the body does not touch now."""
         if not self.footprint:
             return True
-        costmap = now.costmap
-        discs, cells = self.discs(costmap.resolution), now.cells
-        least = min(0.0, body_clearance(costmap.clearance, costmap.occupied, discs, *cells, 0.0) - 1e-3)
-        return bool(turn_spare(costmap.clearance, costmap.occupied, discs, *cells, angle, least) >= least)
+        discs, cells = self.discs(now.costmap.resolution), now.cells
+        least = min(0.0, body_clearance(now.around, discs, *cells, 0.0) - 1e-3)
+        return bool(turn_spare(now.around, discs, *cells, angle, least) >= least)

@@ -1,4 +1,4 @@
-"""Loops over grid cells that numba compiles: clearance, ray casting, clearing by rays.
+"""Loops over grid cells that numba compiles: clearance, distances, ray casting, what costmaps show.
 
 All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (metres - origin) / resolution; cell
 (row, column) is the square [column, column + 1] x [row, row + 1].
@@ -10,7 +10,7 @@ import numpy as np
 
 from rosoclingo.navigation.jit import jit
 
-__all__ = ["cast_rays", "count_rays", "hits_apart", "inflate", "square_distance", "update_clearance"]
+__all__ = ["cast_rays", "inflate", "square_distance", "update_clearance"]
 
 
 @jit
@@ -101,99 +101,6 @@ def cast_rays(occupied, x, y, angles, reach, out) -> None:
 def _leaves(index, step, size):
     """Tell whether a walk at ``index`` with this ``step`` is outside of 0 .. size - 1 and will not come back."""
     return (index < 0 and step < 0) or (index >= size and step > 0)
-
-
-@jit
-def count_rays(counts, marks, spots, mapped, x, y, angles, lengths, hits, near, spacing, gain, limit, sure):
-    """Count what rays from (x, y) crossed and hit, and mark and clear by that.
-
-    ``counts`` (uint8 H, W) goes up by ``gain`` to ``limit`` in the cell where a ray ends, if it ``hits`` (bool n)
-    there, and ``spots`` (uint8 H, W, 2; in 1/256 of a cell from its lower left) keeps the place. It goes down by 1 for
-    each ray that crosses a cell before its ``lengths`` end and passes that place no further than ``near`` (cells), or
-    half of what is between two rays ``spacing`` rad apart: what fills a part of a cell only is not cleared by what
-    passes beside it. ``marks`` (uint8 H, W) is set where a count reaches ``sure``, cleared where it comes down to 0,
-    and else stays: noise does not set and clear a cell in turns. Hits in cells that are ``mapped`` (uint8 H, W) are
-    left out. Returns the window (row0, row1, column0, column1; half-open) of the marks changed, empty (0, 0, 0, 0)
-    where none was.
-    """
-    height, width = marks.shape
-    low_r, high_r, low_c, high_c = height, -1, width, -1
-    for i in range(angles.shape[0]):
-        dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        column, row = int(math.floor(x)), int(math.floor(y))
-        last_c, last_r = int(math.floor(x + dx * lengths[i])), int(math.floor(y + dy * lengths[i]))
-        step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
-        per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
-        per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
-        next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
-        next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
-        for _ in range(abs(last_c - column) + abs(last_r - row)):
-            if (
-                0 <= row < height
-                and 0 <= column < width
-                and counts[row, column]
-                and _passes(column - x, row - y, dx, dy, spots[row, column], near, spacing)
-            ):
-                counts[row, column] -= 1
-                if counts[row, column] == 0 and marks[row, column]:
-                    marks[row, column] = 0
-                    low_r, high_r = min(low_r, row), max(high_r, row)
-                    low_c, high_c = min(low_c, column), max(high_c, column)
-            if next_c < next_r:
-                next_c, column = next_c + per_c, column + step_c
-            else:
-                next_r, row = next_r + per_r, row + step_r
-    for i in range(angles.shape[0]):
-        if not hits[i]:
-            continue
-        px, py = x + math.cos(angles[i]) * lengths[i], y + math.sin(angles[i]) * lengths[i]
-        column, row = int(math.floor(px)), int(math.floor(py))
-        if not (0 <= row < height and 0 <= column < width) or mapped[row, column]:
-            continue
-        _note(spots[row, column], px - column, py - row, counts[row, column] == 0)
-        # It takes fewer hits to stay marked than to become so: else noise would open and close a passage in turns.
-        counts[row, column] = min(counts[row, column] + (3 * gain if marks[row, column] else gain), limit)
-        if counts[row, column] >= sure and not marks[row, column]:
-            marks[row, column] = 1
-            low_r, high_r = min(low_r, row), max(high_r, row)
-            low_c, high_c = min(low_c, column), max(high_c, column)
-    if high_r < 0:
-        return 0, 0, 0, 0
-    return low_r, high_r + 1, low_c, high_c + 1
-
-
-@jit
-def _passes(x, y, dx, dy, spot, near, spacing):
-    """Tell whether a ray from the origin towards (dx, dy) passes the ``spot`` in a cell at (x, y)."""
-    x, y = x + (spot[0] + 0.5) / 256.0, y + (spot[1] + 0.5) / 256.0
-    return abs(x * dy - y * dx) <= max(near, 0.5 * spacing * math.hypot(x, y))
-
-
-@jit
-def _note(spot, x, y, first) -> None:
-    """Move a spot towards where in its cell (0 .. 1) something was hit: the first time all the way, then a part."""
-    for axis in range(2):
-        at = min(255.0, 256.0 * (x if axis == 0 else y))
-        spot[axis] = np.uint8(at if first else spot[axis] + 0.25 * (at - spot[axis]))
-
-
-@jit
-def hits_apart(clearance, x, y, angles, ranges, hits, near, apart):
-    """Return the points (float64 n, 2) that rays from (x, y) ``hit``, more than ``apart`` from what is occupied.
-
-    Only those closer than ``near``, and on the grid of ``clearance``.
-    """
-    height, width = clearance.shape
-    points = np.empty((angles.shape[0], 2))
-    size = 0
-    for i in range(angles.shape[0]):
-        if hits[i] and ranges[i] < near:
-            px, py = x + ranges[i] * math.cos(angles[i]), y + ranges[i] * math.sin(angles[i])
-            column, row = int(math.floor(px)), int(math.floor(py))
-            if 0 <= row < height and 0 <= column < width and clearance[row, column] > apart:
-                points[size, 0], points[size, 1] = px, py
-                size += 1
-    return points[:size].copy()
 
 
 @jit

@@ -9,10 +9,10 @@ from rosoclingo.navigation.compiled_places import line_is_clear
 from rosoclingo.navigation.jit import jit
 
 __all__ = [
+    "first_block",
     "furthest_clear",
     "least_along",
     "least_at",
-    "path_is_clear",
     "place_on",
     "point_clearance",
     "points_at",
@@ -45,10 +45,11 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def path_is_clear(ground, points, x, y, radius, bare) -> bool:
-    """Tell whether a disc of ``radius`` (cells) can go along points (float64 n, 2), one of ``bare`` at their end.
+def first_block(ground, points, x, y, radius, bare):
+    """Return where (x, y) a disc of ``radius`` (cells) cannot go on along points (float64 n, 2), NaN for nowhere.
 
-    What is behind the robot at (x, y) does not matter, and near to it a way may be as tight as it is there.
+    At their end one of ``bare``. What is behind the robot at (x, y) does not matter, and near to it a way may be as
+    tight as it is there.
     """
     near = 2.0 * radius + 3.0
     last = points[points.shape[0] - 1]
@@ -64,8 +65,11 @@ def path_is_clear(ground, points, x, y, radius, bare) -> bool:
         if radius > bare and math.hypot(x1 - last[0], y1 - last[1]) < near:
             least = min(bare, least)
         if not line_is_clear(ground, x0, y0, x1, y1, least):
-            return False
-    return True
+            part = 0.0
+            while part < 0.95 and line_is_clear(ground, x0, y0, x0 + part * (x1 - x0), y0 + part * (y1 - y0), least):
+                part += 0.1
+            return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+    return np.nan, np.nan
 
 
 @jit

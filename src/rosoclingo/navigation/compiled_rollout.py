@@ -4,40 +4,11 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import square_distance
+from rosoclingo.navigation.compiled_body import body_clearance
 from rosoclingo.navigation.compiled_path import point_clearance
 from rosoclingo.navigation.jit import jit
 
-__all__ = ["best_command", "body_clearance", "furthest_leg", "spare_after", "turn_spare"]
-
-
-@jit
-def body_clearance(clearance, occupied, body, x, y, yaw, enough):
-    """Return how far (cells) a body at a pose is from what is nearest; less than 0, the more it is in that.
-
-    ``body``: float64 (n, 3), discs (x, y, radius in cells, in the robot's frame): one, or one that the whole robot is
-    in and those along its edge, which are left out where more than ``enough`` is certain. Exact where it is tight,
-    interpolated elsewhere.
-    """
-    height, width = clearance.shape
-    count = body.shape[0]
-    if count > 1:
-        spare = point_clearance(clearance, x, y) - body[0, 2]
-        if spare > enough:
-            return spare
-    least, within = np.inf, 0.0
-    c, s = math.cos(yaw), math.sin(yaw)
-    for i in range(min(1, count - 1), count):
-        px = x + c * body[i, 0] - s * body[i, 1]
-        py = y + s * body[i, 0] + c * body[i, 1]
-        spare = point_clearance(clearance, px, py) - body[i, 2]
-        if spare - 0.75 < least:  # the interpolation may be that wrong
-            on_grid = 0.0 <= px < width and 0.0 <= py < height
-            if on_grid and spare < 0.75:
-                spare = square_distance(occupied, px, py, body[i, 2] + 0.75) - body[i, 2]
-            least = min(least, spare)
-            within += min(0.0, spare)
-    return within if within < 0.0 else least
+__all__ = ["best_command", "furthest_leg", "spare_after", "turn_spare"]
 
 
 @jit
@@ -48,7 +19,7 @@ def _arc(v, w, time):
 
 
 @jit
-def spare_after(clearance, occupied, body, x, y, yaw, v, w, horizon, steps, least, enough):
+def spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
     """Return the least body clearance along an arc of ``horizon`` s; stops looking where that is below ``least``."""
     dt = horizon / steps
     found = np.inf
@@ -57,28 +28,28 @@ def spare_after(clearance, occupied, body, x, y, yaw, v, w, horizon, steps, leas
         x += chord * math.cos(yaw + half)
         y += chord * math.sin(yaw + half)
         yaw += w * dt
-        found = min(found, body_clearance(clearance, occupied, body, x, y, yaw, enough))
+        found = min(found, body_clearance(near, body, x, y, yaw, enough))
         if found < least:
             break
     return found
 
 
 @jit
-def turn_spare(clearance, occupied, body, x, y, yaw, turn, least):
+def turn_spare(near, body, x, y, yaw, turn, least):
     """Return the least body clearance while turning on the spot; stops looking where that is below ``least``."""
-    found = body_clearance(clearance, occupied, body, x, y, yaw, max(0.0, least))
-    if body.shape[0] == 1 or point_clearance(clearance, x, y) - body[0, 2] > least:
+    found = body_clearance(near, body, x, y, yaw, max(0.0, least))
+    if body.shape[0] == 1 or point_clearance(near.clearance, x, y) - body[0, 2] > least:
         return found  # it needs no more room than it has
     steps = int(abs(turn) / 0.05) + 1
     for i in range(1, steps + 1):
         if found < least:
             break
-        found = min(found, body_clearance(clearance, occupied, body, x, y, yaw + turn * i / steps, max(0.0, least)))
+        found = min(found, body_clearance(near, body, x, y, yaw + turn * i / steps, max(0.0, least)))
     return found
 
 
 @jit
-def _straight_spare(clearance, occupied, body, x, y, to_x, to_y, least):
+def _straight_spare(near, body, x, y, to_x, to_y, least):
     """Return the least body clearance while driving straight on; stops looking where that is below ``least``."""
     length = math.hypot(to_x - x, to_y - y)
     yaw = math.atan2(to_y - y, to_x - x)
@@ -86,7 +57,7 @@ def _straight_spare(clearance, occupied, body, x, y, to_x, to_y, least):
     done, found = 0.0, np.inf
     while True:
         part = done / length if length > 0.0 else 0.0
-        here = body_clearance(clearance, occupied, body, x + (to_x - x) * part, y + (to_y - y) * part, yaw, least + 2.0)
+        here = body_clearance(near, body, x + (to_x - x) * part, y + (to_y - y) * part, yaw, least + 2.0)
         found = min(found, here)
         if done >= length or found < least:
             return found
@@ -94,33 +65,33 @@ def _straight_spare(clearance, occupied, body, x, y, to_x, to_y, least):
 
 
 @jit
-def furthest_leg(clearance, occupied, body, pose, points, floors):
+def furthest_leg(near, body, pose, points, floors):
     """Return (index, turn, spare) of the last of ``points`` that the body can turn to and then drive to straight.
 
     ``pose``: x, y (cells), yaw. The first of ``floors`` (cells, descending) that is possible at all is kept; a body
     that has not got as much room now may keep what it has. ``turn`` (rad): the short or the long way round; the index
     is -1 where nothing is possible. A leg ends where the body can turn to the next of the points.
     """
-    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], floors[0])
+    now = body_clearance(near, body, pose[0], pose[1], pose[2], floors[0])
     last = points.shape[0] - 1
     for floor in floors:
         least = min(floor, now - 1e-3)
         for i in range(last, -1, -1):
             x, y = points[i, 0], points[i, 1]
             yaw = math.atan2(y - pose[1], x - pose[0])
-            spare = _straight_spare(clearance, occupied, body, pose[0], pose[1], x, y, least)
+            spare = _straight_spare(near, body, pose[0], pose[1], x, y, least)
             if spare < least:
                 continue
             if i < last and body.shape[0] > 1:
                 dx, dy = points[i + 1, 0] - x, points[i + 1, 1] - y
                 on = _between(yaw, math.atan2(dy, dx)) if dx * dx + dy * dy > 1e-9 else 0.0
-                if turn_spare(clearance, occupied, body, x, y, yaw, on, least) < least:
+                if turn_spare(near, body, x, y, yaw, on, least) < least:
                     continue
             turn = _between(pose[2], yaw)
-            if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
+            if turn_spare(near, body, pose[0], pose[1], pose[2], turn, least) >= least:
                 return i, turn, min(spare, now)
             turn -= math.copysign(2.0 * math.pi, turn)
-            if turn_spare(clearance, occupied, body, pose[0], pose[1], pose[2], turn, least) >= least:
+            if turn_spare(near, body, pose[0], pose[1], pose[2], turn, least) >= least:
                 return i, turn, min(spare, now)
     return -1, 0.0, now
 
@@ -132,7 +103,7 @@ def _between(yaw, other):
 
 
 @jit
-def best_command(clearance, occupied, body, pose, speeds, turns, carrot, needs, comfort, horizon, steps, weights):
+def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizon, steps, weights):
     """Return (index of speed, index of turn) of the best command, -1 where none is safe.
 
     ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells). A command is
@@ -140,7 +111,7 @@ def best_command(clearance, occupied, body, pose, speeds, turns, carrot, needs, 
     and its amount is not there now, does not come closer.
     ``weights``: of the distance to the carrot (1/cell), the angle to it (1/rad), nearness to obstacles (1/cell).
     """
-    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], comfort)
+    now = body_clearance(near, body, pose[0], pose[1], pose[2], comfort)
     best, best_i, best_j = np.inf, -1, -1
     for i in range(speeds.shape[0]):
         least = needs[i] if needs[i] > 0.0 else min(-needs[i], now - 1e-6)
@@ -157,8 +128,7 @@ def best_command(clearance, occupied, body, pose, speeds, turns, carrot, needs, 
             if score >= best:
                 continue
             spare = spare_after(
-                clearance,
-                occupied,
+                near,
                 body,
                 pose[0],
                 pose[1],

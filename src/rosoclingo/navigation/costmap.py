@@ -6,10 +6,12 @@ from typing import Deque, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.compiled import count_rays, hits_apart, inflate, update_clearance
+from rosoclingo.navigation.compiled import inflate, update_clearance
+from rosoclingo.navigation.compiled_marks import Evidence, Mapped, Rules, count_rays, hits_apart
 from rosoclingo.navigation.compiled_places import Ground, update_places
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.grid import OCCUPIED, OccupancyGrid
+from rosoclingo.navigation.scan_noise import ScanNoise
 
 __all__ = ["SPARE", "Costmap", "CostmapLimits", "Window"]
 
@@ -20,6 +22,8 @@ EMPTY: Window = (0, 0, 0, 0)
 GAIN, SURE, LIMIT = 2, 8, 24
 NEAR = 0.01  # m: a ray that passes so near to what was hit shows that it has gone
 SPARE = 0.005  # m that ways keep free beside the robot's radius: no robot drives along a wall that it touches
+SCATTER = 3.5  # times the standard deviation of the laser's noise
+BAR = 0.1  # m around a point that is barred
 NEARBY = 1.5  # m: what is hit within it and not marked yet is kept, for who has to brake
 SCANS = 3  # for so many scans: what is seen edge on is not hit in each
 
@@ -28,8 +32,9 @@ class CostmapLimits(NamedTuple):
     """How the costmap reads map and laser; lengths in m. Names and meanings as in costmap_2d.
 
     ``static_tolerance`` is this costmap's own: a hit that near to something on the map is that thing, not a new one,
-    so that noise does not make walls thicker and doors narrower. So are ``way_radii``, what ways keep free, widest
-    first: each where there is no way by those before it; empty for ``robot_radius`` alone.
+    so that noise does not make walls thicker and doors narrower; with a noisy laser it is more, up to
+    ``most_tolerance``. So are ``way_radii``, what ways keep free, widest first: each where there is no way by those
+    before it; empty for ``robot_radius`` alone.
     """
 
     robot_radius: float = 0.18
@@ -37,7 +42,8 @@ class CostmapLimits(NamedTuple):
     cost_scaling_factor: float = 10.0
     obstacle_range: float = 5.0
     raytrace_range: float = 6.0
-    static_tolerance: float = 0.1
+    static_tolerance: float = 0.04
+    most_tolerance: float = 0.1
     lethal_threshold: int = OCCUPIED
     allow_unknown: bool = False
     way_radii: Tuple[float, ...] = ()
@@ -48,7 +54,7 @@ class Costmap:
 
     ``clearance`` is float32 (height, width) in cells (see :func:`~rosoclingo.navigation.compiled.update_clearance`).
     ``grounds`` are what planners plan on, with that clearance, for each of the radii to plan with: off unknown cells,
-    unless these are allowed; ``static_grounds`` are the same for the map alone.
+    unless these are allowed, and off what is barred; ``static_grounds`` are the same for the map alone.
     ``unmarked`` (n, 2; m) is what the last few scans hit nearby that is neither on the map nor marked yet.
     """
 
@@ -61,28 +67,31 @@ class Costmap:
         static = grid.occupied(self.limits.lethal_threshold)
         self._closed = (grid.cells < 0) & (not self.limits.allow_unknown)
         self._occupied = static.copy()
-        self._marks = np.zeros(grid.shape, dtype=np.uint8)
-        self._counts = np.zeros(grid.shape, dtype=np.uint8)
-        self._spots = np.zeros((*grid.shape, 2), dtype=np.uint8)
+        counts, marks = np.zeros((2, *grid.shape), dtype=np.uint8)
+        self._evidence = Evidence(counts, marks, np.zeros((*grid.shape, 2), dtype=np.uint8))
         self._marked = 0
         self._static = static
+        self._noise = ScanNoise()
         self.clearance = np.empty(grid.shape, dtype=np.float32)
-        inland = np.empty(grid.shape, dtype=np.float32)
-        update_clearance(self._closed.view(np.uint8), self.reach, 0, grid.shape[0], 0, grid.shape[1], inland)
-        blank = Ground(self.clearance, self._occupied, inland, inland, 0.0)
+        self._has_bars = False
+        self._barred = self._closed.view(np.uint8).copy()
+        self._inland = np.empty(grid.shape, dtype=np.float32)
+        whole = (0, grid.shape[0], 0, grid.shape[1])
+        update_clearance(self._barred, self.reach, *whole, self._inland)
+        blank = Ground(self.clearance, self._occupied, self._inland, self._barred, 0.0)
         self.grounds = tuple(
             blank._replace(places=np.zeros(grid.shape, np.uint8), radius=(radius + SPARE) / grid.resolution)
             for radius in radii
         )
-        self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
-        alone = blank._replace(clearance=self.clearance.copy(), occupied=static)
+        self._refresh(whole, margin=0)
+        alone = blank._replace(clearance=self.clearance.copy(), occupied=static, inland=self._inland.copy())
         self.static_grounds = tuple(
             alone._replace(places=ground.places.copy(), radius=ground.radius) for ground in self.grounds
         )
-        near = self.limits.static_tolerance / grid.resolution
+        self._mapped = Mapped(static, alone.clearance)
+        self._known = Mapped(self._occupied, self.clearance)
         self.unmarked = np.empty((0, 2))
         self._unmarked: Deque[np.ndarray] = deque(maxlen=SCANS)
-        self._mapped = np.ascontiguousarray(self.clearance <= near, dtype=np.uint8)
 
     @property
     def has_marks(self) -> bool:
@@ -97,11 +106,15 @@ class Costmap:
     @property
     def marks(self) -> np.ndarray:
         """The cells (uint8, non-zero) that the laser marked."""
-        return self._marks
+        return self._evidence.marks
 
     def to_cells(self, x: float, y: float) -> Tuple[float, float]:
         """Return a point (m) in cells, as the compiled functions take it."""
         return (x - self.grid.origin_x) / self.resolution, (y - self.grid.origin_y) / self.resolution
+
+    def to_metres(self, x: float, y: float) -> Tuple[float, float]:
+        """Return a point (cells) in m."""
+        return self.grid.origin_x + x * self.resolution, self.grid.origin_y + y * self.resolution
 
     def all_to_cells(self, points: np.ndarray) -> np.ndarray:
         """Return points (float64 n, 2; m) in cells."""
@@ -121,18 +134,22 @@ class Costmap:
         # What is hit is marked where it is, however far off clearing ends.
         ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max)))
         lengths = ends / self.resolution + 1e-3
+        self._noise.see(np.where(hits, far, np.nan))
+        known = self._tolerance() / self.resolution
         spacing = float(abs(angles[-1] - angles[0])) / max(1, len(angles) - 1) if len(angles) else 0.0
-        window = count_rays(
-            self._counts, self._marks, self._spots, self._mapped, x, y, turned, lengths, hits,
-            NEAR / self.resolution, spacing, GAIN, LIMIT, SURE,
-        )  # fmt: skip
+        rules = Rules(GAIN, LIMIT, SURE, known, NEAR / self.resolution, spacing)
+        window = count_rays(self._evidence, self._mapped, x, y, turned, lengths, hits, rules)
         changed = self._changed(window)
         # What is neither on the map nor marked yet.
-        known = self.limits.static_tolerance / self.resolution
-        seen = hits_apart(self.clearance, x, y, turned, far / self.resolution, hits, NEARBY / self.resolution, known)
+        seen = hits_apart(self._known, x, y, turned, far / self.resolution, hits, NEARBY / self.resolution, known)
         self._unmarked.append(seen * self.resolution + (self.grid.origin_x, self.grid.origin_y))
         self.unmarked = np.concatenate(self._unmarked)
         return changed
+
+    def _tolerance(self) -> float:
+        """Return how near (m) to something on the map a hit is that thing: nearly all of what noise scatters is."""
+        least = self.limits.static_tolerance
+        return max(least, min(SCATTER * self._noise.deviation, self.limits.most_tolerance))
 
     def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
         """Drop what the laser marked further than ``beyond`` m (in x or y) from a point; tell whether any was."""
@@ -140,14 +157,38 @@ class Costmap:
             return False
         row, column = self.grid.cell(x, y)
         span = round(beyond / self.resolution)
-        kept = np.zeros_like(self._marks)
+        kept = np.zeros_like(self.marks)
         near = (slice(max(0, row - span), max(0, row + span)), slice(max(0, column - span), max(0, column + span)))
         if span > 0:
-            kept[near] = self._marks[near]
-        dropped = np.argwhere(self._marks != kept)
-        self._marks = kept
-        self._counts *= kept
+            kept[near] = self.marks[near]
+        dropped = np.argwhere(self.marks != kept)
+        self.marks[:] = kept
+        self._evidence.counts[:] *= kept
         return self._changed(_window_of(dropped))
+
+    def bar(self, x: float, y: float) -> None:
+        """Keep ways, as long as there are others, off a point (m) at which one has turned out to be blocked."""
+        row, column = self.grid.cell(x, y)
+        window = self._widened((row, row + 1, column, column + 1), math.ceil(BAR / self.resolution))
+        rows, columns = np.mgrid[window[0] : window[1], window[2] : window[3]]
+        self._barred[rows, columns] |= np.hypot(rows - row, columns - column) * self.resolution <= BAR
+        self._has_bars = True
+        self._bars_changed(window)
+
+    def unbar(self) -> bool:
+        """Take all bars away; tell whether there were any."""
+        if not self._has_bars:
+            return False
+        self._has_bars = False
+        barred = np.argwhere(self._barred != self._closed)
+        self._barred[:] = self._closed
+        self._bars_changed(_window_of(barred))
+        return True
+
+    def _bars_changed(self, window: Window) -> None:
+        window = self._widened(window, math.ceil(self.reach) + 1)
+        update_clearance(self._barred, self.reach, *window, self._inland)
+        self._update_places(window)
 
     def costs(self, first: Optional[Pose2D] = None, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
         """Return occupancy as navigation's costmap topics show it (int8: 100 lethal, 99 inscribed, .. 0 free, -1).
@@ -168,18 +209,25 @@ class Costmap:
         if window == EMPTY:
             return False
         self._refresh(window, margin=math.ceil(self.reach) + 1)
-        self._marked = int(np.count_nonzero(self._marks))
+        self._marked = int(np.count_nonzero(self.marks))
         return True
 
     def _refresh(self, window: Window, margin: int) -> None:
         row0, row1, column0, column1 = window
         part = (slice(row0, row1), slice(column0, column1))
-        self._occupied[part] = self._static[part] | self._marks[part]
-        row0, row1 = max(0, row0 - margin), min(self.grid.shape[0], row1 + margin)
-        column0, column1 = max(0, column0 - margin), min(self.grid.shape[1], column1 + margin)
-        update_clearance(self._occupied, self.reach, row0, row1, column0, column1, self.clearance)
+        self._occupied[part] = self._static[part] | self.marks[part]
+        window = self._widened(window, margin)
+        update_clearance(self._occupied, self.reach, *window, self.clearance)
+        self._update_places(window)
+
+    def _update_places(self, window: Window) -> None:
         for ground in self.grounds:
-            update_places(ground, row0, row1, column0, column1)
+            update_places(ground, *window)
+
+    def _widened(self, window: Window, margin: int) -> Window:
+        row0, row1, column0, column1 = window
+        height, width = self.grid.shape
+        return max(0, row0 - margin), min(height, row1 + margin), max(0, column0 - margin), min(width, column1 + margin)
 
 
 def _window_of(cells: np.ndarray) -> Window:

@@ -11,10 +11,11 @@ from rosoclingo.navigation.compiled_rollout import best_command
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import STOP, Command, FollowOutcome, LocalPlanner, Velocity
+from rosoclingo.navigation.navigation_types import FollowerLimits
 from rosoclingo.navigation.squeeze import Squeeze
 from rosoclingo.navigation.trail import Trail
 
-__all__ = ["FollowerLimits", "RolloutFollower"]
+__all__ = ["RolloutFollower"]
 
 # A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
 NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
@@ -25,30 +26,6 @@ WINDOW = 1.5  # m of the path within which the robot is looked for
 # Who has come less than GAIN (m) further in LULL (s) goes on in straight legs, and after PATIENCE (s) looks for room;
 # after twice that it says so. HOLD (m): a tight place is left behind after that much.
 GAIN, LULL, PATIENCE, HOLD = 0.05, 5.0, 10.0, 0.3
-
-
-class FollowerLimits(NamedTuple):
-    """Settings of :class:`RolloutFollower`, named as move_base's local planners name theirs (m, rad, s).
-
-    Its own: ``lookahead``, how far ahead on the path it aims; ``margin``, what it keeps free beside the robot where
-    there is room, at ``creep_vel_x`` and slower where there is not; ``comfort``, up to where more room counts as
-    better; ``turn_gain`` (1/s), by which it turns slower towards the end of a turn.
-    """
-
-    max_vel_x: float = 0.65
-    max_vel_theta: float = 1.2
-    acc_lim_x: float = 1.0
-    acc_lim_theta: float = 3.2
-    xy_goal_tolerance: float = 0.1
-    yaw_goal_tolerance: float = 0.1
-    sim_time: float = 1.2
-    vx_samples: int = 7
-    vtheta_samples: int = 21
-    lookahead: float = 0.7
-    margin: float = 0.02
-    creep_vel_x: float = 0.15
-    comfort: float = 0.15
-    turn_gain: float = 1.8
 
 
 class Trial(NamedTuple):
@@ -74,8 +51,10 @@ class RolloutFollower(LocalPlanner):
         self._goal = Pose2D(0.0, 0.0)
         self._index, self._place = 0, 0.0
         self._arrived = False
-        self._body = Body(radius, footprint)
-        self._squeeze = Squeeze(self._body, limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
+        self._whole = Body(radius, footprint)
+        self._circle = Body(self._whole.outer)  # in which it can turn
+        self._body = self._whole
+        self._squeeze = Squeeze(limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
         self._held: Optional[Pose2D] = None  # where a tight place began
         self._trail, self._backing = Trail(), False
         self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
@@ -93,7 +72,8 @@ class RolloutFollower(LocalPlanner):
         """Return the next command; see :class:`LocalPlanner`."""
         if not len(self._points):
             return Command(FollowOutcome.OFF_PATH)
-        now = Situation(costmap, pose, velocity, period)
+        self._body = self._whole
+        now = self._body.situation(costmap, pose, velocity, period)
         # Once there the robot only turns: what it drifts while turning must not send it off again (twice is leaving).
         tolerance = self.limits.xy_goal_tolerance * (2.0 if self._arrived else 1.0)
         self._arrived = now.distance(self._points[-1]) <= tolerance
@@ -103,7 +83,12 @@ class RolloutFollower(LocalPlanner):
         if self._backing:
             return self._back(now)
         self._trail.note(pose)
-        if self._held is None and self._lull < LULL and not self._is_narrow(now):
+        narrow = self._is_narrow(now)
+        if self.footprint and self._lull < LULL and not narrow and self._has_room(now, pose[:2]):
+            # Where it has the room to turn, and on a way that has, it is to keep that.
+            self._body = self._circle
+            now = self._body.situation(costmap, pose, velocity, period)
+        if self._held is None and self._lull < LULL and not narrow:
             carrot = self._carrot(now)
             command = self._towards(now, carrot) if carrot is not None else Command(FollowOutcome.BLOCKED)
             if command.outcome is not FollowOutcome.BLOCKED:
@@ -137,7 +122,7 @@ class RolloutFollower(LocalPlanner):
         points = points_at(self._points, self._along, self._index, np.concatenate(([self._place], places)))
         if self._lull < PATIENCE:
             far = np.hypot(*(points - now.pose[:2]).T) > 0.02
-            velocity = self._squeeze.command(now, points[far]) if far.any() else None
+            velocity = self._squeeze.command(self._body, now, points[far]) if far.any() else None
             if velocity is not None:
                 return Command(FollowOutcome.DRIVING, velocity)
         self._backing = self._lull >= PATIENCE and not self._has_room(now, now.pose[:2])
@@ -168,7 +153,7 @@ class RolloutFollower(LocalPlanner):
 
     def _escape(self, now: Situation, point: Sequence[float]) -> Command:
         """Creep, backwards too, or turn to where there is more room."""
-        parts = (1.0, 0.5, 0.0, -0.5, -1.0) if self.footprint else (1.0, 0.5, -0.5, -1.0)
+        parts = (1.0, 0.5, 0.0, -0.5, -1.0) if self._body.footprint else (1.0, 0.5, -0.5, -1.0)
         speeds = np.array(parts) * self.limits.creep_vel_x
         found = self._best(now, point, Trial(speeds, np.full(len(parts), -CLOSE), 2.0 * self.radius, (0.1, 0.0, 1.0)))
         if found is None or self._lull > 2.0 * PATIENCE:
@@ -219,8 +204,7 @@ class RolloutFollower(LocalPlanner):
         turns = np.append(0.5 * (low + high) + 0.5 * (high - low) * self._turns, 0.0)
         to_carrot, to_angle, to_room = trial.weights
         i, j = best_command(
-            now.costmap.clearance,
-            now.costmap.occupied,
+            now.around,
             self._body.discs(now.costmap.resolution),
             np.array(now.cells),
             trial.speeds * scale,
@@ -277,4 +261,4 @@ class RolloutFollower(LocalPlanner):
 
     def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
         """Tell whether turning on the spot at ``rate`` rad/s touches nothing that the robot does not touch now."""
-        return self._body.may_turn(Situation(costmap, pose, STOP, 0.0), 0.4 * rate)
+        return self._whole.may_turn(self._whole.situation(costmap, pose, STOP, 0.0), 0.4 * rate)

@@ -7,6 +7,7 @@ from rosoclingo.navigation.local_planner import STOP, Velocity
 
 __all__ = [
     "TRANSITIONS",
+    "FollowerLimits",
     "NavigationError",
     "NavigatorLimits",
     "Outcome",
@@ -88,3 +89,29 @@ class Tick(NamedTuple):
 
     velocity: Velocity = STOP
     result: Optional[Result] = None
+
+
+class FollowerLimits(NamedTuple):
+    """Settings of :class:`~rosoclingo.navigation.follower.RolloutFollower` (m, rad, s).
+
+    Named as move_base's local planners name theirs.
+
+    Its own: ``lookahead``, how far ahead on the path it aims; ``margin``, what it keeps free beside the robot where
+    there is room, at ``creep_vel_x`` and slower where there is not; ``comfort``, up to where more room counts as
+    better; ``turn_gain`` (1/s), by which it turns slower towards the end of a turn.
+    """
+
+    max_vel_x: float = 0.65
+    max_vel_theta: float = 1.2
+    acc_lim_x: float = 1.0
+    acc_lim_theta: float = 3.2
+    xy_goal_tolerance: float = 0.1
+    yaw_goal_tolerance: float = 0.1
+    sim_time: float = 1.2
+    vx_samples: int = 7
+    vtheta_samples: int = 21
+    lookahead: float = 0.7
+    margin: float = 0.02
+    creep_vel_x: float = 0.15
+    comfort: float = 0.15
+    turn_gain: float = 1.8

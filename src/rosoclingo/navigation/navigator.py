@@ -6,7 +6,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 from rosoclingo.navigation.brake import braked
-from rosoclingo.navigation.compiled_path import path_is_clear
+from rosoclingo.navigation.compiled_path import first_block
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.local_planner import FollowOutcome, LocalPlanner, Velocity
@@ -21,13 +21,12 @@ from rosoclingo.navigation.navigation_types import (
     Trigger,
 )
 from rosoclingo.navigation.planner import GlobalPlanner, Plan, PlanOutcome
+from rosoclingo.navigation.progress import Progress
 from rosoclingo.navigation.recovery import RecoveryBehavior
 
 __all__ = ["Navigator"]
 
 
-# A new way is a detour when it is that much (m) longer; a bound keeps a hopeless goal from lasting for ever.
-DETOUR, MOST_DETOURS = 1.0, 20
 # The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
 MOMENT = 0.25
 # For so long (s) a way must seem to be blocked to be left, by how many were left before without any progress since:
@@ -123,14 +122,14 @@ class Navigator:
 
     def _start(self, now: float) -> None:
         """Set the clocks and counts of a fresh goal."""
-        self._now = self._last_plan = self._last_control = self._last_progress = now
-        self._oscillation: Tuple[float, Optional[Pose2D]] = (now, None)
+        self._now = self._last_plan = self._last_control = now
+        self._progress = Progress(self.limits, now)
+        self._block: Optional[Tuple[float, float]] = None
+        self.costmap.unbar()
         self._planned_at = self._good_until = -math.inf
         self._tries = self._recovery = self._left = 0
         self._running: Optional[RecoveryBehavior] = None
         self._reason = ""
-        self._best = self._least = math.inf
-        self._detours = 0
         self._blind_since = None
 
     def _go(self, state: State) -> None:
@@ -159,11 +158,16 @@ class Navigator:
             self._last_plan = max(self._last_plan, now)
             self._go(State.PLANNING)
             return Tick()
-        if self._oscillates(now, pose):
-            return self._recover(now, pose, Trigger.OSCILLATION)
-        self._watch_progress(now, pose)
-        if self._stuck(now, pose):
-            return self._recover(now, pose, Trigger.STUCK)
+        if self._progress.see(now, self.follower.length_left(pose)):
+            self._left, self._recovery = 0, 0
+            self.costmap.unbar()
+        for trigger, reason in (
+            (Trigger.OSCILLATION, self._progress.oscillates(now, pose)),
+            (Trigger.STUCK, self._progress.stuck(now)),
+        ):
+            if reason:
+                self._reason = reason
+                return self._recover(now, pose, trigger)
         command = self.follower.compute(self.costmap, pose, velocity, period)
         if command.outcome is FollowOutcome.REACHED:
             return Tick(result=Result(Outcome.REACHED, "Goal reached."))
@@ -183,8 +187,9 @@ class Navigator:
             if not step.done:
                 return Tick(step.velocity)
         self._running = None
-        self._last_plan = self._last_control = self._last_progress = now
-        self._oscillation = (now, None)
+        self._last_plan = self._last_control = now
+        self._progress.renew(now)
+        self.costmap.unbar()
         self._tries = 0
         self._go(State.PLANNING)
         return Tick()
@@ -204,7 +209,11 @@ class Navigator:
 
     def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> bool:
         """Plan; tell whether there is a path to follow. ``keep``: the old one may stay, if the new one is no better."""
+        if keep and self._block is not None and self._left > 0 and not self._seems_good(now):
+            self.costmap.bar(*self._block)
         plan = self.planner.plan(self.costmap, pose, self.goal)
+        if plan.outcome is not PlanOutcome.FOUND and self.costmap.unbar():
+            plan = self.planner.plan(self.costmap, pose, self.goal)
         self._planned_at, self._changed = now, False
         if plan.outcome is not PlanOutcome.FOUND:
             self.plan = plan
@@ -212,18 +221,19 @@ class Navigator:
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
-        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._detours + self._left):
+        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._progress.detours + self._left):
             return True
         self._left += keep and not good
         self.plan, self._good_until = plan, now
         self.follower.set_plan(self.plan.points, self.goal)
         self.on_plan(self.plan.points)
-        self._note_progress(now)
+        self._progress.take_way(now, plan.length)
         return True
 
     def _replan(self, now: float, pose: Pose2D) -> bool:
         """Plan again where it is time to; tell whether there is a path to follow."""
-        if self._path_is_clear(pose):
+        self._block = self._first_block(pose)
+        if self._block is None:
             self._good_until = now
         if not self._changed:
             return True
@@ -236,46 +246,12 @@ class Navigator:
     def _seems_good(self, now: float) -> bool:
         return now - self._good_until <= SEEMS[min(self._left, len(SEEMS) - 1)]
 
-    def _path_is_clear(self, pose: Pose2D) -> bool:
+    def _first_block(self, pose: Pose2D) -> Optional[Tuple[float, float]]:
+        """Return the point (m) of the way at which it is blocked, None where it is not."""
         costmap = self.costmap
         cells = costmap.all_to_cells(self.plan.points)
         x, y = costmap.to_cells(pose.x, pose.y)
         bare = self.follower.radius / costmap.resolution
         radius = max(bare, self.plan.radius / costmap.resolution)
-        return bool(path_is_clear(costmap.grounds[0], cells, x, y, radius, bare))
-
-    def _note_progress(self, now: float) -> None:
-        """Take a new way's length for what there is left to drive; only to have driven is progress."""
-        length = self.plan.length
-        if length > self._best + DETOUR and self._detours < MOST_DETOURS:
-            # The way is blocked and another one known: that takes its time, but renews no recovery.
-            self._best, self._last_progress, self._detours = length, now, self._detours + 1
-        else:
-            self._best = min(self._best, length)
-
-    def _watch_progress(self, now: float, pose: Pose2D) -> None:
-        """Keep the least length that was left: half a metre less is progress, and less than ever renews recoveries."""
-        length = self.follower.length_left(pose)
-        if length < self._best - self.limits.oscillation_distance:
-            self._best, self._last_progress = length, now
-        if length < self._least - self.limits.oscillation_distance:
-            self._least, self._left, self._recovery = length, 0, 0
-
-    def _stuck(self, now: float, pose: Pose2D) -> bool:
-        """Tell whether the way left has not become shorter for progress_timeout, the end of the way aside."""
-        timeout = self.limits.progress_timeout
-        if timeout <= 0 or now - self._last_progress <= timeout + self._best:
-            return False
-        self._reason = f"the way left has not become shorter for {now - self._last_progress:.0f} s"
-        return True
-
-    def _oscillates(self, now: float, pose: Pose2D) -> bool:
-        since, place = self._oscillation
-        if place is None or place.distance(pose) >= self.limits.oscillation_distance:
-            self._oscillation = (now, pose)
-            return False
-        timeout = self.limits.oscillation_timeout
-        if timeout <= 0 or now - since <= timeout:
-            return False
-        self._reason = f"it moved less than {self.limits.oscillation_distance} m in {now - since:.0f} s"
-        return True
+        block = first_block(costmap.grounds[0], cells, x, y, radius, bare)
+        return None if math.isnan(block[0]) else costmap.to_metres(*block)

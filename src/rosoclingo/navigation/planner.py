@@ -8,7 +8,7 @@ import numpy as np
 
 from rosoclingo.navigation.compiled_places import Ground, nearest_place, places_of
 from rosoclingo.navigation.compiled_search import find_cells
-from rosoclingo.navigation.compiled_straightening import pull, straighten, tighten
+from rosoclingo.navigation.compiled_straightening import ease, pull, straighten, tighten
 from rosoclingo.navigation.costmap import SPARE, Costmap
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.landmarks import Landmarks, Tariff
@@ -18,6 +18,7 @@ __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOut
 STRAIGHT = 5.0  # weight of room on ways that are narrower than the robot's turning circle
 PULLS = 1  # of pulling a path straight part by part
 ROUNDS = 6  # of pulling a path tight
+EASE = 0.03  # m more than its radius and SPARE that a way keeps free where it bends, if there is room
 JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is a place of the ways
 
 
@@ -149,6 +150,7 @@ class GridPlanner(GlobalPlanner):
         points = straighten(points, ground, *tariff)
         tighten(points, ground, *tariff, ROUNDS)
         points = straighten(points, ground, *tariff)
+        ease(points, ground, EASE / costmap.resolution)
         return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points), ground.radius * costmap.resolution - SPARE)
 
     def prepare(self, costmap: Costmap) -> bool:

@@ -30,16 +30,15 @@ class Squeeze:
     as a leg would be bent by one that has to get faster first.
     """
 
-    def __init__(self, body: Body, speed: float, rate: float, gain: float) -> None:
-        self._body, self._speed, self._rate, self._gain = body, speed, rate, gain
+    def __init__(self, speed: float, rate: float, gain: float) -> None:
+        self._speed, self._rate, self._gain = speed, rate, gain
 
-    def command(self, now: Situation, points: np.ndarray) -> Optional[Velocity]:
+    def command(self, body: Body, now: Situation, points: np.ndarray) -> Optional[Velocity]:
         """Return what to drive to get on along points (float64 n, 2; m), None where no leg leads to any of them."""
         costmap = now.costmap
         i, turn, spare = furthest_leg(
-            costmap.clearance,
-            costmap.occupied,
-            self._body.discs(costmap.resolution),
+            now.around,
+            body.discs(costmap.resolution),
             np.array(now.cells),
             costmap.all_to_cells(points),
             FLOORS / costmap.resolution,
@@ -50,7 +49,7 @@ class Squeeze:
         if abs(turn) < 0.5 * math.pi:
             for part in PARTS:
                 velocity = Velocity(max(SLOWEST, part * fastest), self._clipped(self._gain * turn))
-                if self._is_clear(now, velocity, spare * costmap.resolution - SLACK):
+                if self._is_clear(body, now, velocity, spare * costmap.resolution - SLACK):
                     return velocity
         if abs(turn) <= FACING:
             return Velocity(SLOWEST, self._clipped(self._gain * turn))
@@ -61,11 +60,11 @@ class Squeeze:
     def _clipped(self, rate: float) -> float:
         return max(-self._rate, min(self._rate, rate))
 
-    def _is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
-        costmap = now.costmap
-        scale = 1.0 / costmap.resolution
+    @staticmethod
+    def _is_clear(body: Body, now: Situation, velocity: Velocity, least: float) -> bool:
+        scale = 1.0 / now.costmap.resolution
         found = spare_after(
-            costmap.clearance, costmap.occupied, self._body.discs(costmap.resolution), *now.cells,
+            now.around, body.discs(now.costmap.resolution), *now.cells,
             velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
         )  # fmt: skip
         return bool(found >= least * scale)

@@ -110,6 +110,7 @@ def _costmap(radius: float, ways: Tuple[float, ...]) -> CostmapLimits:
             ("obstacle_layer", "obstacle_range"),
             ("obstacle_layer", "raytrace_range"),
             ("obstacle_layer", "static_tolerance"),
+            ("obstacle_layer", "most_tolerance"),
         )
     }
     threshold = parameter(_layer("static_layer", "lethal_cost_threshold"), int, base.lethal_threshold)
