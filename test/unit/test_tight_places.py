@@ -110,3 +110,26 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
     assert drive.to(Pose2D(4.0, 2.45, 0.0), 60.0).outcome is Outcome.REACHED
     assert drive.to(Pose2D(1.0, 4.0, 2.0), 120.0).outcome is Outcome.REACHED
     assert drive.collisions == []
+
+
+ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
+LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
+
+
+@pytest.mark.parametrize("gap", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize("yaw", [0.0, np.pi])
+@pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])
+def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side, yaw, gap):
+    """There it cannot turn: a corner would touch the wall."""
+    drive = Drive(simulation(room(), Pose2D(3.0, 0.1 + side + gap, yaw), footprint=footprint))
+    assert drive.to(Pose2D(1.0, 4.0, 0.0), 120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []
+    assert drive.recoveries == []
+
+
+def test_what_could_not_be_got_through_is_gone_round():
+    """Behind the near door is a corner that a long robot cannot take; it backs out and takes the far one."""
+    walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.5, 3.1, 4.6), (3.55, 0.0, 3.65, 2.6), (2.9, 5.1, 3.1, 6.0)]
+    drive = Drive(simulation(room(walls=walls), Pose2D(1.5, 1.2), footprint=LONG))
+    assert drive.to(Pose2D(4.6, 1.2, 0.0), 300.0).outcome is Outcome.REACHED
+    assert drive.collisions == []

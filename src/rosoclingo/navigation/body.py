@@ -11,7 +11,7 @@ from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import Velocity, inscribed_radius
 
-__all__ = ["Body", "Situation"]
+__all__ = ["Body", "Situation", "Trial"]
 
 FINEST = 0.0125  # m between the discs along an edge: finer ones gain nothing
 
@@ -44,6 +44,19 @@ class Situation(NamedTuple):
         return (*self.costmap.to_cells(self.pose.x, self.pose.y), self.pose.yaw)
 
 
+class Trial(NamedTuple):
+    """Which commands to try: speeds (m/s), the room (m) each needs, the fastest turn (rad/s).
+
+    ``weights``, ``comfort``: see :func:`~rosoclingo.navigation.compiled_rollout.best_command`.
+    """
+
+    speeds: np.ndarray
+    needs: np.ndarray
+    comfort: float
+    weights: Tuple[float, float, float]
+    rate: float
+
+
 class Body:
     """A disc of ``radius`` m or a footprint, a sequence of corners (x, y) in m in the robot's frame.
 
@@ -73,6 +86,10 @@ class Body:
             count = max(1, math.ceil(length / max(0.25 * resolution, FINEST)))
             discs += [(*(a + (b - a) * (i / count)), 0.5 * length / count) for i in range(count)]
         return np.array(discs) / resolution
+
+    def slow_turn(self, speed: float, most: float) -> float:
+        """Return the turn (rad/s; ``most`` at most) that moves no corner faster than a speed (m/s); a disc has none."""
+        return min(most, speed / self.outer) if self.footprint else most
 
     def situation(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Situation:
         """Return what a command is found for, with what the body touches there."""

@@ -1,11 +1,11 @@
 """The local planner: from a path and what is near to the next velocity."""
 
 import math
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from rosoclingo.navigation.body import Body, Situation
+from rosoclingo.navigation.body import Body, Situation, Trial
 from rosoclingo.navigation.compiled_path import furthest_clear, least_at, place_on, points_at
 from rosoclingo.navigation.compiled_rollout import best_command
 from rosoclingo.navigation.costmap import Costmap
@@ -14,6 +14,7 @@ from rosoclingo.navigation.local_planner import STOP, Command, FollowOutcome, Lo
 from rosoclingo.navigation.navigation_types import FollowerLimits
 from rosoclingo.navigation.squeeze import Squeeze
 from rosoclingo.navigation.trail import Trail
+from rosoclingo.navigation.way_out import WayOut
 
 __all__ = ["RolloutFollower"]
 
@@ -26,15 +27,6 @@ WINDOW = 1.5  # m of the path within which the robot is looked for
 # Who has come less than GAIN (m) further in LULL (s) goes on in straight legs, and after PATIENCE (s) looks for room;
 # after twice that it says so. HOLD (m): a tight place is left behind after that much.
 GAIN, LULL, PATIENCE, HOLD = 0.05, 5.0, 10.0, 0.3
-
-
-class Trial(NamedTuple):
-    """Which commands to try: speeds (m/s), the room (m) each needs, and the weights of :func:`best_command`."""
-
-    speeds: np.ndarray
-    needs: np.ndarray
-    comfort: float
-    weights: Tuple[float, float, float]
 
 
 class RolloutFollower(LocalPlanner):
@@ -55,8 +47,10 @@ class RolloutFollower(LocalPlanner):
         self._circle = Body(self._whole.outer)  # in which it can turn
         self._body = self._whole
         self._squeeze = Squeeze(limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
+        self._way_out = WayOut(limits.creep_vel_x)
         self._held: Optional[Pose2D] = None  # where a tight place began
         self._trail, self._backing = Trail(), False
+        self._deepest = Pose2D(0.0, 0.0)  # where it began to back out
         self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
@@ -120,24 +114,36 @@ class RolloutFollower(LocalPlanner):
             self._held = None  # until the next look
         places = self._place + np.append(self._ahead[1:] * 0.5, self._ahead[-1])
         points = points_at(self._points, self._along, self._index, np.concatenate(([self._place], places)))
-        if self._lull < PATIENCE:
+        velocity = self._way_out.go_on(self._whole, now)
+        if velocity is None and self._lull < PATIENCE:
             far = np.hypot(*(points - now.pose[:2]).T) > 0.02
             velocity = self._squeeze.command(self._body, now, points[far]) if far.any() else None
-            if velocity is not None:
-                return Command(FollowOutcome.DRIVING, velocity)
+            if velocity is None and not self._has_room(now, now.pose[:2]):
+                velocity = self._way_out.begin(self._whole, now)
+        if velocity is not None:
+            return Command(FollowOutcome.DRIVING, velocity)
         self._backing = self._lull >= PATIENCE and not self._has_room(now, now.pose[:2])
+        self._deepest = now.pose
         return self._back(now) if self._backing else self._escape(now, points[0])
 
     def _back(self, now: Situation) -> Command:
-        """Go back the way the robot came, until it can turn."""
+        """Go back the way the robot came, until it can turn; where it could not get on is to be gone round."""
+        if self._has_room(now, now.pose[:2]):
+            self._backing = False
+            return self._give_up(self._deepest[:2])
         point = self._trail.back(now.pose)
-        if point is not None and not self._has_room(now, now.pose[:2]):
+        if point is not None:
             speeds = np.array([-1.0, -0.5]) * self.limits.creep_vel_x
-            found = self._best(now, point, Trial(speeds, np.full(2, -CLOSE), 0.0, (1.0, 0.0, 0.0)))
+            found = self._best(now, point, Trial(speeds, np.full(2, -CLOSE), 0.0, (1.0, 0.0, 0.0), self._slow_turn()))
             if found is not None:
                 return Command(FollowOutcome.DRIVING, found)
         self._backing = False
         return self._escape(now, self._points[self._index])
+
+    def _give_up(self, at: Tuple[float, float]) -> Command:
+        """Say that there is no getting on past a point (m) of the path; then start afresh."""
+        self._held, self._lull = None, 0.0
+        return Command(FollowOutcome.BLOCKED, STOP, at)
 
     def _has_room(self, now: Situation, *points: Sequence[float]) -> bool:
         """Tell whether the robot can turn at points (m); a disc always can."""
@@ -154,11 +160,11 @@ class RolloutFollower(LocalPlanner):
     def _escape(self, now: Situation, point: Sequence[float]) -> Command:
         """Creep, backwards too, or turn to where there is more room."""
         parts = (1.0, 0.5, 0.0, -0.5, -1.0) if self._body.footprint else (1.0, 0.5, -0.5, -1.0)
-        speeds = np.array(parts) * self.limits.creep_vel_x
-        found = self._best(now, point, Trial(speeds, np.full(len(parts), -CLOSE), 2.0 * self.radius, (0.1, 0.0, 1.0)))
+        speeds, needs = np.array(parts) * self.limits.creep_vel_x, np.full(len(parts), -CLOSE)
+        found = self._best(now, point, Trial(speeds, needs, 2.0 * self.radius, (0.1, 0.0, 1.0), self._slow_turn()))
         if found is None or self._lull > 2.0 * PATIENCE:
-            self._held, self._lull = None, 0.0
-            return Command(FollowOutcome.BLOCKED)
+            ahead = points_at(self._points, self._along, self._index, np.array([self._place + NEAR]))[0]
+            return self._give_up((float(ahead[0]), float(ahead[1])))
         return Command(FollowOutcome.DRIVING, found)
 
     def _towards(self, now: Situation, carrot: Tuple[float, float]) -> Command:
@@ -179,11 +185,14 @@ class RolloutFollower(LocalPlanner):
         needs = limits.margin + RUSH * np.maximum(0.0, speeds - limits.creep_vel_x)
         # The slowest need no more room than there is.
         needs[speeds <= max(limits.creep_vel_x, speeds[-2])] = -limits.margin
-        found = self._best(now, carrot, Trial(speeds, needs, limits.comfort, (1.0, 0.25, 0.6)))
+        found = self._best(now, carrot, Trial(speeds, needs, limits.comfort, (1.0, 0.25, 0.6), limits.max_vel_theta))
         # Who faces a point and can only turn is stuck.
         if found is None or (found.linear < 0.02 and abs(now.bearing(carrot)) <= FACING):
             return Command(FollowOutcome.BLOCKED)
         return Command(FollowOutcome.DRIVING, found)
+
+    def _slow_turn(self) -> float:
+        return self._body.slow_turn(self.limits.creep_vel_x, self.limits.max_vel_theta)
 
     def _speeds(self, now: Situation) -> np.ndarray:
         """Return the speeds (m/s) within reach of the accelerations, and a stop to turn on the spot."""
@@ -199,8 +208,8 @@ class RolloutFollower(LocalPlanner):
         """Return the best command that is safe and moves the robot, None where there is none."""
         limits, scale = self.limits, 1.0 / now.costmap.resolution
         reach = limits.acc_lim_theta * now.period
-        low = max(-limits.max_vel_theta, now.velocity.angular - reach)
-        high = min(limits.max_vel_theta, now.velocity.angular + reach)
+        low = max(-trial.rate, min(trial.rate, now.velocity.angular) - reach)
+        high = min(trial.rate, max(-trial.rate, now.velocity.angular) + reach)
         turns = np.append(0.5 * (low + high) + 0.5 * (high - low) * self._turns, 0.0)
         to_carrot, to_angle, to_room = trial.weights
         i, j = best_command(

@@ -32,10 +32,11 @@ class FollowOutcome(enum.Enum):
 
 
 class Command(NamedTuple):
-    """What a local planner answers."""
+    """What a local planner answers; ``at``: a point (m) of the path that it has given up, to be gone round."""
 
     outcome: FollowOutcome
     velocity: Velocity = STOP
+    at: Optional[Tuple[float, float]] = None
 
 
 SHOWN = np.linspace(0.0, 1.0, 8)  # s ahead

@@ -177,6 +177,8 @@ class Navigator:
         self._reason = command.outcome.value
         if now - self._last_control > self.limits.controller_patience:
             return self._recover(now, pose, Trigger.CONTROLLING)
+        if command.at is not None:
+            self.costmap.bar(*command.at)
         self._changed = True  # plan again, in case the robot has left its path
         return Tick()
 

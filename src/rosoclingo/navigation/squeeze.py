@@ -45,20 +45,18 @@ class Squeeze:
         )
         if i < 0:
             return None
+        most = body.slow_turn(self._speed, self._rate)
         fastest = min(self._speed, max(SLOWEST, now.distance(points[i]) / AHEAD))
         if abs(turn) < 0.5 * math.pi:
             for part in PARTS:
-                velocity = Velocity(max(SLOWEST, part * fastest), self._clipped(self._gain * turn))
+                velocity = Velocity(max(SLOWEST, part * fastest), _clipped(self._gain * turn, most))
                 if self._is_clear(body, now, velocity, spare * costmap.resolution - SLACK):
                     return velocity
         if abs(turn) <= FACING:
-            return Velocity(SLOWEST, self._clipped(self._gain * turn))
+            return Velocity(SLOWEST, _clipped(self._gain * turn, most))
         if abs(now.velocity.linear) > 0.05:
             return STOP
-        return Velocity(0.0, self._clipped(math.copysign(self._gain * abs(turn) + 0.03, turn)))
-
-    def _clipped(self, rate: float) -> float:
-        return max(-self._rate, min(self._rate, rate))
+        return Velocity(0.0, _clipped(math.copysign(self._gain * abs(turn) + 0.03, turn), most))
 
     @staticmethod
     def _is_clear(body: Body, now: Situation, velocity: Velocity, least: float) -> bool:
@@ -68,3 +66,7 @@ class Squeeze:
             velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
         )  # fmt: skip
         return bool(found >= least * scale)
+
+
+def _clipped(rate: float, most: float) -> float:
+    return max(-most, min(most, rate))
