@@ -37,8 +37,8 @@ from rosoclingo.srv import (
 # Behind by more than that (s of wall time), the simulator stops trying to catch up with its pace.
 LATE = 0.5
 # Free running, a step that would leave a commanded robot to its watchdog waits so long (s of wall time) for a command;
-# commanded is who has been commanded within the last ACTIVE simulated s.
-HEED, ACTIVE = 0.02, 0.5
+# commanded is whom the watchdog has stopped no longer than ACTIVE simulated s ago.
+HEED, ACTIVE = 0.05, 0.3
 # A call of ~step that asks for more would leave all other services without an answer for too long.
 MOST_STEPS = 10000
 
@@ -190,8 +190,8 @@ class SimulatorNode:
     def _until_heeded(self) -> float:
         """Return how long (s of wall time) a free running simulation waits for who commands its robots."""
         ages = (self._simulation.time - at for at in self._commanded_at.values())
-        short = self._simulation.watchdog - self._simulation.spec.interval - 1e-6
-        starved = self._simulation.watchdog > 0.0 and any(short < age < ACTIVE for age in ages)
+        watchdog = self._simulation.watchdog
+        starved = watchdog > 0.0 and any(watchdog - 1e-6 < age < watchdog + ACTIVE for age in ages)
         return HEED - (time.monotonic() - self._stepped_at) if starved else 0.0
 
     def _command(self, name: str, v: float, w: float) -> None:
