@@ -49,16 +49,19 @@ class Run:
     """A master, simulator, perhaps navigation and a process that hears what a node (empty: any) publishes."""
 
     def __init__(self, world: Path, subscribed: Optional[str], navigation: bool) -> None:
-        self.processes = [self.start(["roscore", "-p", os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]])]
-        deadline = time.monotonic() + 60.0
-        while not rosgraph.is_master_online() and time.monotonic() < deadline:
-            time.sleep(0.1)
+        self.start_master()
         command = ["roslaunch", "rosoclingo", "simulation.launch", f"world:={world}", "speed:=0", "--wait"]
         self.processes.append(self.start(command))
         if navigation:
             self.processes.append(self.start(["roslaunch", "rosoclingo", "navigation.launch", "--wait"]))
         if subscribed is not None:
             self.processes.append(self.start([sys.executable, __file__, "--hear", subscribed]))
+
+    def start_master(self) -> None:
+        self.processes = [self.start(["roscore", "-p", os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]])]
+        deadline = time.monotonic() + 60.0
+        while not rosgraph.is_master_online() and time.monotonic() < deadline:
+            time.sleep(0.1)
 
     @staticmethod
     def start(command):
