@@ -174,7 +174,7 @@ class MoveBaseNode:
 
     def _prepare(self, navigator: Navigator) -> None:
         """Have the planner use the time while nothing is driven."""
-        if self._prepares and not navigator.active:
+        if self._prepares and not (navigator.active or self._worker.waiting):
             more: List[bool] = []
             self._guarded(lambda: more.append(self._planner.prepare(navigator.costmap)))
             self._prepares = any(more)

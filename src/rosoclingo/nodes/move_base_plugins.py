@@ -45,7 +45,7 @@ OWN_SETTINGS: Dict[type, Dict[str, Any]] = {
 }
 # Read from a planner's namespace by the node itself, as the costmap needs to know.
 OF_THE_NODE = ("allow_unknown",)
-PREPARATION = 0.5  # s that a start lasts longer for: what is left to prepare then is done beside all else
+PREPARATION = 2.0  # s that a start lasts longer for: what is left to prepare then is done beside all else
 
 
 class _Plugin(NamedTuple):
