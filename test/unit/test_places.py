@@ -81,6 +81,16 @@ def joined(occupied, radius, cell):
     return seen
 
 
+def test_a_way_along_the_very_edge_of_the_map():
+    occupied = np.zeros((10, 11), dtype=np.uint8)
+    occupied[1, 4] = occupied[6, 3] = 1
+    for turned in (occupied, occupied[::-1], occupied.T, occupied.T[::-1, ::-1]):
+        ground = ground_of(np.ascontiguousarray(turned), 2.5)
+        good = np.argwhere(ground.places == OPEN)
+        ways = [len(find_cells(ground, *TARIFF, *good[0], *goal, Landmarks(ground, TARIFF).costs)) for goal in good]
+        assert all(ways)
+
+
 @given(GRIDS, RADII, st.data())
 @settings(max_examples=150, deadline=None)
 def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
@@ -139,7 +149,7 @@ def test_a_line_is_clear_if_each_of_its_points_is(occupied, ends, radius):
     x0, y0, x1, y1 = ends
     clear = line_is_clear(ground_of(occupied, radius, 50.0), x0, y0, x1, y1, radius)
     away = [distance(occupied, x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) for t in np.linspace(0, 1, 400)]
-    inside = all(0 <= x < occupied.shape[1] and 0 <= y < occupied.shape[0] for x, y in ((x0, y0), (x1, y1)))
+    inside = all(0 <= x <= occupied.shape[1] and 0 <= y <= occupied.shape[0] for x, y in ((x0, y0), (x1, y1)))
     if not inside:
         assert not clear
     elif abs(min(away) - radius) > 0.05:

@@ -54,8 +54,10 @@ def line_is_clear(ground, x0, y0, x1, y1, radius):
     while True:
         part = done / length if length > 0.0 else 0.0
         x, y = x0 + (x1 - x0) * part, y0 + (y1 - y0) * part
-        column, row = math.floor(x), math.floor(y)
-        if not (0 <= row < height and 0 <= column < width) or inland[row, column] < 0.0:
+        if not (0.0 <= x <= width and 0.0 <= y <= height):
+            return False
+        column, row = min(int(x), width - 1), min(int(y), height - 1)  # the edges of the map belong to it
+        if inland[row, column] < 0.0:
             return False
         off_centre = math.hypot(x - column - 0.5, y - row - 0.5)
         spare = clearance[row, column] - off_centre - radius
