@@ -7,16 +7,14 @@ Run it in the built workspace: ./dev exec python3 bench/planner.py
 
 import argparse
 import os
-import signal
-import socket
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+from ros_system import System, write_map
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
@@ -83,31 +81,17 @@ def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> None:
 def serve(seed: int, pairs: int) -> None:
     """Start a system of its own and call its service."""
     grid = office(587, 540, seed)
-    with socket.socket() as free:
-        free.bind(("", 0))
-        os.environ["ROS_MASTER_URI"] = f"http://localhost:{free.getsockname()[1]}"
-    with tempfile.TemporaryDirectory() as folder:
-        levels = np.where(grid.cells[::-1] > 0, 0, 254).astype(np.uint8)
-        header = f"P5 {levels.shape[1]} {levels.shape[0]} 255\n".encode()
-        (Path(folder) / "map.pgm").write_bytes(header + levels.tobytes())
-        values = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n"
-        (Path(folder) / "map.yaml").write_text(values + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
-        home = next(far_apart(grid, seed))[0]
-        world = f"map: map.yaml\nrobots: [{{pose: [{home.x}, {home.y}, 0]}}]\n"
-        (Path(folder) / "world.yaml").write_text(world)
-        port = os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        commands = (
-            ["roslaunch", "-p", port, "rosoclingo", "simulation.launch", f"world:={folder}/world.yaml"],
-            ["roslaunch", "--wait", "rosoclingo", "navigation.launch", f"map:={folder}/map.yaml"],
-        )
-        processes = [subprocess.Popen(command, **quiet) for command in commands]
+    with tempfile.TemporaryDirectory() as name:
+        folder, system = Path(name), System()
         try:
+            map_file, home = write_map(folder, grid), next(far_apart(grid, seed))[0]
+            world = f"map: map.yaml\nrobots: [{{pose: [{home.x}, {home.y}, 0]}}]\n"
+            (folder / "world.yaml").write_text(world)
+            system.launch("simulation.launch", f"world:={folder}/world.yaml")
+            system.launch("navigation.launch", f"map:={map_file}")
             call_service(grid, seed, pairs)
         finally:
-            for process in processes[::-1]:
-                process.send_signal(signal.SIGINT)
-                process.wait(30)
+            system.stop()
 
 
 def main() -> None:

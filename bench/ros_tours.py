@@ -10,10 +10,7 @@ Run it in the built workspace: ./dev exec python3 bench/ros_tours.py
 
 import argparse
 import math
-import os
-import socket
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -21,8 +18,7 @@ from pathlib import Path
 import numpy as np
 import rosgraph
 import yaml
-from PIL import Image
-from simulator import Run
+from ros_system import System, move_base_client, write_map
 from tours import BODIES, SPARE, PlanOutcome, Tour, Variant, office_floor
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,11 +29,7 @@ SUCCEEDED, OPEN = 3, (0, 1)  # actionlib's states
 def write_world(folder: Path, tour: Tour, drift: float) -> None:
     """Write map, world file and navigation's parameters for a tour."""
     grid, robot = tour.grid, tour.drive.robot
-    grey = np.select([grid.cells == 100, grid.cells < 0], [0, 205], 254).astype(np.uint8)
-    Image.fromarray(grey[::-1]).save(folder / "map.pgm")
-    keys = {"image": "map.pgm", "resolution": grid.resolution, "origin": [0.0, 0.0, 0.0], "negate": 0}
-    keys.update(occupied_thresh=0.65, free_thresh=0.196)
-    (folder / "map.yaml").write_text(yaml.safe_dump(keys))
+    write_map(folder, grid)
     footprint = [list(corner) for corner in tour.variant.footprint]
     body = {"footprint": footprint} if footprint else {"radius": robot.spec.radius}
     laser = {"range": 6.0, "angle": 270.25, "beams": 1081, "noise": tour.variant.noise}
@@ -62,40 +54,32 @@ def _plain(value):
     return float(value) if isinstance(value, np.floating) else value
 
 
-class Nodes(Run):
-    """A master, a simulator and navigation for a world in a folder."""
-
-    def __init__(self, folder: Path, arguments) -> None:
-        world, stage = folder / "world.yaml", folder / "stage.world"
-        if arguments.sim == "stage":
-            subprocess.run(["rosrun", "rosoclingo", "stage_world", str(world), "-o", str(stage)], check=True)
-        commands = (
-            ("simulation.launch", f"sim:={arguments.sim}", f"world:={world}", f"stage_world:={stage}",
-             f"speed:={arguments.speed}"),
-            ("navigation.launch", f"nav:={arguments.nav}", f"map:={folder / 'map.yaml'}",
-             f"navigation_config:={folder / 'navigation.yaml'}"),
-        )  # fmt: skip
-        self.start_master()
-        rosgraph.Master("tours").setParam("/use_sim_time", True)  # before this process asks for the time
-        self.processes += [self.start(["roslaunch", "rosoclingo", *command, "--wait"]) for command in commands]
+def start(folder: Path, arguments) -> System:
+    """Start a simulator and navigation for the world in a folder."""
+    world, stage = folder / "world.yaml", folder / "stage.world"
+    if arguments.sim == "stage":
+        subprocess.run(["rosrun", "rosoclingo", "stage_world", str(world), "-o", str(stage)], check=True)
+    system = System()
+    rosgraph.Master("tours").setParam("/use_sim_time", True)  # before this process asks for the time
+    simulation = (f"sim:={arguments.sim}", f"world:={world}", f"stage_world:={stage}", f"speed:={arguments.speed}")
+    system.launch("simulation.launch", *simulation)
+    files = (f"map:={folder / 'map.yaml'}", f"navigation_config:={folder / 'navigation.yaml'}")
+    system.launch("navigation.launch", f"nav:={arguments.nav}", *files)
+    return system
 
 
 def drive(tour: Tour, goals: int) -> None:
     """Send the robot to goals one after the other and tell what comes of it."""
     import actionlib
     import rospy
-    from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+    from move_base_msgs.msg import MoveBaseGoal
     from nav_msgs.msg import Odometry
     from std_msgs.msg import String
 
     rospy.init_node("tours", anonymous=True)
     collisions = []
     rospy.Subscriber("simulator/collisions", String, lambda message: collisions.append(message.data))
-    client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
-    deadline = time.monotonic() + 60.0
-    while not client.wait_for_server(rospy.Duration(20.0)):
-        if time.monotonic() > deadline:
-            sys.exit("move_base did not appear within 60 s")
+    client = move_base_client(actionlib.SimpleActionClient)
     reached, missed, begin, wall = 0, 0, rospy.get_time(), time.monotonic()
     for number in range(goals):
         target, since, end = tour.somewhere(), rospy.get_time(), time.monotonic() + LIMIT
@@ -129,18 +113,15 @@ def main() -> None:
     parser.add_argument("--drift", type=float, default=0.0, help="greatest relative error of odometry")
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
-    with socket.socket() as free:
-        free.bind(("", 0))
-        os.environ["ROS_MASTER_URI"] = f"http://localhost:{free.getsockname()[1]}"
     random = np.random.default_rng(arguments.seed)
     tour = Tour(office_floor(arguments.seed), Variant(footprint=BODIES[arguments.body]), random, 60, 0.0)
     with tempfile.TemporaryDirectory() as name:
         write_world(Path(name), tour, arguments.drift)
-        nodes = Nodes(Path(name), arguments)
+        system = start(Path(name), arguments)
         try:
             drive(tour, arguments.goals)
         finally:
-            nodes.stop()
+            system.stop()
 
 
 if __name__ == "__main__":

@@ -11,8 +11,6 @@ Run it in the built workspace: ./dev exec python3 bench/simulator.py
 
 import argparse
 import os
-import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -21,6 +19,7 @@ from pathlib import Path
 from typing import Optional
 
 import rosgraph
+from ros_system import System, move_base_client
 
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = "  - {{pose: [{x}, {y}, 0], radius: 0.18, laser: {{range: 6.0, angle: 270.25, beams: 1081}}}}\n"
@@ -45,33 +44,15 @@ def world_file(folder: Path, robots: int) -> Path:
     return path
 
 
-class Run:
-    """A master, simulator, perhaps navigation and a process that hears what a node (empty: any) publishes."""
-
-    def __init__(self, world: Path, subscribed: Optional[str], navigation: bool) -> None:
-        self.start_master()
-        command = ["roslaunch", "rosoclingo", "simulation.launch", f"world:={world}", "speed:=0", "--wait"]
-        self.processes.append(self.start(command))
-        if navigation:
-            self.processes.append(self.start(["roslaunch", "rosoclingo", "navigation.launch", "--wait"]))
-        if subscribed is not None:
-            self.processes.append(self.start([sys.executable, __file__, "--hear", subscribed]))
-
-    def start_master(self) -> None:
-        self.processes = [self.start(["roscore", "-p", os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]])]
-        deadline = time.monotonic() + 60.0
-        while not rosgraph.is_master_online() and time.monotonic() < deadline:
-            time.sleep(0.1)
-
-    @staticmethod
-    def start(command):
-        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    def stop(self) -> None:
-        for process in reversed(self.processes):
-            process.send_signal(signal.SIGINT)
-        for process in self.processes:
-            process.wait(timeout=30)
+def start(world: Path, subscribed: Optional[str], navigation: bool) -> System:
+    """Start the simulator, perhaps navigation and a process that hears what a node (empty: any) publishes."""
+    system = System()
+    system.launch("simulation.launch", f"world:={world}", "speed:=0")
+    if navigation:
+        system.launch("navigation.launch")
+    if subscribed is not None:
+        system.start(sys.executable, __file__, "--hear", subscribed)
+    return system
 
 
 def hear(node: str) -> None:
@@ -96,15 +77,9 @@ class Driver:
         import actionlib
         import rospy
         from geometry_msgs.msg import Twist
-        from move_base_msgs.msg import MoveBaseAction
 
         self.stamps, self.ends, self.handle = [], [], None
-        self.client = actionlib.ActionClient("move_base", MoveBaseAction)
-        deadline = time.monotonic() + 60.0
-        while not self.client.wait_for_server(rospy.Duration(20.0)):
-            if time.monotonic() > deadline:
-                print("move_base did not appear within 60 s", flush=True)
-                os._exit(1)
+        self.client = move_base_client(actionlib.ActionClient)
         rospy.Subscriber("cmd_vel", Twist, lambda _: self.stamps.append(clock[0]), tcp_nodelay=True)
 
     def go_on(self) -> None:
@@ -156,7 +131,7 @@ def watch(navigating: bool, seconds: float) -> None:
 
 def measure(case, seconds: float, folder: Path) -> str:
     robots, subscribed, navigating = case
-    run = Run(world_file(folder, robots), subscribed, navigating)
+    system = start(world_file(folder, robots), subscribed, navigating)
     command = [sys.executable, __file__, "--watch", str(int(navigating)), str(seconds)]
     try:
         done = subprocess.run(
@@ -164,7 +139,7 @@ def measure(case, seconds: float, folder: Path) -> str:
         )
         return done.stdout.decode().strip("\n")
     finally:
-        run.stop()
+        system.stop()
 
 
 def main() -> None:
@@ -179,9 +154,6 @@ def main() -> None:
         return hear(arguments.hear)
     if arguments.watch:
         return watch(arguments.watch[0] == "1", float(arguments.watch[1]))
-    with socket.socket() as free:
-        free.bind(("", 0))
-        os.environ["ROS_MASTER_URI"] = f"http://localhost:{free.getsockname()[1]}"
     with tempfile.TemporaryDirectory() as folder:
         for number, (name, case) in enumerate(CASES.items()):
             if arguments.only in (None, number):
