@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
 # ruff: noqa: E402
 
-from navigation_worlds import Drive
+from navigation_worlds import ERRATIC, LONG, Drive
 from tour_floors import Floor, office_floor, rough, small_floor, turned
 
 from rosoclingo.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, Outcome, PlanOutcome, Pose2D
@@ -37,8 +37,6 @@ SPARE, LACK = 0.08, -0.03  # m: what noise makes bigger must still be passable; 
 LIMIT = 3000.0  # simulated s that a goal may take
 SETTLED = 90.0  # s without a change after which the robot is judged by what stands there
 SPEED = 0.65  # m/s
-ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
-LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
 BODIES = {"disc": (), "erratic": ERRATIC, "long": LONG}
 
 

@@ -15,6 +15,9 @@ from rosoclingo.navigation import (
 from rosoclingo.navigation.local_planner import inscribed_radius, way_radii
 from rosoclingo.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
+# Footprints (m): an Erratic's, whose origin is off its middle, and one that is longer than it is wide.
+ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
+LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
 LASER = LaserSpec(range=6.0, noise=0.01)
 
 

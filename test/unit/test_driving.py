@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from navigation_worlds import Drive, room, simulation
+from navigation_worlds import LONG, Drive, room, simulation
 
 from rosoclingo.navigation import (
     Costmap,
@@ -169,7 +169,7 @@ def test_a_rectangular_robot():
     assert drive.collisions == []
 
 
-@pytest.mark.parametrize("footprint", [(), ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))])
+@pytest.mark.parametrize("footprint", [(), LONG])
 def test_past_a_patch_that_the_map_does_not_know(footprint):
     """The way keeps off it, as the planner of move_base does; the robot's sides may be over it."""
     grid = room(6.0, 6.0)

@@ -56,21 +56,19 @@ def test_rare_hits_are_noise_and_rare_passes_clear_nothing():
     assert row.marks.sum() == 1
 
 
-def test_what_fills_a_part_of_a_cell_is_not_cleared_by_what_passes_beside_it():
-    row = Counted()
+@pytest.mark.parametrize(
+    ("spacing", "times", "beside", "through"),
+    [
+        (0.0, 100, 2.4, 2.25),
+        (0.2, 24, 2.7, 2.5),  # rays some 0.9 cells apart there: one that passes by will do
+    ],
+)
+def test_what_fills_a_part_of_a_cell_is_not_cleared_by_what_passes_beside_it(spacing, times, beside, through):
+    row = Counted(spacing)
     row.ray(5.2, times=12, y=2.1)
-    row.ray(7.0, hit=False, times=100, y=2.4)
+    row.ray(7.0, hit=False, times=times, y=beside)
     assert row.marks.sum() == 1
-    row.ray(7.0, hit=False, times=24, y=2.25)
-    assert not row.marks.any()
-
-
-def test_where_rays_are_far_apart_one_that_passes_by_will_do():
-    row = Counted(spacing=0.2)  # some 0.9 cells there
-    row.ray(5.2, times=12, y=2.1)
-    row.ray(7.0, hit=False, times=24, y=2.7)
-    assert row.marks.sum() == 1
-    row.ray(7.0, hit=False, times=24, y=2.5)
+    row.ray(7.0, hit=False, times=24, y=through)
     assert not row.marks.any()
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from navigation_worlds import Drive, room, simulation
+from navigation_worlds import ERRATIC, LONG, Drive, room, simulation
 
 from rosoclingo.navigation import Costmap, Outcome, Pose2D
 from rosoclingo.simulation import DoorSpec
@@ -62,8 +62,7 @@ def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
 def test_a_footprint_goes_round_what_it_does_not_fit_through():
     """The circle within the robot fits through the near gap, the robot does not; through the far one it does."""
     walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.3, 3.1, 4.0), (2.9, 4.7, 3.1, 6.0)]
-    square = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
-    drive = Drive(simulation(room(walls=walls), Pose2D(1.5, 1.2), footprint=square))
+    drive = Drive(simulation(room(walls=walls), Pose2D(1.5, 1.2), footprint=ERRATIC))
     for goal in (Pose2D(4.5, 1.2, 1.0), Pose2D(1.5, 1.2, 3.0)):
         assert drive.to(goal, 90.0).outcome is Outcome.REACHED
     assert drive.collisions == []
@@ -94,9 +93,8 @@ def test_what_is_hit_now_and_then_stays_marked_once_it_is():
 def test_a_long_footprint_gets_straight_into_a_gap(resolution):
     """The robot cannot turn in the gap, whose way in is askew."""
     walls = [(2.9, 0.0, 3.1, 1.5), (2.9, 2.0, 3.1, 4.0), (1.5, 1.1, 2.2, 1.4)]
-    long = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
     grid = room(6.0, 4.0, resolution, walls)
-    drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), footprint=long))
+    drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), footprint=LONG))
     for goal in (Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)):
         assert drive.to(goal, 120.0).outcome is Outcome.REACHED
     assert drive.collisions == []
@@ -105,15 +103,10 @@ def test_a_long_footprint_gets_straight_into_a_gap(resolution):
 def test_a_footprint_backs_out_of_where_it_cannot_turn():
     """A dead end hardly wider than the robot, into which it has driven."""
     walls = [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]
-    long = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
-    drive = Drive(simulation(room(5.0, 5.0, 0.05, walls), Pose2D(1.0, 2.45, 0.0), footprint=long))
+    drive = Drive(simulation(room(5.0, 5.0, 0.05, walls), Pose2D(1.0, 2.45, 0.0), footprint=LONG))
     assert drive.to(Pose2D(4.0, 2.45, 0.0), 60.0).outcome is Outcome.REACHED
     assert drive.to(Pose2D(1.0, 4.0, 2.0), 120.0).outcome is Outcome.REACHED
     assert drive.collisions == []
-
-
-ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
-LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
 
 
 @pytest.mark.parametrize("gap", [0.02, 0.05, 0.1])

@@ -6,14 +6,17 @@ from typing import NamedTuple, Sequence, Tuple
 import numpy as np
 
 from rosoclingo.navigation.compiled_body import Around, around, body_clearance
-from rosoclingo.navigation.compiled_rollout import turn_spare
+from rosoclingo.navigation.compiled_rollout import spare_after, turn_spare
 from rosoclingo.navigation.costmap import Costmap
 from rosoclingo.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.navigation.local_planner import Velocity, inscribed_radius
 
-__all__ = ["Body", "Situation", "Trial"]
+__all__ = ["SLACK", "SLOWEST", "Body", "Situation", "Trial", "creeping"]
 
 FINEST = 0.0125  # m between the discs along an edge: finer ones gain nothing
+# In tight places a movement has to be clear for AHEAD (s), in which STEPS places are looked at, but for SLACK (m); what
+# is left to drive is driven in no less than that time, though no slower than SLOWEST (m/s).
+AHEAD, STEPS, SLACK, SLOWEST = 0.8, 8, 0.0005, 0.02
 
 
 class Situation(NamedTuple):
@@ -101,6 +104,15 @@ class Body:
         scale = now.costmap.resolution
         return float(body_clearance(now.around, self.discs(scale), *now.cells, enough / scale)) * scale
 
+    def is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
+        """Tell whether the body keeps ``least`` m for a moment in which it is driven in a tight place."""
+        scale = 1.0 / now.costmap.resolution
+        found = spare_after(
+            now.around, self.discs(now.costmap.resolution), *now.cells,
+            velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
+        )  # fmt: skip
+        return bool(found >= least * scale)
+
     def may_turn(self, now: Situation, angle: float) -> bool:
         """Tell whether turning on the spot by ``angle`` rad touches nothing that the body does not touch now."""
         if not self.footprint:
@@ -108,3 +120,8 @@ class Body:
         discs, cells = self.discs(now.costmap.resolution), now.cells
         least = min(0.0, body_clearance(now.around, discs, *cells, 0.0) - 1e-3)
         return bool(turn_spare(now.around, discs, *cells, angle, least) >= least)
+
+
+def creeping(left: float, most: float) -> float:
+    """Return the speed (m/s; ``most`` at most) at which the rest of a leg (m) is driven in a tight place."""
+    return min(most, max(SLOWEST, left / AHEAD))

@@ -49,14 +49,14 @@ class RolloutFollower(LocalPlanner):
         self._squeeze = Squeeze(limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
         self._way_out = WayOut(limits.creep_vel_x)
         self._held: Optional[Pose2D] = None  # where a tight place began
-        self._trail, self._backing = Trail(), False
-        self._deepest = Pose2D(0.0, 0.0)  # where it began to back out
+        self._trail = Trail()
+        self._deepest: Optional[Pose2D] = None  # where it began to back out, while it does
         self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
-            self._arrived, self._held, self._lull, self._backing = False, None, 0.0, False
+            self._arrived, self._held, self._lull, self._deepest = False, None, 0.0, None
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -74,8 +74,8 @@ class RolloutFollower(LocalPlanner):
         if self._arrived:
             return self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
         self._watch(now)
-        if self._backing:
-            return self._back(now)
+        if self._deepest is not None:
+            return self._back(now, self._deepest)
         self._trail.note(pose)
         narrow = self._is_narrow(now)
         if self.footprint and self._lull < LULL and not narrow and self._has_room(now, pose[:2]):
@@ -122,22 +122,23 @@ class RolloutFollower(LocalPlanner):
                 velocity = self._way_out.begin(self._whole, now)
         if velocity is not None:
             return Command(FollowOutcome.DRIVING, velocity)
-        self._backing = self._lull >= PATIENCE and not self._has_room(now, now.pose[:2])
+        if self._lull < PATIENCE or self._has_room(now, now.pose[:2]):
+            return self._escape(now, points[0])
         self._deepest = now.pose
-        return self._back(now) if self._backing else self._escape(now, points[0])
+        return self._back(now, now.pose)
 
-    def _back(self, now: Situation) -> Command:
+    def _back(self, now: Situation, deepest: Pose2D) -> Command:
         """Go back the way the robot came, until it can turn; where it could not get on is to be gone round."""
         if self._has_room(now, now.pose[:2]):
-            self._backing = False
-            return self._give_up(self._deepest[:2])
+            self._deepest = None
+            return self._give_up(deepest[:2])
         point = self._trail.back(now.pose)
         if point is not None:
             speeds = np.array([-1.0, -0.5]) * self.limits.creep_vel_x
             found = self._best(now, point, Trial(speeds, np.full(2, -CLOSE), 0.0, (1.0, 0.0, 0.0), self._slow_turn()))
             if found is not None:
                 return Command(FollowOutcome.DRIVING, found)
-        self._backing = False
+        self._deepest = None
         return self._escape(now, self._points[self._index])
 
     def _give_up(self, at: Tuple[float, float]) -> Command:

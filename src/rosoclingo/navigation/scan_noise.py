@@ -16,7 +16,7 @@ class ScanNoise:
     """Estimates the standard deviation (m) of ranges, ``deviation``, from how they differ from those beside them.
 
     On what is smooth, as most things are, a range is the mean of its two neighbours but for noise; the median leaves
-    out where that is not so. None before the first scan.
+    out where that is not so. 0.0 before the first scan.
     """
 
     def __init__(self) -> None:

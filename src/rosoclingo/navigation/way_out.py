@@ -5,8 +5,8 @@ from typing import Optional
 
 import numpy as np
 
-from rosoclingo.navigation.body import Body, Situation
-from rosoclingo.navigation.compiled_rollout import best_arc, spare_after
+from rosoclingo.navigation.body import SLACK, Body, Situation, creeping
+from rosoclingo.navigation.compiled_rollout import best_arc
 from rosoclingo.navigation.geometry import Pose2D
 from rosoclingo.navigation.local_planner import Velocity
 
@@ -16,9 +16,7 @@ CURVATURES = np.array([0.0, *(sign * c for c in (0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 
 FLOORS = (0.005, 0.002, 0.0005)  # m that an arc keeps free: the first by which one leads anywhere
 LONGEST = 3.0  # m
 SPARE = 0.01  # m more than it needs to turn
-AHEAD, STEPS = 0.8, 8  # s for which a movement has to be clear, places looked at in it
 END = 0.01  # m that may be left of an arc
-SLACK = 0.0005  # m that it may come nearer than the arc
 
 
 class WayOut:
@@ -65,11 +63,7 @@ class WayOut:
 
     def _on(self, body: Body, now: Situation) -> Optional[Velocity]:
         """Return the velocity on along the arc, None where that is not clear."""
-        scale = 1.0 / now.costmap.resolution
-        speed = math.copysign(min(self._speed, max(0.02, abs(self._left) / AHEAD)), self._left)
-        least = (min(self._floor, body.spare(now, self._floor)) - SLACK) * scale
-        found = spare_after(
-            now.around, body.discs(now.costmap.resolution), *now.cells,
-            speed * scale, speed * self._curvature, AHEAD, STEPS, least, least,
-        )  # fmt: skip
-        return Velocity(speed, speed * self._curvature) if found >= least else None
+        speed = math.copysign(creeping(abs(self._left), self._speed), self._left)
+        velocity = Velocity(speed, speed * self._curvature)
+        least = min(self._floor, body.spare(now, self._floor)) - SLACK
+        return velocity if body.is_clear(now, velocity, least) else None
