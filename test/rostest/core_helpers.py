@@ -6,6 +6,7 @@ import threading
 import rospy
 from actionlib import ActionClient
 from actionlib.action_client import CommState
+from actionlib_msgs.msg import GoalStatus
 from interface_helpers import PATIENCE, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
@@ -104,6 +105,12 @@ class SentGoal:
     def arrived(self):
         """Wait until the server has it."""
         wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
+
+    def cancelled(self):
+        """Cancel it, and wait until the server knows: a cancel and an answer of an interface race each other."""
+        self.handle.cancel()
+        cancelling = (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
+        wait_until(lambda: self.handle.get_goal_status() in cancelling, "the cancel to arrive")
 
 
 class Updates:

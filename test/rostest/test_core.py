@@ -109,9 +109,7 @@ class Core(unittest.TestCase):
         goal = self.client.send(self.errand())
         command = self.hands.take()
         goal.handle.cancel()
-        goal.handle.cancel()
-        cancelling = (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
-        wait_until(lambda: goal.handle.get_goal_status() in cancelling, "the cancel to arrive")
+        goal.cancelled()
         self.hands.fail(command)
         self.assertIn(goal.wait()[0], (PREEMPTED, RECALLED))
 

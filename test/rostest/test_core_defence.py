@@ -152,9 +152,10 @@ class CoreDefence(unittest.TestCase):
         command = self.hands.take()
         cancel.publish(GoalID(id="nobody's"))
         goal.handle.cancel()
-        goal.handle.cancel()
+        goal.cancelled()
         self.hands.succeed(command)
         self.assertIn(goal.wait()[0], ENDED)
+        wait_until(lambda: any("cancel(3)" in text for text in self.updates.texts), "the update")
         self.assertEqual(sum("cancel(3)" in text for text in self.updates.texts), 1)
 
     def test_cancel_by_time_stamp_takes_the_older_ones(self):
