@@ -109,13 +109,23 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
     assert drive.collisions == []
 
 
-@pytest.mark.parametrize("gap", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize("gap", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize("yaw", [0.0, np.pi])
 @pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])
 def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side, yaw, gap):
     """There it cannot turn: a corner would touch the wall."""
     drive = Drive(simulation(room(), Pose2D(3.0, 0.1 + side + gap, yaw), footprint=footprint))
     assert drive.to(Pose2D(1.0, 4.0, 0.0), 120.0).outcome is Outcome.REACHED
+    assert drive.collisions == []
+    assert drive.recoveries == []
+
+
+@pytest.mark.parametrize("yaw", [np.pi, 0.5 * np.pi, -0.5 * np.pi])
+def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_goal(yaw):
+    """The goal is 0.3 m behind a gap of 0.5 m; a tolerance of 0.1 m before it, corners of the robot touch the gap's."""
+    walls = [(2.5, 0.0, 2.7, 1.75), (2.5, 2.25, 2.7, 4.0)]
+    drive = Drive(simulation(room(6.0, 4.0, 0.05, walls), Pose2D(1.0, 2.0, 0.0), footprint=LONG))
+    assert drive.to(Pose2D(3.0, 2.0, yaw), 60.0).outcome is Outcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
 

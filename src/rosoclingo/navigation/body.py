@@ -13,7 +13,7 @@ from rosoclingo.navigation.local_planner import Velocity, inscribed_radius
 
 __all__ = ["SLACK", "SLOWEST", "Body", "Situation", "Trial", "creeping"]
 
-FINEST = 0.0125  # m between the discs along an edge: finer ones gain nothing
+FINEST = 0.0125  # m: the shortest pieces of an edge
 # In tight places a movement has to be clear for AHEAD (s), in which STEPS places are looked at, but for SLACK (m); what
 # is left to drive is driven in no less than that time, though no slower than SLOWEST (m/s).
 AHEAD, STEPS, SLACK, SLOWEST = 0.8, 8, 0.0005, 0.02
@@ -70,25 +70,23 @@ class Body:
         self.radius, self.footprint = radius, tuple(footprint)
         self.inner = inscribed_radius(radius, self.footprint)
         self.outer = max((math.hypot(*corner) for corner in self.footprint), default=radius)
-        self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 3)))
+        self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
 
     def discs(self, resolution: float) -> np.ndarray:
-        """Return the discs (float64 n, 3; x, y, radius in cells) that stand for the body on a grid.
-
-        One for a disc; else the first holds the whole body and the others cover its edge.
-        """
+        """Return what stands for the body on a grid, see :mod:`~rosoclingo.navigation.compiled_body`."""
         if self._discs[0] != resolution:
             self._discs = (resolution, self._made(resolution))
         return self._discs[1]
 
     def _made(self, resolution: float) -> np.ndarray:
-        discs = [(0.0, 0.0, self.outer)]
+        discs = [(0.0, 0.0, self.outer, 0.0, 0.0)]
         corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
         for a, b in zip(corners, corners[1:] + corners[:1]):
             length = math.hypot(*(b - a))
             count = max(1, math.ceil(length / max(0.25 * resolution, FINEST)))
-            discs += [(*(a + (b - a) * (i / count)), 0.5 * length / count) for i in range(count)]
-        return np.array(discs) / resolution
+            ahead = (b - a) / length if length > 0.0 else np.zeros(2)
+            discs += [(*(a + (b - a) * ((i + 0.5) / count)), 0.5 * length / count, *ahead) for i in range(count)]
+        return np.array(discs) / (resolution, resolution, resolution, 1.0, 1.0)
 
     def slow_turn(self, speed: float, most: float) -> float:
         """Return the turn (rad/s; ``most`` at most) that moves no corner faster than a speed (m/s); a disc has none."""

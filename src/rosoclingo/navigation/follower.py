@@ -20,6 +20,7 @@ __all__ = ["RolloutFollower"]
 
 # A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
 NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
+EXACT = 0.01  # m: who is there is at the goal
 CLOSE = 0.005  # m that are kept free even where it is tight, unless there are less already
 RUSH = 0.08  # s: by so much times the speed above creeping more room is needed, as commands come late
 STEPS = 12  # places looked at along a trial
@@ -57,6 +58,7 @@ class RolloutFollower(LocalPlanner):
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
             self._arrived, self._held, self._lull, self._deepest = False, None, 0.0, None
+            self._way_out.end()
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -72,7 +74,10 @@ class RolloutFollower(LocalPlanner):
         tolerance = self.limits.xy_goal_tolerance * (2.0 if self._arrived else 1.0)
         self._arrived = now.distance(self._points[-1]) <= tolerance
         if self._arrived:
-            return self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
+            command = self._turn(now, normalize_angle(self._goal.yaw - pose.yaw), final=True)
+            if command.outcome is not FollowOutcome.BLOCKED or now.distance(self._points[-1]) <= EXACT:
+                return command
+            self._arrived = False  # nearer to the goal there may be room
         self._watch(now)
         if self._deepest is not None:
             return self._back(now, self._deepest)
@@ -98,9 +103,9 @@ class RolloutFollower(LocalPlanner):
         return math.hypot(x - pose.x, y - pose.y) + float(self._along[-1] - self._place)
 
     def _watch(self, now: Situation) -> None:
-        """Keep for how long the robot has come no further."""
+        """Keep for how long the robot has come no further; on its way out of somewhere it is not to."""
         left = self.length_left(now.pose)
-        self._lull += now.period
+        self._lull += 0.0 if self._way_out.under_way else now.period
         if self._least < 0.0:  # a new path
             self._least = left
         elif left < self._least - GAIN:

@@ -14,7 +14,8 @@ from rosoclingo.navigation.local_planner import STOP, Velocity
 
 __all__ = ["Squeeze"]
 
-FLOORS = np.array([0.02, 0.01, 0.005, 0.002, 0.0005])  # m that a leg keeps free: the first that is possible
+# m that a leg keeps free: the first that is possible. Corners swing out where commands come late, a disc does not.
+FLOORS, CORNER_FLOORS = np.array([0.02, 0.01, 0.005, 0.002, 0.0005]), np.array([0.02, 0.01, 0.007, 0.004])
 FACING = 0.02  # rad: within it the robot goes on without another look
 PARTS = (1.0, 0.5, 0.25)  # of the speed, tried in turn
 
@@ -37,7 +38,7 @@ class Squeeze:
             body.discs(costmap.resolution),
             np.array(now.cells),
             costmap.all_to_cells(points),
-            FLOORS / costmap.resolution,
+            (CORNER_FLOORS if body.footprint else FLOORS) / costmap.resolution,
         )
         if i < 0:
             return None

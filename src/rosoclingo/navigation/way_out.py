@@ -12,7 +12,9 @@ from rosoclingo.navigation.local_planner import Velocity
 
 __all__ = ["WayOut"]
 
-CURVATURES = np.array([0.0, *(sign * c for c in (0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))])  # 1/m
+CURVATURES = np.array(
+    [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
+)  # 1/m
 FLOORS = (0.005, 0.002, 0.0005)  # m that an arc keeps free: the first by which one leads anywhere
 LONGEST = 3.0  # m
 SPARE = 0.01  # m more than it needs to turn
@@ -27,6 +29,11 @@ class WayOut:
         self._curvature, self._left, self._floor = 0.0, 0.0, 0.0  # 1/m, m (signed), m
         self._at: Optional[Pose2D] = None  # where the robot was last on the arc
 
+    @property
+    def under_way(self) -> bool:
+        """Whether the robot is on an arc."""
+        return self._at is not None
+
     def begin(self, body: Body, now: Situation) -> Optional[Velocity]:
         """Return what to drive along the arc that leads out best, None where none does."""
         return self._kept(now, self._on(body, now) if self._find(body, now) else None)
@@ -37,6 +44,10 @@ class WayOut:
             return None
         self._left -= math.copysign(min(abs(self._left), self._at.distance(now.pose)), self._left)
         return self._kept(now, self._on(body, now) if abs(self._left) > END else None)
+
+    def end(self) -> None:
+        """Leave the arc."""
+        self._at = None
 
     def _kept(self, now: Situation, velocity: Optional[Velocity]) -> Optional[Velocity]:
         self._at = None if velocity is None else now.pose
