@@ -53,7 +53,7 @@ def test_unmarked_is_what_neither_map_nor_marks_explain():
     ranges = np.array([1.0, 4.0, 0.9])  # something ahead, far away, the wall (noise included)
     costmap.observe(Pose2D(1.0, 3.0), angles, ranges, 8.0)
     assert costmap.unmarked == pytest.approx(np.array([[2.0, 3.0]]))
-    for _ in range(5):
+    for _ in range(8):
         costmap.observe(Pose2D(1.0, 3.0), angles, ranges, 8.0)
     assert not len(costmap.unmarked)
 

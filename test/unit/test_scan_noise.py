@@ -46,3 +46,18 @@ def test_what_stands_out_little_from_a_wall_is_marked_if_the_laser_is_good_enoug
     for ranges in found:
         costmap.observe(robot.pose.compose(robot.lasers[0].spec.pose), robot.lasers[0].angles, ranges, 6.0)
     assert costmap.has_marks is marked
+
+
+@pytest.mark.parametrize("noise", [0.01, 0.03])
+@pytest.mark.parametrize("away", [0.4, 1.0, 3.0])
+def test_what_noise_scatters_into_the_cells_before_marks_few_of_them(noise, away):
+    """A wall's face, one standard deviation behind an edge between cells: every sixth hit is before the edge."""
+    random = np.random.default_rng(3)
+    costmap, sensor = Costmap(room(resolution=0.1)), Pose2D(4.0 - away, 3.05)
+    angles, marked = np.linspace(-0.3, 0.3, 61), 0
+    for _ in range(300):
+        ranges = (4.0 + noise - sensor.x) / np.cos(angles) + random.normal(0.0, noise, len(angles))
+        costmap.observe(sensor, angles, ranges, 6.0)
+        marked += costmap.marks[:, 39].sum()
+    assert costmap.marks[30, 40]
+    assert marked / 300 < 0.1 * costmap.marks[:, 40].sum()

@@ -53,10 +53,11 @@ class Rules(NamedTuple):
 def count_rays(evidence, mapped, x, y, angles, lengths, hits, rules):
     """Count what rays from (x, y) crossed and hit, and mark and clear by that.
 
-    A cell's count goes up where a ray ends, if it ``hits`` (bool n) there. It goes down by 1 for each ray that crosses
-    the cell before its ``lengths`` end and passes the spot: what fills a part of a cell only is not cleared by what
-    passes beside it. A mark is set where the count reaches ``rules.sure``, cleared where it comes down to 0, and else
-    stays: noise does not set and clear a cell in turns. Returns the window (row0, row1, column0, column1; half-open)
+    A cell's count goes up where a ray ends at the spot, if it ``hits`` (bool n) there. It goes down by 1 for each ray
+    that crosses the cell before its ``lengths`` end and passes the spot: what fills a part of a cell only is not
+    cleared by what passes beside it, and what noise scatters over a cell does not outweigh what passes.
+    A mark is set where the count reaches ``rules.sure``, cleared where it comes down to 0, and else stays: noise does
+    not set and clear a cell in turns. Returns the window (row0, row1, column0, column1; half-open)
     of the marks changed, empty (0, 0, 0, 0) where none was.
     """
     height, width = evidence.marks.shape
@@ -67,11 +68,15 @@ def count_rays(evidence, mapped, x, y, angles, lengths, hits, rules):
     for i in range(angles.shape[0]):
         if not hits[i]:
             continue
-        px, py = x + math.cos(angles[i]) * lengths[i], y + math.sin(angles[i]) * lengths[i]
+        dx, dy = math.cos(angles[i]), math.sin(angles[i])
+        px, py = x + dx * lengths[i], y + dy * lengths[i]
         column, row = int(math.floor(px)), int(math.floor(py))
         if not (0 <= row < height and 0 <= column < width) or _is_next(mapped, px, py, rules.known):
             continue
-        if _hit(evidence, row, column, px - column, py - row, rules):
+        again = evidence.counts[row, column] == 0 or _passes(
+            column - x, row - y, dx, dy, evidence.spots[row, column], rules.near, rules.spacing
+        )
+        if _hit(evidence, row, column, px - column, py - row, rules, again):
             low_r, high_r = min(low_r, row), max(high_r, row)
             low_c, high_c = min(low_c, column), max(high_c, column)
     if high_r < 0:
@@ -113,10 +118,12 @@ def _clear_along(evidence, x, y, angle, length, rules):
 
 
 @jit
-def _hit(evidence, row, column, x, y, rules):
-    """Count a hit at (x, y; 0 .. 1) in a cell; tell whether that has marked it."""
+def _hit(evidence, row, column, x, y, rules, again):
+    """Note a hit at (x, y; 0 .. 1) in a cell, count it if it is at the spot ``again``; tell whether it marks it."""
     counts, marks, spots = evidence
     _note(spots[row, column], x, y, counts[row, column] == 0)
+    if not again:
+        return False
     # It takes fewer hits to stay marked than to become so: else noise would open and close a passage in turns.
     gain = 3 * rules.gain if marks[row, column] else rules.gain
     counts[row, column] = min(counts[row, column] + gain, rules.limit)
