@@ -99,3 +99,14 @@ def test_a_path_is_within_3_percent_of_the_shortest(seed):
         elif best > 3.0:
             assert plan.length <= 1.03 * best
             assert plan.length >= 0.97 * best  # else it would cut corners, or the reference be too long
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_two_ways_round_the_one_that_is_shorter_is_taken(turned):
+    """Above it is 21.7 m, at 22.5 degrees; below, along the grid and its diagonals, 22.8 m."""
+    cells = np.zeros((100, 220), dtype=np.int8)
+    cells[50 - 32 : 50 + 40, 109:111] = 100
+    cells[50 - 32 : 50, 10 + 35 : 10 + 165] = 100
+    grid = OccupancyGrid(np.ascontiguousarray(cells.T if turned else cells), 0.1)
+    ends = [Pose2D(*((5.0, x) if turned else (x, 5.0))) for x in (1.0, 21.0)]
+    assert GridPlanner().plan(Costmap(grid, CostmapLimits(robot_radius=RADIUS)), *ends).length < 21.9

@@ -87,50 +87,68 @@ def test_a_way_along_the_very_edge_of_the_map():
     for turned in (occupied, occupied[::-1], occupied.T, occupied.T[::-1, ::-1]):
         ground = ground_of(np.ascontiguousarray(turned), 2.5)
         good = np.argwhere(ground.places == OPEN)
-        ways = [len(find_cells(ground, *TARIFF, *good[0], *goal, Landmarks(ground, TARIFF).costs)) for goal in good]
+        ways = [len(find_cells(ground, *TARIFF, *good[0], *goal, 8, Landmarks(ground, TARIFF).costs)) for goal in good]
         assert all(ways)
 
 
 @given(GRIDS, RADII, st.data())
 @settings(max_examples=150, deadline=None)
 def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
-    """With and without landmarks, also where only points between cells are free."""
+    """With and without landmarks, in eight directions and in sixteen, also where only points between cells are free."""
     ground = ground_of(occupied, radius)
     good = np.argwhere(ground.places == OPEN)
     assume(len(good) >= 2)
     start, goal = (tuple(good[data.draw(st.integers(0, len(good) - 1))]) for _ in range(2))
-    landmarks = Landmarks(ground, TARIFF)
-    for _ in range(data.draw(st.integers(0, 8))):
+    landmarks, steps = Landmarks(ground, TARIFF), data.draw(st.sampled_from([8, 16]))
+    for _ in range(data.draw(st.integers(0, 8)) if steps == 8 else 0):
         landmarks.go_on()
-    cells = find_cells(ground, *TARIFF, *start, *goal, landmarks.costs)
+    cells = find_cells(ground, *TARIFF, *start, *goal, steps, landmarks.costs)
     if not len(cells):
         assert (2 * goal[0] + 1, 2 * goal[1] + 1) not in joined(occupied, radius + 0.1, start)
         return
     assert tuple(cells[0]) == start
     assert tuple(cells[-1]) == goal
-    assert np.abs(np.diff(cells, axis=0)).max(initial=0) <= 1
+    assert np.square(np.diff(cells, axis=0)).sum(axis=1).max(initial=0) in ((0, 1, 2) if steps == 8 else (0, 1, 2, 5))
     points = places_of(ground.places, cells)
+    keeps_clear(occupied, points, radius)
     pull(points, ground, *TARIFF, 1)
     points = straighten(points, ground, *TARIFF)
     tighten(points, ground, *TARIFF, 4)
     assert tuple(points[0]) == (start[1] + 0.5, start[0] + 0.5)
     assert tuple(points[-1]) == (goal[1] + 0.5, goal[0] + 0.5)
+    keeps_clear(occupied, points, radius)
+
+
+def keeps_clear(occupied, points, radius):
     for a, b in zip(points[:-1], points[1:]):
         for t in np.linspace(0, 1, 25):
             assert distance(occupied, *(a + (b - a) * t)) >= radius - 0.01
 
 
+@pytest.mark.parametrize(("steps", "most"), [(8, 1.083), (16, 1.028)])
+def test_the_more_directions_the_shorter_the_way(steps, most):
+    """On an empty grid, to all cells: the most that it is longer than the straight line."""
+    ground = ground_of(np.zeros((41, 41), dtype=np.uint8), 1.0)
+    over = []
+    for goal in np.argwhere(ground.places == OPEN):
+        ways = find_cells(ground, *TARIFF, 20, 20, *goal, steps, NONE)
+        away = math.hypot(*(goal - 20))
+        over.append(np.hypot(*np.diff(ways, axis=0).T).sum() / away if away else 1.0)
+    assert most - 0.01 < max(over) < most
+
+
 @pytest.mark.parametrize("thickness", [1, 2, 3, 4, 7])
 @pytest.mark.parametrize("width", [4, 6])
 @pytest.mark.parametrize("turned", [False, True])
-def test_a_gap_is_passed_if_it_is_wide_enough_between_two_cells(thickness, width, turned):
+@pytest.mark.parametrize("steps", [8, 16])
+def test_a_gap_is_passed_if_it_is_wide_enough_between_two_cells(thickness, width, turned, steps):
     occupied = np.zeros((30, 31), dtype=np.uint8)
     occupied[12 : 12 + thickness] = 1
     occupied[:, 20 : 20 + width] = 0
     occupied = np.ascontiguousarray(occupied.T) if turned else occupied
     ends = ((3, 5), (25, 25)) if not turned else ((5, 3), (25, 25))
     for radius, found in ((0.5 * width - 0.1, True), (0.5 * width + 0.02, False)):
-        cells = find_cells(ground_of(occupied, radius), *TARIFF, *ends[0], *ends[1], NONE)
+        cells = find_cells(ground_of(occupied, radius), *TARIFF, *ends[0], *ends[1], steps, NONE)
         assert bool(len(cells)) == found
 
 
@@ -201,8 +219,8 @@ def test_landmarks_lead_to_ways_as_cheap_and_tell_that_there_is_none():
     good = np.argwhere(ground.places)
     for _ in range(100):
         ends = good[random.integers(len(good), size=2)]
-        led = find_cells(ground, *TARIFF, *ends[0], *ends[1], landmarks.costs)
-        plain = find_cells(ground, *TARIFF, *ends[0], *ends[1], NONE)
+        led = find_cells(ground, *TARIFF, *ends[0], *ends[1], 8, landmarks.costs)
+        plain = find_cells(ground, *TARIFF, *ends[0], *ends[1], 8, NONE)
         assert (len(led) > 0) == (len(plain) > 0)
         if len(plain):
             assert cost_of(led, ground) <= 1.004 * cost_of(plain, ground) + 0.02

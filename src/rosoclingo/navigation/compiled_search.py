@@ -15,12 +15,14 @@ from rosoclingo.navigation.jit import jit
 
 __all__ = ["find_cells", "price", "spread"]
 
-DIAGONAL = math.sqrt(2.0)
+DIAGONAL, KNIGHT = math.sqrt(2.0), math.sqrt(5.0)
 # The search overestimates what is left by that factor: the way found may be that much dearer than the cheapest.
 EAGER = 1.003
 ACTIVE = 6  # landmarks that lead one search: those that tell most of its two ends
-# The steps to the eight cells around one.
-ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
+# The steps to the eight cells around one, and those of a knight in chess.
+ROWS = np.array([0, 0, 1, -1, 1, 1, -1, -1, 1, 1, -1, -1, 2, 2, -2, -2])
+COLUMNS = np.array([1, -1, 0, 0, 1, -1, 1, -1, 2, -2, 2, -2, 1, -1, 1, -1])
+AROUND = 8
 LENGTHS = np.hypot(ROWS, COLUMNS)
 
 
@@ -55,13 +57,19 @@ def _apart(costs, start, goal):
 
 
 @jit
-def _left(row, column, goal_row, goal_column, there, goal, costs, guides):
+def _left(row, column, goal_row, goal_column, there, goal, steps, costs, guides):
     """Return a little more than the least that the way from a cell to the goal can cost.
 
-    By the shortest 8-connected way on an empty grid, and by what the two cost from the landmarks that guide.
+    By the shortest way on an empty grid, and by what the two cost from the landmarks that guide.
     """
     dr, dc = abs(row - goal_row), abs(column - goal_column)
-    least = max(dr, dc) + (DIAGONAL - 1.0) * min(dr, dc)
+    high, low = max(dr, dc), min(dr, dc)
+    if steps == AROUND:
+        least = high + (DIAGONAL - 1.0) * low
+    elif high >= 2 * low:
+        least = high + (KNIGHT - 2.0) * low
+    else:
+        least = (KNIGHT - DIAGONAL) * high + (2.0 * DIAGONAL - KNIGHT) * low
     for k in guides:
         least = max(least, abs(costs[k, there] - costs[k, goal]))
     return EAGER * least
@@ -102,9 +110,22 @@ def _pop(keys, items, size):
 
 
 @jit
-def _leads(ground, row, column, r, c):
-    """Tell whether the straight line from the place in a cell to that in a cell next to it is clear."""
+def _leads(ground, row, column, k):
+    """Tell whether the straight line from the place in a cell to that in the cell a step away is clear.
+
+    A knight's step is where both cells that it passes are open, as those at its ends are.
+    """
     places = ground.places
+    r, c = row + ROWS[k], column + COLUMNS[k]
+    if k >= AROUND:
+        low_r, low_c = min(row, r) + (abs(ROWS[k]) == 2), min(column, c) + (abs(COLUMNS[k]) == 2)
+        high_r, high_c = max(row, r) - (abs(ROWS[k]) == 2), max(column, c) - (abs(COLUMNS[k]) == 2)
+        return (
+            places[row, column] == OPEN
+            and places[r, c] == OPEN
+            and places[low_r, low_c] == OPEN
+            and places[high_r, high_c] == OPEN
+        )
     if places[row, column] == OPEN and places[r, c] == OPEN:
         return True
     x0, y0 = place_of(places, row, column)
@@ -113,10 +134,11 @@ def _leads(ground, row, column, r, c):
 
 
 @jit
-def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_column, landmarks):
-    """Return the cheapest 8-connected way as an int32 array (n, 2) of (row, column), empty where there is none.
+def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_column, steps, landmarks):
+    """Return the cheapest way as an int32 array (n, 2) of (row, column), empty where there is none.
 
-    Uses cells in which there is a place; start and goal must be such cells.
+    Uses cells in which there is a place; start and goal must be such cells. ``steps``: 8, to the cells around one, or
+    16, a knight's too; landmarks are for 8.
     ``landmarks``: float32 (n, cells), n from 0 on: what each cell costs from each landmark, infinity beyond reach.
     """
     clearance, places = ground.clearance, ground.places
@@ -142,9 +164,9 @@ def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_
         row, column = here // width, here % width
         cost = costs[here]
         dear = price(clearance[row, column], comfort, weight)
-        if size + 8 >= keys.shape[0]:
+        if size + steps >= keys.shape[0]:
             keys, items = _grown_keys(keys), _grown_items(items)
-        for k in range(8):
+        for k in range(steps):
             r, c = row + ROWS[k], column + COLUMNS[k]
             if r < 0 or c < 0 or r >= height or c >= width or places[r, c] == NOWHERE:
                 continue
@@ -152,9 +174,9 @@ def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_
             if closed[there] or cost + LENGTHS[k] >= costs[there]:
                 continue
             new = np.float32(cost + 0.5 * LENGTHS[k] * (dear + price(clearance[r, c], comfort, weight)))
-            if new < costs[there] and _leads(ground, row, column, r, c):
+            if new < costs[there] and _leads(ground, row, column, k):
                 costs[there], origins[there] = new, here
-                key = np.float32(new + _left(r, c, goal_row, goal_column, there, goal, landmarks, guides))
+                key = np.float32(new + _left(r, c, goal_row, goal_column, there, goal, steps, landmarks, guides))
                 size = _push(keys, items, size, key, np.int32(there))
     if not closed[goal]:
         return np.empty((0, 2), dtype=np.int32)
@@ -181,9 +203,9 @@ def spread(ground, comfort, weight, costs, keys, items, size, most):
         most -= 1
         row, column = here // width, here % width
         dear = price(clearance[row, column], comfort, weight)
-        if size + 8 >= keys.shape[0]:
+        if size + AROUND >= keys.shape[0]:
             keys, items = _grown_keys(keys), _grown_items(items)
-        for k in range(8):
+        for k in range(AROUND):
             r, c = row + ROWS[k], column + COLUMNS[k]
             if r < 0 or c < 0 or r >= height or c >= width:
                 continue
@@ -193,7 +215,7 @@ def spread(ground, comfort, weight, costs, keys, items, size, most):
                 continue
             if places[r, c] == NOWHERE:
                 costs[there] = new
-            elif _leads(ground, row, column, r, c):
+            elif _leads(ground, row, column, k):
                 costs[there] = new
                 size = _push(keys, items, size, new, np.int32(there))
     return keys, items, size

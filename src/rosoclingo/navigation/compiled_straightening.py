@@ -15,6 +15,7 @@ from rosoclingo.navigation.jit import jit
 __all__ = ["ease", "pull", "straighten", "tighten"]
 
 NUDGE = 1e-3  # cells
+FINE = 0.05  # cells: a point is not moved by less
 
 
 @jit
@@ -114,8 +115,8 @@ def tighten(points, ground, comfort, weight, rounds):
             aim_x, aim_y = a[0] + t * dx, a[1] + t * dy
             now = _segment_price(clearance, a[0], a[1], x, y, comfort, weight)
             now += _segment_price(clearance, x, y, b[0], b[1], comfort, weight)
-            part = 1.0
-            while part > 0.05:
+            part, least = 1.0, FINE / (math.hypot(aim_x - x, aim_y - y) + FINE)
+            while part >= least:
                 nx, ny = x + part * (aim_x - x), y + part * (aim_y - y)
                 there = _segment_price(clearance, a[0], a[1], nx, ny, comfort, weight)
                 there += _segment_price(clearance, nx, ny, b[0], b[1], comfort, weight)
