@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from world_reference import Things
 
@@ -113,7 +113,6 @@ def start(grid, bodies_of, places, gates):
     st.integers(0, 999), st.sampled_from([0.05, 0.1, 0.5]), st.integers(0, 12), st.tuples(bodies, bodies),
     st.lists(poses, min_size=2, max_size=12), st.tuples(doors, doors), st.lists(events, min_size=3, max_size=16),
 )  # fmt: skip
-@settings(max_examples=50)
 def test_nobody_is_ever_in_anything(seed, resolution, pillars, pair, places, gates, stream):
     shut = tuple(DoorSpec(str(i), d[:2], d[2:], open=True) for i, d in enumerate(gates))
     world = start(walled(seed, resolution, pillars), pair, places, shut)
@@ -128,7 +127,6 @@ def test_nobody_is_ever_in_anything(seed, resolution, pillars, pair, places, gat
 
 
 @given(st.integers(0, 999), st.sampled_from([0.05, 0.1, 0.5]), st.integers(0, 12), bodies, poses, obstacles)
-@settings(max_examples=80)
 def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution, pillars, body, pose, obstacle):
     """The robot starts in a corner of its own, far off."""
     cells = walled(seed, resolution, pillars).cells

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from occupied_grids import GRIDS, clearance_of, distance
 
@@ -19,7 +19,6 @@ NOTHING = np.empty((0, 4)), np.empty((0, 3)), np.empty((0, 2))
 
 
 @given(GRIDS, st.floats(1.0, 30.0))
-@settings(max_examples=60, deadline=None)
 def test_clearance_is_the_distance_to_the_nearest_occupied_square(occupied, reach):
     clearance = clearance_of(occupied, reach)
     for row in range(occupied.shape[0]):
@@ -32,7 +31,6 @@ def test_clearance_is_the_distance_to_the_nearest_occupied_square(occupied, reac
 
 
 @given(GRIDS, st.data())
-@settings(max_examples=60, deadline=None)
 def test_a_window_brings_clearance_up_to_date(occupied, data):
     reach = 4.0
     clearance = clearance_of(occupied, reach)
@@ -46,7 +44,6 @@ def test_a_window_brings_clearance_up_to_date(occupied, data):
 
 
 @given(GRIDS, st.floats(-3.0, 23.0), st.floats(-3.0, 23.0), st.floats(-7.0, 7.0), st.floats(0.5, 40.0))
-@settings(max_examples=150, deadline=None)
 def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach):
     out = np.empty(1)
     cast_rays(occupied, x, y, np.array([angle]), reach, out)
@@ -69,7 +66,6 @@ def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach)
     st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(0.1, 3)), max_size=3),
     st.floats(-3.2, 3.2),
 )
-@settings(max_examples=100, deadline=None)
 def test_rays_end_at_doors_and_discs(segments, discs, angle):
     out = np.array([12.0])
     shorten_rays(
@@ -87,7 +83,9 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
             best = min(best, *real)
     for x0, y0, x1, y1 in segments:
         matrix = np.array([[dx, x0 - x1], [dy, y0 - y1]])
-        if abs(np.linalg.det(matrix)) > 1e-6:
+        slant = abs(dx * (y0 - y1) - dy * (x0 - x1))
+        assume(slant == 0.0 or slant > 1e-6)  # the same of one that all but runs along a door
+        if slant:
             t, u = np.linalg.solve(matrix, [x0, y0])
             assume(min(abs(t), abs(u), abs(1.0 - u)) > 1e-6)  # the same of one that begins or ends where a door does
             if t >= 0 and 0 <= u <= 1:
@@ -96,7 +94,6 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.2, 4.0))
-@settings(max_examples=100, deadline=None)
 def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
     away = distance(occupied, x, y)
     if abs(away - radius) > 1e-9:
@@ -104,13 +101,11 @@ def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))
-@settings(max_examples=100, deadline=None)
 def test_the_distance_of_a_point_from_what_is_occupied(occupied, x, y, reach):
     assert abs(square_distance(occupied, x, y, reach) - min(reach, distance(occupied, x, y))) < 1e-9
 
 
 @given(GRIDS, st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.7, -2.2]))
-@settings(max_examples=50, deadline=None)
 def test_costs_are_those_of_costmap_2d(occupied, seed, yaw):
     """Against their definition cell by cell, turned and beyond the grid too."""
     random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)

@@ -101,7 +101,7 @@ def test_numbers_as_map_server_reads_them(tmp_path):
 
 
 @given(st.binary(max_size=60), st.sampled_from(["pgm", "png"]), st.integers(0, 200), st.booleans())
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 def test_a_broken_image_is_refused_whatever_its_fault(tmp_path, junk, kind, place, cut):
     """Bytes are overwritten and, of some, the rest is cut off: a map, or an error that names both files."""
     write(tmp_path, np.arange(64).reshape(8, 8), INFO.replace("map.pgm", f"map.{kind}"), f"map.{kind}")

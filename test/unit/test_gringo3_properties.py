@@ -3,7 +3,7 @@
 import itertools
 
 from gringo3_answers import answers, solve, translated
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo.gringo3 import Dialect, TranslationError, translate
@@ -15,11 +15,9 @@ PIECES = """p q(X) r(1,2) -p not X Y _ 1 23 "s" f(a,_) , ; : :- . .. | ( ) { } [
     #min #max #avg #even #odd #mod #abs #true #infimum #program #include #forget #iinit t 0x1 :~ % %* *% not ` $"""
 WORDS = PIECES.split()
 TEXTS = st.lists(st.sampled_from([*WORDS, "\n", ".\n", " "]), max_size=40).map(" ".join)
-RELAXED = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @given(st.one_of(TEXTS, st.text(max_size=80)))
-@RELAXED
 def test_nothing_but_a_translation_error(text):
     for undecided in (Dialect.GRINGO3, Dialect.CLINGO5):
         try:
@@ -34,7 +32,6 @@ def test_nothing_but_a_translation_error(text):
 
 
 @given(st.text(max_size=200))
-@RELAXED
 def test_tokens_cover_the_text_in_order(text):
     found = tokens(text)
     assert all(a.end <= b.start for a, b in zip(found, found[1:]))
@@ -67,7 +64,6 @@ PROGRAMS = st.lists(RULES, min_size=1, max_size=4).map(lambda rules: FACTS + "\n
 
 
 @given(PROGRAMS)
-@RELAXED
 def test_translations_are_programs_of_clingo_5_with_the_same_lines(program):
     text = translated(program)
     solve(text)
@@ -77,7 +73,6 @@ def test_translations_are_programs_of_clingo_5_with_the_same_lines(program):
 
 
 @given(st.lists(RULES, min_size=1, max_size=3).map("\n".join))
-@RELAXED
 def test_what_means_the_same_in_both_is_left_alone(program):
     told = inspect(program, tokens(program))
     text = translated(program + "\n#hide.").splitlines()
@@ -120,7 +115,6 @@ def shown(negated, atom):
 
 
 @given(WEIGHTED, BOUNDS, st.booleans(), st.sampled_from(["", "#sum "]))
-@RELAXED
 def test_sums_count_every_element(elements, bounds, negate, name):
     inside = ", ".join(f"{shown(n, a)}={w}" for n, a, w in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {}{}.".format(
@@ -131,7 +125,6 @@ def test_sums_count_every_element(elements, bounds, negate, name):
 
 
 @given(WEIGHTED, BOUNDS, st.sampled_from(["", "#count "]))
-@RELAXED
 def test_sets_count_each_literal_once(elements, bounds, name):
     inside = ", ".join(shown(n, a) for n, a, _ in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded(name + "{ " + inside + " }", bounds))
@@ -140,7 +133,6 @@ def test_sets_count_each_literal_once(elements, bounds, name):
 
 
 @given(WEIGHTED, BOUNDS)
-@RELAXED
 def test_averages(elements, bounds):
     inside = ", ".join(f"{shown(n, a)}={w}" for n, a, w in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded("#avg [ " + inside + " ]", bounds))
@@ -153,7 +145,6 @@ def test_averages(elements, bounds):
 
 
 @given(WEIGHTED, st.sampled_from(["#even", "#odd"]), st.booleans())
-@RELAXED
 def test_parities(elements, name, brackets):
     inside = ", ".join(shown(n, a) + (f"={w}" if brackets else "") for n, a, w in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {} {}.".format(name, ("[ {} ]" if brackets else "{{ {} }}").format(inside))
@@ -167,7 +158,6 @@ def test_parities(elements, name, brackets):
 
 
 @given(st.lists(st.sampled_from("123"), min_size=1, max_size=3), st.sets(st.sampled_from("123")), st.booleans())
-@RELAXED
 def test_pools_in_bodies_are_conjunctions(pool, facts, negated):
     program = "{} ok :- {}p({}). #hide. #show ok/0.".format(
         " ".join(f"p({f})." for f in sorted(facts)), "not " if negated else "", ";".join(pool)

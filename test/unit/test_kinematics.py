@@ -62,7 +62,6 @@ class Reference:
     st.lists(commands, min_size=1, max_size=50), limits, limits, changes, changes,
     st.sampled_from([0.01, 0.05, 0.1, 0.25]), st.sampled_from([0.0, 0.05, 0.2, 0.25, 0.6]), st.sampled_from([0.0, 0.2]),
 )  # fmt: skip
-@settings(max_examples=100)
 def test_any_stream_of_commands(stream, speed, turn, acceleration, turn_acceleration, interval, watchdog, drift):
     spec = RobotSpec(
         "a", START, 0.2, (), speed, turn, acceleration, turn_acceleration, lasers=(), drift=(drift, drift / 2)
@@ -87,7 +86,7 @@ def test_any_stream_of_commands(stream, speed, turn, acceleration, turn_accelera
 
 
 @given(st.lists(st.tuples(speeds, speeds), min_size=1, max_size=20), st.integers(0, 5))
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 def test_drift_is_a_factor_within_its_limit_that_the_seed_decides(stream, seed):
     spec = RobotSpec("a", START, lasers=(), drift=(0.1, 0.3))
     twins = [Simulation(WorldSpec(FIELD, (spec,), seed=seed)) for _ in range(2)]

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from test_bodies import bodies, doors, obstacles, poses, start, walled
 from world_reference import Things, cast
@@ -33,7 +33,6 @@ lasers = st.builds(
     st.lists(poses, min_size=2, max_size=12), st.tuples(doors, doors), st.lists(obstacles, max_size=3),
     st.lists(lasers, min_size=1, max_size=3), st.tuples(st.booleans(), st.booleans()),
 )  # fmt: skip
-@settings(max_examples=80)
 def test_every_beam(seed, resolution, pillars, pair, places, gates, things, scanners, opened):
     """The first robot has lasers, the second may stand in their way, and so may doors, obstacles and the walls."""
     gates = tuple(DoorSpec(str(i), d[:2], d[2:], open=True) for i, d in enumerate(gates))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from occupied_grids import GRIDS, clearance_of, distance
 
@@ -99,7 +99,6 @@ def test_hits_next_to_what_is_on_the_map_are_left_out_too():
 
 
 @given(GRIDS, st.integers(0, 2**32 - 1))
-@settings(max_examples=50, deadline=None)
 def test_hits_apart_are_those_near_and_away_from_what_is_known(occupied, seed):
     """Against the same by numpy, with rays that leave the grid too."""
     random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)

@@ -47,6 +47,28 @@ def test_other_footprints_stand_still():
     assert braked(Velocity(0.6, 0.5), HERE, np.empty((0, 2)), 0.2, SQUARE) == Velocity(0.6, 0.5)
 
 
+BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
+
+
+@pytest.mark.parametrize(
+    ("rate", "point", "stops"),
+    [
+        (1.0, (0.35, 0.15), True),  # a front corner is to pass there
+        (-1.0, (0.35, 0.15), False),  # turns away from it
+        (-1.0, (0.35, -0.15), True),
+        (1.0, (0.0, 0.3), False),  # too far to the side for as long as is looked ahead
+        (1.0, (0.35, 0.3), False),  # beyond the corner
+        (1.0, (-0.17, -0.14), True),  # a rear corner
+        (1.0, (0.3, 0.0), False),  # the robot is over it already
+    ],
+)
+@pytest.mark.parametrize("yaw", [0.0, 2.0, -3.0])
+def test_a_footprint_that_turns_on_the_spot_sweeps_over_nothing(rate, point, stops, yaw):
+    pose = Pose2D(1.0, -2.0, yaw)
+    at = np.array([pose.compose(Pose2D(*point))[:2]])
+    assert braked(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
+
+
 def test_unmarked_is_what_neither_map_nor_marks_explain():
     costmap = Costmap(room())
     angles = np.array([0.0, 0.5 * math.pi, math.pi])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from occupied_grids import GRIDS, distance, ground_of
 
@@ -28,7 +28,6 @@ STEPS = [(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1) if r or c]
 
 
 @given(GRIDS, RADII)
-@settings(max_examples=100, deadline=None)
 def test_each_place_is_clear_and_in_its_cell(occupied, radius):
     ground = ground_of(occupied, radius)
     for row, column in np.argwhere(ground.places):
@@ -39,7 +38,6 @@ def test_each_place_is_clear_and_in_its_cell(occupied, radius):
 
 
 @given(GRIDS, RADII, st.data())
-@settings(max_examples=80, deadline=None)
 def test_a_window_brings_places_up_to_date(occupied, radius, data):
     ground = ground_of(occupied, radius)
     row = data.draw(st.integers(0, occupied.shape[0] - 1))
@@ -92,7 +90,6 @@ def test_a_way_along_the_very_edge_of_the_map():
 
 
 @given(GRIDS, RADII, st.data())
-@settings(max_examples=150, deadline=None)
 def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
     """With and without landmarks, in eight directions and in sixteen, also where only points between cells are free."""
     ground = ground_of(occupied, radius)
@@ -162,7 +159,6 @@ def test_few_cells_have_a_place_besides_their_middle():
 
 
 @given(GRIDS, st.tuples(*[st.floats(0.0, 20.0)] * 4), st.floats(0.2, 4.0))
-@settings(max_examples=150, deadline=None)
 def test_a_line_is_clear_if_each_of_its_points_is(occupied, ends, radius):
     x0, y0, x1, y1 = ends
     clear = line_is_clear(ground_of(occupied, radius, 50.0), x0, y0, x1, y1, radius)
@@ -175,12 +171,11 @@ def test_a_line_is_clear_if_each_of_its_points_is(occupied, ends, radius):
 
 
 @given(GRIDS, st.tuples(*[st.floats(0.0, 20.0)] * 4))
-@settings(max_examples=150, deadline=None)
 def test_a_line_is_not_clear_where_nobody_knows_what_is_there(unknown, ends):
     x0, y0, x1, y1 = (min(end, size - 0.01) for end, size in zip(ends, unknown.shape[::-1] * 2))
     clear = line_is_clear(ground_of(np.zeros_like(unknown), 1.0, 50.0, unknown), x0, y0, x1, y1, 1.0)
     depth = [-_depth(unknown, x0 + (x1 - x0) * t, y0 + (y1 - y0) * t) for t in np.linspace(0, 1, 400)]
-    if min(depth) > 0.0 or min(depth) < -0.1:  # a corner may be cut by less
+    if min(depth) > 1e-6 or min(depth) < -0.1:  # a corner may be touched, and cut by less
         assert clear == (min(depth) > 0.0)
 
 

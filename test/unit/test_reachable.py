@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import label
@@ -52,7 +52,6 @@ def distance(cells, x, y):
 
 
 @given(maps, st.floats(0.05, 0.25), st.tuples(parts, parts, parts))
-@settings(max_examples=80)
 def test_what_can_be_reached_is_found_and_what_cannot_is_told(cells, radius, chosen):
     truth = Truth(cells)
     clear = np.argwhere(truth.away >= radius + SPARE)

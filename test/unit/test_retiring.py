@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from test_solver_properties import PARTS, UPDATES, without_strangers
 
@@ -190,7 +190,6 @@ def decide(draw, steps):
     return [Statement(None, (Literal(atom, atom.name == "q" or draw(st.booleans())),)) for atom in atoms]
 
 
-@settings(deadline=None)
 @given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
 def test_answers_equal_those_of_a_solver_that_only_forgets(parts, data, margin):
     """Random programs: where steps are decided or not, answers are as if their externals had been forgotten."""

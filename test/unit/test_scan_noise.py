@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from navigation_worlds import room, simulation
 
@@ -27,7 +27,6 @@ def test_the_deviation_of_a_laser(noise):
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, 12), st.floats(0.0, 0.05))
-@settings(max_examples=50, deadline=None)
 def test_any_scan_will_do(seed, beams, noise):
     """Few beams, beams that hit nothing: no fault, and no deviation without a hit."""
     random, found = np.random.default_rng(seed), ScanNoise()

@@ -27,7 +27,6 @@ def drive(world, commands):
 
 
 @given(st.floats(-2.0, 2.0), st.floats(-4.0, 4.0), st.integers(1, 20))
-@settings(max_examples=100)
 def test_a_constant_command_drives_the_exact_arc(v, w, steps):
     world = simulation(room(60.0, 60.0, 0.1), Pose2D(30.0, 30.0, 0.3), laser=None, **STRONG)
     pose = drive(world, [(v, w)] * steps)[-1]
@@ -42,7 +41,6 @@ def test_a_constant_command_drives_the_exact_arc(v, w, steps):
 
 
 @given(COMMANDS, st.booleans())
-@settings(max_examples=100)
 def test_whatever_is_commanded_no_robot_is_ever_in_a_wall(commands, square):
     grid = room(2.0, 2.0, 0.05, walls=[(0.9, 0.9, 1.2, 1.1)])
     world = simulation(grid, Pose2D(0.5, 0.5), laser=None, footprint=SQUARE if square else (), radius=0.25, **STRONG)
@@ -61,7 +59,7 @@ def test_who_drove_until_he_touched_a_wall_stands_free_of_it():
 
 
 @given(COMMANDS)
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 def test_same_seed_and_commands_same_poses_to_the_last_bit(commands):
     def run(scan):
         world = simulation(room(), Pose2D(1.0, 1.0), drift=(0.1, 0.1))

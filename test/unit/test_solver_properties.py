@@ -1,7 +1,7 @@
 """The incremental solver equals one that solves the accumulated program from scratch, update by update."""
 
 import clingo
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from solver_reference import Parts, Reference
 
@@ -152,7 +152,6 @@ def compare(parts, updates):
         assert sum("declared external" in warning for warning in result.warnings) <= ignored
 
 
-@settings(deadline=None)
 @given(PARTS.filter(known), st.lists(UPDATES, min_size=1, max_size=5))
 def test_answers_equal_those_from_scratch(parts, updates):
     compare(parts, updates)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from navigation_worlds import ERRATIC, LONG, Drive, room, simulation
 
-from rosoclingo.navigation import Costmap, Outcome, Pose2D
+from rosoclingo.navigation import Costmap, Outcome, Pose2D, Velocity
+from rosoclingo.navigation.local_planner import STOP, Command, FollowOutcome
 from rosoclingo.simulation import DoorSpec
 
 
@@ -128,6 +129,16 @@ def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_g
     assert drive.to(Pose2D(3.0, 2.0, yaw), 60.0).outcome is Outcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
+
+
+@pytest.mark.parametrize(
+    ("command", "before", "stops"),
+    [((-0.15, -0.4), 0.15, True), ((0.1, 0.2), -0.03, True), ((0.0, 0.4), 0.1, False), ((0.15, 0.4), 0.1, False)],
+)
+def test_who_turns_round_stops_first(command, before, stops):
+    """Else a turn would begin while the robot still drives the other way, into what it was to get away from."""
+    found = Command(FollowOutcome.DRIVING, Velocity(*command)).stopping_first(Velocity(before, 0.0))
+    assert found == Command(FollowOutcome.DRIVING, STOP if stops else Velocity(*command))
 
 
 def test_what_could_not_be_got_through_is_gone_round():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from navigation_worlds import Drive, room, simulation
 from occupied_grids import GRIDS, clearance_of
@@ -71,7 +71,6 @@ def edge_meets(a, b, row, column, graze):
     st.tuples(st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(-4.0, 4.0)),
     st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-0.5, 0.5)),
 )
-@settings(max_examples=200, deadline=None)
 def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body, pose, step):
     height, width = occupied.shape
     pose = (min(pose[0], width - 0.1), min(pose[1], height - 0.1), pose[2])

@@ -13,6 +13,7 @@ from rosoclingo.navigation.local_planner import Velocity, inscribed_radius
 
 __all__ = ["SLACK", "SLOWEST", "Body", "Situation", "Trial", "creeping"]
 
+CLEAR = 0.005  # m that corners keep free in a turn, as commands come late
 FINEST = 0.0125  # m: the shortest pieces of an edge
 # In tight places a movement has to be clear for AHEAD (s), in which STEPS places are looked at, but for SLACK (m); what
 # is left to drive is driven in no less than that time, though no slower than SLOWEST (m/s).
@@ -112,11 +113,12 @@ class Body:
         return bool(found >= least * scale)
 
     def may_turn(self, now: Situation, angle: float) -> bool:
-        """Tell whether turning on the spot by ``angle`` rad touches nothing that the body does not touch now."""
+        """Tell whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""
         if not self.footprint:
             return True
         discs, cells = self.discs(now.costmap.resolution), now.cells
-        least = min(0.0, body_clearance(now.around, discs, *cells, 0.0) - 1e-3)
+        close = CLEAR / now.costmap.resolution
+        least = min(close, body_clearance(now.around, discs, *cells, close) - 1e-3)
         return bool(turn_spare(now.around, discs, *cells, angle, least) >= least)
 
 

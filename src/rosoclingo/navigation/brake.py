@@ -13,18 +13,22 @@ from rosoclingo.navigation.local_planner import Velocity
 
 __all__ = ["braked"]
 
-MARGIN = 0.05  # m kept free
+MARGIN, BESIDE = 0.05, 0.02  # m kept free ahead, and beside a robot that turns on the spot
 TIMES = np.linspace(0.2, 1.0, 5)  # s ahead; that what is seen may come nearer by itself is in it
+TURNING = np.linspace(0.05, 0.4, 8)  # s: it stops turning at once
 PARTS = (1.0, 0.6, 0.3)  # of the speed, tried in turn
 
 
 def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence = ()) -> Velocity:
     """Return a velocity, or a slower one that leads a robot (m) no nearer to points (n, 2; m) than it may.
 
-    Where there is none, a disc may turn on the spot; any other footprint stands still.
+    Where there is none, a disc may turn on the spot; any other footprint stands still. One that turns on the spot stops
+    before it sweeps over a point.
     """
-    if not len(points) or velocity.linear == 0.0:
+    if not len(points):
         return velocity
+    if velocity.linear == 0.0:
+        return Velocity() if len(footprint) and _sweeps(velocity.angular, pose, points, footprint) else velocity
     reach = max((math.hypot(*corner) for corner in footprint), default=radius) + MARGIN
     now = _nearest(pose, points)
     for part in PARTS:
@@ -36,3 +40,22 @@ def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, 
 
 def _nearest(pose: Pose2D, points: np.ndarray) -> float:
     return float(np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y).min())
+
+
+def _sweeps(rate: float, pose: Pose2D, points: np.ndarray, footprint: Sequence) -> bool:
+    """Tell whether turning at ``rate`` rad/s leads a footprint (m) over a point (n, 2; m) that it is not over now."""
+    dx, dy = (points - (pose.x, pose.y)).T
+    away, bearings = np.hypot(dx, dy) - BESIDE, np.arctan2(dy, dx) - pose.yaw
+    apart = away > _extent(footprint, bearings)
+    return any((away <= _extent(footprint, bearings - rate * time))[apart].any() for time in TURNING)
+
+
+def _extent(footprint: Sequence, bearings: np.ndarray) -> np.ndarray:
+    """Return how far (m) a footprint reaches from its origin in each of the directions (rad) in its frame."""
+    x, y = np.array(footprint).T
+    ex, ey = np.roll(x, -1) - x, np.roll(y, -1) - y
+    dx, dy = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        across = dx * ey - dy * ex
+        away, part = (x * ey - y * ex) / across, (x * dy - y * dx) / across
+    return np.where((part >= 0.0) & (part <= 1.0) & (away > 0.0), away, 0.0).max(axis=1)

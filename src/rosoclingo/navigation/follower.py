@@ -80,7 +80,7 @@ class RolloutFollower(LocalPlanner):
             self._arrived = False  # nearer to the goal there may be room
         self._watch(now)
         if self._deepest is not None:
-            return self._back(now, self._deepest)
+            return self._back(now, self._deepest).stopping_first(velocity)
         self._trail.note(pose)
         narrow = self._is_narrow(now)
         if self.footprint and self._lull < LULL and not narrow and self._has_room(now, pose[:2]):
@@ -92,7 +92,7 @@ class RolloutFollower(LocalPlanner):
             command = self._towards(now, carrot) if carrot is not None else Command(FollowOutcome.BLOCKED)
             if command.outcome is not FollowOutcome.BLOCKED:
                 return command
-        return self._through(now)
+        return self._through(now).stopping_first(velocity)
 
     def length_left(self, pose: Pose2D) -> float:
         """Return what is left of the path; see :class:`LocalPlanner`."""
@@ -103,9 +103,9 @@ class RolloutFollower(LocalPlanner):
         return math.hypot(x - pose.x, y - pose.y) + float(self._along[-1] - self._place)
 
     def _watch(self, now: Situation) -> None:
-        """Keep for how long the robot has come no further; on its way out of somewhere it is not to."""
+        """Keep for how long the robot has come no further; on a long way out it is not to."""
         left = self.length_left(now.pose)
-        self._lull += 0.0 if self._way_out.under_way else now.period
+        self._lull += 0.0 if self._way_out.leads_far else now.period
         if self._least < 0.0:  # a new path
             self._least = left
         elif left < self._least - GAIN:

@@ -38,7 +38,13 @@ class Command(NamedTuple):
     velocity: Velocity = STOP
     at: Optional[Tuple[float, float]] = None
 
+    def stopping_first(self, before: Velocity) -> "Command":
+        """Return it, but a stop where the robot still drives the other way: no turn is to begin before."""
+        turns_round = self.velocity.linear * before.linear < 0.0 and abs(before.linear) > STILL
+        return self._replace(velocity=STOP) if turns_round else self
 
+
+STILL = 0.02  # m/s
 SHOWN = np.linspace(0.0, 1.0, 8)  # s ahead
 
 

@@ -19,6 +19,7 @@ FLOORS = (0.005, 0.002, 0.0005)  # m that an arc keeps free: the first by which 
 LONGEST = 3.0  # m
 SPARE = 0.01  # m more than it needs to turn
 END = 0.01  # m that may be left of an arc
+SHORT = 0.3  # m
 
 
 class WayOut:
@@ -27,12 +28,13 @@ class WayOut:
     def __init__(self, speed: float) -> None:
         self._speed = speed
         self._curvature, self._left, self._floor = 0.0, 0.0, 0.0  # 1/m, m (signed), m
+        self._far = False
         self._at: Optional[Pose2D] = None  # where the robot was last on the arc
 
     @property
-    def under_way(self) -> bool:
-        """Whether the robot is on an arc."""
-        return self._at is not None
+    def leads_far(self) -> bool:
+        """Whether the robot is on an arc that was not short."""
+        return self._at is not None and self._far
 
     def begin(self, body: Body, now: Situation) -> Optional[Velocity]:
         """Return what to drive along the arc that leads out best, None where none does."""
@@ -69,6 +71,7 @@ class WayOut:
             )
             if length != 0.0:
                 self._curvature, self._left, self._floor = float(CURVATURES[i]), length * scale, floor
+                self._far = abs(self._left) > SHORT
                 return True
         return False
 
