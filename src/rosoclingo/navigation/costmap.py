@@ -20,7 +20,7 @@ EMPTY: Window = (0, 0, 0, 0)
 # A hit counts for so many rays that pass; from SURE on a cell is marked, and LIMIT is as sure as it gets: what hits in
 # less than a third of all scans is noise, and what has gone is forgotten after LIMIT rays have passed.
 GAIN, SURE, LIMIT = 2, 12, 24
-NEAR = 0.01  # m: a ray that passes so near to what was hit, or by no more than its noise, shows that it has gone
+NEAR = 0.01  # m: a ray that passes so near to what was hit shows that it has gone
 SPARE = 0.005  # m that ways keep free beside the robot's radius: no robot drives along a wall that it touches
 SCATTER = 3.5  # times the standard deviation of the laser's noise
 BAR = 0.1  # m around a point that is barred
@@ -137,8 +137,7 @@ class Costmap:
         self._noise.see(np.where(hits, far, np.nan))
         known = self._tolerance() / self.resolution
         spacing = float(abs(angles[-1] - angles[0])) / max(1, len(angles) - 1) if len(angles) else 0.0
-        near = max(NEAR, self._noise.deviation) / self.resolution
-        rules = Rules(GAIN, LIMIT, SURE, known, near, spacing)
+        rules = Rules(GAIN, LIMIT, SURE, known, NEAR / self.resolution, spacing)
         window = count_rays(self._evidence, self._mapped, x, y, turned, lengths, hits, rules)
         changed = self._changed(window)
         # What is neither on the map nor marked yet.
