@@ -60,6 +60,8 @@ BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
         (1.0, (0.35, 0.3), False),  # beyond the corner
         (1.0, (-0.17, -0.14), True),  # a rear corner
         (1.0, (0.3, 0.0), False),  # the robot is over it already
+        (1.0, (0.35, 0.11), True),  # next to it
+        (-1.0, (0.35, 0.11), False),
     ],
 )
 @pytest.mark.parametrize("yaw", [0.0, 2.0, -3.0])
@@ -67,6 +69,14 @@ def test_a_footprint_that_turns_on_the_spot_sweeps_over_nothing(rate, point, sto
     pose = Pose2D(1.0, -2.0, yaw)
     at = np.array([pose.compose(Pose2D(*point))[:2]])
     assert braked(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
+
+
+def test_a_footprint_that_backs_away_from_a_point_does_not_swing_a_corner_over_it():
+    behind = np.array([(-0.17, -0.14)])
+    assert braked(Velocity(-0.05, 1.0), HERE, behind, 0.1, BAR) == Velocity()
+    ahead = np.array([(0.35, 0.15)])
+    assert braked(Velocity(-0.1, 1.0), HERE, ahead, 0.1, BAR) == Velocity()
+    assert braked(Velocity(-0.1, 0.0), HERE, ahead, 0.1, BAR) == Velocity(-0.1, 0.0)
 
 
 def test_unmarked_is_what_neither_map_nor_marks_explain():

@@ -15,20 +15,23 @@ __all__ = ["braked"]
 
 MARGIN, BESIDE = 0.05, 0.02  # m kept free ahead, and beside a robot that turns on the spot
 TIMES = np.linspace(0.2, 1.0, 5)  # s ahead; that what is seen may come nearer by itself is in it
-TURNING = np.linspace(0.05, 0.4, 8)  # s: it stops turning at once
+SOON = np.linspace(0.05, 0.4, 8)  # s ahead that corners are looked after: a turn stops at once
 PARTS = (1.0, 0.6, 0.3)  # of the speed, tried in turn
 
 
 def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence = ()) -> Velocity:
     """Return a velocity, or a slower one that leads a robot (m) no nearer to points (n, 2; m) than it may.
 
-    Where there is none, a disc may turn on the spot; any other footprint stands still. One that turns on the spot stops
-    before it sweeps over a point.
+    Where there is none, a disc may turn on the spot; any other footprint stands still, as it does before it sweeps over
+    a point.
     """
     if not len(points):
         return velocity
-    if velocity.linear == 0.0:
-        return Velocity() if len(footprint) and _sweeps(velocity.angular, pose, points, footprint) else velocity
+    slow = velocity if velocity.linear == 0.0 else _slowed(velocity, pose, points, radius, footprint)
+    return Velocity() if len(footprint) and _sweeps(slow, pose, points, footprint) else slow
+
+
+def _slowed(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence) -> Velocity:
     reach = max((math.hypot(*corner) for corner in footprint), default=radius) + MARGIN
     now = _nearest(pose, points)
     for part in PARTS:
@@ -42,12 +45,18 @@ def _nearest(pose: Pose2D, points: np.ndarray) -> float:
     return float(np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y).min())
 
 
-def _sweeps(rate: float, pose: Pose2D, points: np.ndarray, footprint: Sequence) -> bool:
-    """Tell whether turning at ``rate`` rad/s leads a footprint (m) over a point (n, 2; m) that it is not over now."""
+def _sweeps(velocity: Velocity, pose: Pose2D, points: np.ndarray, footprint: Sequence) -> bool:
+    """Tell whether a movement leads a footprint (m) over or next to a point (n, 2; m) that it is not over."""
+    now = _depths(pose, points, footprint)
+    most = np.where(now < 0.0, np.maximum(now, -BESIDE), np.inf) + 1e-6
+    ahead = (pose.moved(*velocity, float(time)) for time in SOON)
+    return any((_depths(place, points, footprint) > most).any() for place in ahead)
+
+
+def _depths(pose: Pose2D, points: np.ndarray, footprint: Sequence) -> np.ndarray:
+    """Return how deep (m), seen from its origin, points are in a footprint; less than 0 outside."""
     dx, dy = (points - (pose.x, pose.y)).T
-    away, bearings = np.hypot(dx, dy) - BESIDE, np.arctan2(dy, dx) - pose.yaw
-    apart = away > _extent(footprint, bearings)
-    return any((away <= _extent(footprint, bearings - rate * time))[apart].any() for time in TURNING)
+    return _extent(footprint, np.arctan2(dy, dx) - pose.yaw) - np.hypot(dx, dy)
 
 
 def _extent(footprint: Sequence, bearings: np.ndarray) -> np.ndarray:
