@@ -31,7 +31,7 @@ def distances(body, occupied, x, y, yaw, graze=0.0):
     found = np.minimum.reduce([edge_gaps(a, b, rows, columns) for a, b in edges])
     # In a square it is as deep as the deepest of the pieces of its edge.
     meets = [any(edge_meets(a, b, row, column, graze) for a, b in edges) for row, column in zip(rows, columns)]
-    pieces = body.discs(1.0)[1:]
+    pieces = body.pieces(1.0)[1:]
     middles = pieces[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
     depths = (gaps(middles, rows, columns) - pieces[:, 2:3]).min(axis=0)
     return np.where(np.array(meets, dtype=bool), depths, found)
@@ -75,10 +75,10 @@ def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body,
     height, width = occupied.shape
     pose = (min(pose[0], width - 0.1), min(pose[1], height - 0.1), pose[2])
     there = tuple(a + b for a, b in zip(pose, step))
-    near = around(clearance_of(occupied, 9.0), occupied, body.discs(1.0), *pose)
+    near = around(clearance_of(occupied, 9.0), occupied, body.pieces(1.0), *pose)
     before, after = (distances(body, occupied, *at, graze=1e-6) for at in (pose, there))
     inside = (before >= 0.0) & (near.occupied[np.nonzero(occupied)] == 0)  # the body's edge is to pass them freely
-    if body_clearance(near, body.discs(1.0), *there, 0.0) >= 0.0:
+    if body_clearance(near, body.pieces(1.0), *there, 0.0) >= 0.0:
         assert (after >= np.minimum(before, 0.0) - 1e-6)[~inside].all()
     touched = len(near.touched)
     assert (before < 0.0).sum() <= touched <= (distances(body, occupied, *pose, graze=-1e-6) < 0.0).sum()
@@ -91,7 +91,7 @@ def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body,
 def test_where_nothing_is_touched_the_body_is_tried_against_the_map_itself():
     occupied = np.zeros((20, 20), dtype=np.uint8)
     occupied[3, 3] = 1
-    near = around(clearance_of(occupied), occupied, BODIES[0].discs(1.0), 12.0, 12.0, 0.0)
+    near = around(clearance_of(occupied), occupied, BODIES[0].pieces(1.0), 12.0, 12.0, 0.0)
     assert near.occupied is occupied
     assert not len(near.touched)
 

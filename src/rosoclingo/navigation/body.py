@@ -71,23 +71,23 @@ class Body:
         self.radius, self.footprint = radius, tuple(footprint)
         self.inner = inscribed_radius(radius, self.footprint)
         self.outer = max((math.hypot(*corner) for corner in self.footprint), default=radius)
-        self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
+        self._pieces: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
 
-    def discs(self, resolution: float) -> np.ndarray:
+    def pieces(self, resolution: float) -> np.ndarray:
         """Return what stands for the body on a grid, see :mod:`~rosoclingo.navigation.compiled_body`."""
-        if self._discs[0] != resolution:
-            self._discs = (resolution, self._made(resolution))
-        return self._discs[1]
+        if self._pieces[0] != resolution:
+            self._pieces = (resolution, self._made(resolution))
+        return self._pieces[1]
 
     def _made(self, resolution: float) -> np.ndarray:
-        discs = [(0.0, 0.0, self.outer, 0.0, 0.0)]
+        pieces = [(0.0, 0.0, self.outer, 0.0, 0.0)]
         corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
         for a, b in zip(corners, corners[1:] + corners[:1]):
             length = math.hypot(*(b - a))
             count = max(1, math.ceil(length / max(0.25 * resolution, FINEST)))
             ahead = (b - a) / length if length > 0.0 else np.zeros(2)
-            discs += [(*(a + (b - a) * ((i + 0.5) / count)), 0.5 * length / count, *ahead) for i in range(count)]
-        return np.array(discs) / (resolution, resolution, resolution, 1.0, 1.0)
+            pieces += [(*(a + (b - a) * ((i + 0.5) / count)), 0.5 * length / count, *ahead) for i in range(count)]
+        return np.array(pieces) / (resolution, resolution, resolution, 1.0, 1.0)
 
     def slow_turn(self, speed: float, most: float) -> float:
         """Return the turn (rad/s; ``most`` at most) that moves no corner faster than a speed (m/s); a disc has none."""
@@ -95,19 +95,19 @@ class Body:
 
     def situation(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Situation:
         """Return what a command is found for, with what the body touches there."""
-        discs, cells = self.discs(costmap.resolution), (*costmap.to_cells(pose.x, pose.y), pose.yaw)
-        return Situation(costmap, pose, velocity, period, around(costmap.clearance, costmap.occupied, discs, *cells))
+        pieces, cells = self.pieces(costmap.resolution), (*costmap.to_cells(pose.x, pose.y), pose.yaw)
+        return Situation(costmap, pose, velocity, period, around(costmap.clearance, costmap.occupied, pieces, *cells))
 
     def spare(self, now: Situation, enough: float) -> float:
         """Return how far (m) the body is from what is nearest; may be less where more than ``enough`` is certain."""
         scale = now.costmap.resolution
-        return float(body_clearance(now.around, self.discs(scale), *now.cells, enough / scale)) * scale
+        return float(body_clearance(now.around, self.pieces(scale), *now.cells, enough / scale)) * scale
 
     def is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
         """Tell whether the body keeps ``least`` m for a moment in which it is driven in a tight place."""
         scale = 1.0 / now.costmap.resolution
         found = spare_after(
-            now.around, self.discs(now.costmap.resolution), *now.cells,
+            now.around, self.pieces(now.costmap.resolution), *now.cells,
             velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
         )  # fmt: skip
         return bool(found >= least * scale)
@@ -116,10 +116,10 @@ class Body:
         """Tell whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""
         if not self.footprint:
             return True
-        discs, cells = self.discs(now.costmap.resolution), now.cells
+        pieces, cells = self.pieces(now.costmap.resolution), now.cells
         close = CLEAR / now.costmap.resolution
-        least = min(close, body_clearance(now.around, discs, *cells, close) - 1e-3)
-        return bool(turn_spare(now.around, discs, *cells, angle, least) >= least)
+        least = min(close, body_clearance(now.around, pieces, *cells, close) - 1e-3)
+        return bool(turn_spare(now.around, pieces, *cells, angle, least) >= least)
 
 
 def creeping(left: float, most: float) -> float:

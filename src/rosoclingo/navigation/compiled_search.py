@@ -113,19 +113,15 @@ def _pop(keys, items, size):
 def _leads(ground, row, column, k):
     """Tell whether the straight line from the place in a cell to that in the cell a step away is clear.
 
-    A knight's step is where both cells that it passes are open, as those at its ends are.
+    A knight's step is where its ends and both cells between them are open: what is far enough from the middles of all
+    four is far enough from the line.
     """
     places = ground.places
     r, c = row + ROWS[k], column + COLUMNS[k]
     if k >= AROUND:
-        low_r, low_c = min(row, r) + (abs(ROWS[k]) == 2), min(column, c) + (abs(COLUMNS[k]) == 2)
-        high_r, high_c = max(row, r) - (abs(ROWS[k]) == 2), max(column, c) - (abs(COLUMNS[k]) == 2)
-        return (
-            places[row, column] == OPEN
-            and places[r, c] == OPEN
-            and places[low_r, low_c] == OPEN
-            and places[high_r, high_c] == OPEN
-        )
+        dr, dc = ROWS[k] // 2, COLUMNS[k] // 2
+        between = places[row + dr, column + dc] == OPEN and places[r - dr, c - dc] == OPEN
+        return between and places[row, column] == OPEN and places[r, c] == OPEN
     if places[row, column] == OPEN and places[r, c] == OPEN:
         return True
     x0, y0 = place_of(places, row, column)

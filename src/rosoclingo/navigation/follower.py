@@ -220,7 +220,7 @@ class RolloutFollower(LocalPlanner):
         to_carrot, to_angle, to_room = trial.weights
         i, j = best_command(
             now.around,
-            self._body.discs(now.costmap.resolution),
+            self._body.pieces(now.costmap.resolution),
             np.array(now.cells),
             trial.speeds * scale,
             turns,

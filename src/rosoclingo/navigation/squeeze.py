@@ -35,7 +35,7 @@ class Squeeze:
         costmap = now.costmap
         i, turn, spare = furthest_leg(
             now.around,
-            body.discs(costmap.resolution),
+            body.pieces(costmap.resolution),
             np.array(now.cells),
             costmap.all_to_cells(points),
             (CORNER_FLOORS if body.footprint else FLOORS) / costmap.resolution,

@@ -62,7 +62,7 @@ class WayOut:
         for floor in FLOORS:
             i, length = best_arc(
                 now.around,
-                body.discs(scale),
+                body.pieces(scale),
                 np.array(now.cells),
                 CURVATURES * scale,
                 LONGEST / scale,
