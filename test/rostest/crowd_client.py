@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""One client of the crowd: all its goals at once, many of them cancelled; prints how each of them ended, as JSON."""
+"""One client of the crowd: all its goals at once, many of them cancelled; prints how each of them ended, as JSON.
+
+It says when it is connected, and begins when it is told to.
+"""
 
 import collections
 import json
@@ -53,5 +56,7 @@ if __name__ == "__main__":
     number = int(rospy.myargv()[1])
     rospy.init_node(f"crowd_client_{number}")
     crowd_client = CrowdClient(number)
+    print("connected", flush=True)
+    sys.stdin.readline()
     crowd_client.run()
     json.dump(crowd_client.ends, sys.stdout)

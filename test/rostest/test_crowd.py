@@ -83,12 +83,21 @@ class Crowd(unittest.TestCase):
         self.assertEqual(set(results.values()), {1}, "a goal has ended twice")
 
     def play(self):
-        """Number to status and message, of all goals."""
+        """Number to status and message, of all goals.
+
+        The clients connect one after the other: of those that connect at once rospy connects to some twice, and drops
+        what came by the first connection.
+        """
         client = str(Path(__file__).with_name("crowd_client.py"))
-        commands = [[sys.executable, client, str(number)] for number in range(CLIENTS)]
-        clients = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for command in commands]
+        clients, ends = [], {}
         self.addCleanup(lambda: [one.kill() for one in clients])
-        ends = {}
+        for number in range(CLIENTS):
+            command = [sys.executable, client, str(number)]
+            clients.append(subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
+            self.assertEqual(clients[-1].stdout.readline(), "connected\n")
+        for one in clients:
+            one.stdin.write("begin\n")
+            one.stdin.flush()
         for one in clients:
             ends.update({int(number): end for number, end in json.loads(one.communicate(timeout=LIMIT)[0]).items()})
         return ends
