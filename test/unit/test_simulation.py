@@ -31,7 +31,7 @@ def test_a_constant_command_drives_the_exact_arc(v, w, steps):
     world = simulation(room(60.0, 60.0, 0.1), Pose2D(30.0, 30.0, 0.3), laser=None, **STRONG)
     pose = drive(world, [(v, w)] * steps)[-1]
     t = 0.1 * steps
-    if abs(w) > 1e-6:
+    if abs(w) > 1e-8:
         x = 30.0 + v / w * (math.sin(0.3 + w * t) - math.sin(0.3))
         y = 30.0 - v / w * (math.cos(0.3 + w * t) - math.cos(0.3))
     else:
