@@ -26,7 +26,10 @@ from rosoclingo.oclingo import (  # noqa: E402
     fact,
     parse_term,
 )
-from rosoclingo.oclingo.sources import Source  # noqa: E402
+from rosoclingo.oclingo.program.sources import Source  # noqa: E402
+
+BOUND = 200
+"""Steps that a plan may reach beyond the present cycle."""
 
 
 def floor(offices: int) -> str:
@@ -47,7 +50,7 @@ class Robot:
         program = ReactiveProgram(
             [Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source("floor", floor(offices))]
         )
-        self.solver = ReactiveSolver(program, shortest=True, horizon_limit=1000)
+        self.solver = ReactiveSolver(program, shortest=True)
         self.random = random.Random(seed)
         self.offices, self.requests, self.ids = offices, requests, 0
         self.cycle = 0
@@ -78,7 +81,7 @@ class Robot:
         if self.cycle > 1:
             self.solver.close_cycle(self.cycle - 1, [] if before is None else [before])
             self.solver.forget_before(self.cycle - 1)
-        result = self.solver.update(StreamUpdate(self.cycle, None, tuple(items)))
+        result = self.solver.update(StreamUpdate(self.cycle, BOUND, tuple(items)))
         seconds = time.perf_counter() - start
         assert result.outcome is SolveOutcome.SATISFIABLE, result
         actions = [one for one in result.answers[0] if one.name == "_action_lib"]

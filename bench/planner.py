@@ -18,7 +18,7 @@ from ros_system import System, write_map
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
-from rosoclingo.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
+from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
 
 
 def office(height: int, width: int, seed: int, room: int = 60) -> OccupancyGrid:

@@ -7,8 +7,8 @@ import numpy as np
 from navigation_worlds import room
 from planner import office
 
-from rosoclingo.navigation import OccupancyGrid, Pose2D
-from rosoclingo.simulation import DoorSpec
+from rosoclingo.robot.navigation import OccupancyGrid, Pose2D
+from rosoclingo.robot.simulation import DoorSpec
 
 
 class Floor(NamedTuple):

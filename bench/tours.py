@@ -29,9 +29,9 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
 from navigation_worlds import ERRATIC, LONG, Drive
 from tour_floors import Floor, office_floor, rough, small_floor, turned
 
-from rosoclingo.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, Outcome, PlanOutcome, Pose2D
-from rosoclingo.navigation.local_planner import inscribed_radius
-from rosoclingo.simulation import LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
+from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, Outcome, PlanOutcome, Pose2D
+from rosoclingo.robot.navigation.local_planner import inscribed_radius
+from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
 SPARE, LACK = 0.08, -0.03  # m: what noise makes bigger must still be passable; what is smaller may be
 LIMIT = 3000.0  # simulated s that a goal may take

@@ -5,9 +5,11 @@ All modules, executables and data files are there, and the case study runs witho
 """
 
 import importlib
+import os
 import pkgutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent
@@ -43,6 +45,19 @@ def check_files(share: Path, executables: Path) -> int:
     return len(wanted)
 
 
+def check_compiled() -> int:
+    """Whoever has compiled nothing yet begins with what is installed: nothing is said of compiling."""
+    code = "from rosoclingo.robot.nodes import compiling as c; [c.compile_once(part, print) for part in c.PARTS]"
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-c", code]
+        environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
+        said = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+        assert not said, said
+        twice = sorted(path.name for path in Path(folder).rglob("*.2.nbc"))
+        assert not twice, f"compiled for several kinds of arguments: {', '.join(twice)}"
+        return sum(path.suffix == ".nbc" for path in Path(folder).rglob("*"))
+
+
 def main() -> None:
     """Runs the checks; an assertion tells what is wrong."""
     share = installed_share()
@@ -50,6 +65,7 @@ def main() -> None:
     print(f"install space {prefix}")
     print(f"{check_modules(prefix)} modules imported")
     print(f"{check_files(share, prefix / 'lib' / 'rosoclingo')} files found", flush=True)
+    print(f"{check_compiled()} functions compiled already", flush=True)
     sys.exit(subprocess.run(["rosrun", "rosoclingo", "demo"], cwd="/", check=False).returncode)
 
 

@@ -91,9 +91,9 @@ class SentGoal:
         if handle.get_comm_state() == CommState.DONE:
             self._done.set()
 
-    def wait(self):
-        """Status and result at the end."""
-        assert self._done.wait(PATIENCE), f"the goal has not ended: {self.states}"
+    def wait(self, patience=PATIENCE):
+        """Status and result at the end, which comes within some seconds of wall time."""
+        assert self._done.wait(patience), f"the goal has not ended: {self.states}"
         return self.handle.get_terminal_state(), self.handle.get_result()
 
     def ends_as(self, status):

@@ -4,6 +4,7 @@ import os
 import queue
 import signal
 import subprocess
+import threading
 import time
 
 import rospy
@@ -27,7 +28,14 @@ class CoreSide:
     def __init__(self):
         self._messages = queue.Queue()
         self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, queue_size=100)
-        self._subscriber = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._messages.put)
+        self.announced = set()
+        self._subscriber = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._note)
+
+    def _note(self, message):
+        if message.facts:
+            self._messages.put(message)
+        else:
+            self.announced.add(message.interface)
 
     def wait_for(self, *nodes):
         """Wait until these nodes listen and are heard."""
@@ -83,6 +91,19 @@ class Process:
 
     def __init__(self, *command):
         self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+    def lines_until(self, words):
+        """The lines of standard error up to the one with these words; the process must write it before it ends."""
+        lines = []
+        timer = threading.Timer(PATIENCE, self.signal, [signal.SIGKILL])
+        timer.start()
+        for line in self._process.stderr:
+            lines.append(line)
+            if words in line:
+                break
+        timer.cancel()
+        assert words in "".join(lines[-1:]), f"nothing of '{words}' in: {''.join(lines)}"
+        return lines
 
     def signal(self, number):
         os.killpg(self._process.pid, number)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation import (
+from rosoclingo.robot.navigation import (
     GridPlanner,
     LocalPlanner,
     Plan,
@@ -13,7 +13,7 @@ from rosoclingo.navigation import (
     RolloutFollower,
     Velocity,
 )
-from rosoclingo.navigation.recovery import RecoveryStep
+from rosoclingo.robot.navigation.recovery_behaviors import RecoveryStep
 
 
 class Surveyor(GridPlanner):

@@ -27,7 +27,7 @@ from rosoclingo.interfaces.answers import Answer
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError
 from rosoclingo.interfaces.hosting import InterfacesNode
-from rosoclingo.interfaces.worker import Worker
+from rosoclingo.interfaces.interface_worker import Worker
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -214,7 +214,10 @@ class InterfaceNode(unittest.TestCase):
                 {"interfaces": {"arm": {"type": "nowhere/NoAction"}}},
             ),
             ("arm.goal.gaol: actionlib/TestGoal has no such field; it has goal", arm(goal={"gaol": 1})),
-            ("arm.returns[0]: actionlib/TestResult has no field x; it has result", arm(returns=[{"when": {"x": 1}}])),
+            (
+                "~interfaces: arm.returns[0]: actionlib/TestResult has no field x; it has result",
+                arm(returns=[{"when": {"x": 1}}]),
+            ),
             ("arm.returns[0]: actionlib/TestResult has no field y", arm(returns=[{"return": "$result.y"}])),
             ("~names: no entry leg in ~interfaces", {"names": ["leg"]}),
             ("~names must be a list", {"names": "pickup"}),
@@ -230,6 +233,49 @@ class InterfaceNode(unittest.TestCase):
             self.assertIn(fault, str(caught.exception))
             for name in parameters:
                 rospy.delete_param("~" + name)
+
+    def test_all_faults_are_told_at_once(self):
+        rules = [{"when": {"outcome": "NOT_THERE"}, "return": "$result.y"}, {"stratus": "aborted"}]
+        entries = {
+            "pickup": {"type": "rosoclingo/PickupAction", "timeout": -1, "goal": {"pack": 1}, "returns": rules},
+            "leg": {"type": "nowhere/NoAction"},
+            "head": {"type": "actionlib/TestAction", "goal": {"goal": "much"}},
+        }
+        parameters = {
+            "interfaces": entries,
+            "labels": {"a": 3},
+            "names": ["pickup", "leg", "head", "tail"],
+            "server": 3,
+        }
+        for name, value in parameters.items():
+            rospy.set_param("~" + name, value)
+        with self.assertRaises(ConfigError) as caught:
+            InterfacesNode()
+        for name in parameters:
+            rospy.delete_param("~" + name)
+        faults = str(caught.exception).splitlines()
+        beginnings = (
+            "~labels: label a: expected",
+            "~names: no entry tail in ~interfaces; entries are ",
+            "~server, ~timeout, ~server_timeout, ~pause and ~retries need",
+            "~server must be the name",
+            "~interfaces: pickup.timeout: must be a number from 0 on",
+            "~interfaces: pickup.returns[1]: unknown field 'stratus'",
+            "~interfaces: pickup.goal.pack: rosoclingo/PickupGoal has no such field; it has package",
+            "~interfaces: pickup.returns[0]: rosoclingo/PickupResult has no field y; it has outcome, message",
+            "~interfaces: pickup.returns[0].when.outcome: rosoclingo/PickupResult has no constant NOT_THERE; its",
+            "~interfaces: leg.type: no action nowhere/NoAction",
+            "~interfaces: head.goal.goal: int32 is wanted, but much is no whole number",
+        )
+        for beginning in beginnings:
+            self.assertEqual(len([fault for fault in faults if fault.startswith(beginning)]), 1, (beginning, faults))
+        self.assertEqual(len(faults), len(beginnings), faults)
+
+    def test_a_node_without_entries_does_not_start(self):
+        with Process("rosrun", "rosoclingo", "interface", "__name:=empty", "_interfaces:={}") as node:
+            code, error = node.wait()
+        self.assertEqual(code, 1)
+        self.assertIn("~interfaces: has no entries; write one for each action", error)
 
     def test_the_exit_code_tells(self):
         with Process("rosrun", "rosoclingo", "interface", "__name:=broken", "_names:=[leg]") as node:

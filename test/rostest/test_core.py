@@ -12,7 +12,9 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from core_helpers import Client, Hands, SentGoal, Updates
 from interface_helpers import PATIENCE, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoActionGoal, ROSoClingoResult, TaskPlan
+from std_msgs.msg import UInt32
 
+from rosoclingo.oclingo import parse_update
 from rosoclingo.reasoning import Outcome
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
@@ -117,14 +119,13 @@ class Core(unittest.TestCase):
         cancel = rospy.Publisher("rosoclingo/cancel", GoalID, queue_size=10)
         sender = rospy.Publisher("rosoclingo/goal", ROSoClingoActionGoal, queue_size=10)
         wait_until(lambda: cancel.get_num_connections() and sender.get_num_connections(), "the server")
-        before = len(self.updates.texts)
         cancel.publish(GoalID(id="early"))
         wait_until(lambda: self.status_of("early") == GoalStatus.RECALLING, "the cancel to arrive")
         goal = ROSoClingoActionGoal(goal_id=GoalID(id="early"))
         goal.goal.request = self.errand()
         sender.publish(goal)
         wait_until(lambda: self.status_of("early") == RECALLED, "the goal to be recalled")
-        self.assertEqual(len(self.updates.texts), before)
+        self.assertFalse([text for text in self.updates.texts if goal.goal.request in text])
 
     def status_of(self, key):
         message = self.client.raw.last_status_msg
@@ -163,7 +164,7 @@ class Core(unittest.TestCase):
         self.hands.succeed(command)
         goal.ends_as(SUCCEEDED)
         self.assertEqual(len(self.updates.texts), before + 1)
-        facts = self.updates.texts[-1].split("\n")[2:-2]
+        facts = [str(fact) for fact in parse_update(self.updates.texts[-1]).items[-2:]]
         self.assertEqual(facts, ["_seen(ball).", command.replace("_action_lib", "_return") + "."])
 
     def test_stray_return_while_idle(self):
@@ -197,7 +198,8 @@ class Core(unittest.TestCase):
         self.hands.at_once = True
         self.client.send(self.errand()).ends_as(SUCCEEDED)
         plan = rospy.wait_for_message("rosoclingo/task_plan", TaskPlan, PATIENCE)
-        self.assertEqual(f"#step {plan.cycle}.", self.updates.texts[-1].split("\n")[0])
+        self.assertEqual(f"#step {plan.cycle} : 60.", self.updates.texts[-1].split("\n")[0])
+        self.assertEqual(rospy.wait_for_message("rosoclingo/cycle", UInt32, PATIENCE).data, plan.cycle)
         self.assertGreaterEqual(plan.horizon, plan.cycle)
         self.assertEqual(plan.actions[-1], self.hands.seen[-1])
 

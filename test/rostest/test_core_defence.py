@@ -94,12 +94,27 @@ class CoreDefence(unittest.TestCase):
         self.hands.succeed(self.hands.take())
         goal.ends_as(GoalStatus.SUCCEEDED)
 
+    def test_what_is_too_large_is_refused(self):
+        for text, reason in (
+            ("do(" + "x" * 1_000_000 + ",1)", "is too long for a goal: write at most 65536 characters"),
+            ("do(" + "f(" * 10_000 + "1" + ")" * 10_000 + ",1)", "nested deeper than 256 levels"),
+        ):
+            message = self.client.send(text).ends_as(GoalStatus.REJECTED)
+            self.assertIn(reason, message)
+            self.assertLess(len(message), 500)
+        self.hands.tell("_seen(" + "9" * 1_000_000 + ")", *["_seen(1)"] * 2000, origin="loudmouth")
+        found = self.diagnostics.wait_for(lambda _, one: "2001 facts in one message" in one["last error"], "the facts")
+        self.assertIn("from 'loudmouth' those behind the first 1000 are ignored", found[1]["last error"])
+        goal = self.client.send("do(walk,20)")
+        self.hands.succeed(self.hands.take())
+        goal.ends_as(GoalStatus.SUCCEEDED)
+
     def test_an_interface_that_never_appears(self):
         name = "lonely/rosoclingo: core"
         client = Client("lonely/rosoclingo")
         goal = client.send("do(walk,1)")
         status, _ = self.diagnostics.wait_for(
-            lambda one, _: one.message.startswith("nobody listens"), "the warning", name
+            lambda one, _: one.message.endswith(": nobody listens on out_rosoclingo"), "the warning", name
         )
         self.assertEqual(status.level, DiagnosticStatus.WARN)
         _, values = self.diagnostics.wait_for(lambda _, one: "not returned within 3 s" in one["last error"], "it", name)

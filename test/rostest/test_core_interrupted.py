@@ -55,11 +55,28 @@ def children(node):
     """Process ids of a node's children."""
     pid = ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node)).getPid(rospy.get_name())[2]
     pids = [int(path.name) for path in Path("/proc").glob("[0-9]*")]
-    return [one for one in pids if stat(one) is not None and stat(one)[1] == pid]
+    return [one for one in pids if (stat(one) or ("", 0))[1] == pid]
 
 
 def gone(pid):
     return stat(pid) is None or stat(pid)[0] == "Z"
+
+
+def worked(node):
+    """Seconds of processor time that the children of a node have taken: an update is told only once it is in force."""
+    ticks = 0
+    for pid in children(node):
+        with suppress(OSError):
+            ticks += sum(map(int, Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]))
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+@contextmanager
+def kept_busy(node):
+    """Wait at the end until the solver has worked for more than what the start of another one in reserve takes."""
+    before = worked(node)
+    yield
+    wait_until(lambda: worked(node) > before + 2.0, "the solver to be at work")
 
 
 class CoreInterrupted(unittest.TestCase):
@@ -93,44 +110,58 @@ class CoreInterrupted(unittest.TestCase):
         with core("cancelled", search_timeout=0, horizon_limit=2):
             updates = Updates("cancelled/rosoclingo")
             for number, what in enumerate(["boom", "pigeons"], 1):
-                text = f"do({what},{number})"
-                goal = Client("cancelled/rosoclingo").send(text)
-                wait_until(lambda text=text: any(text in update for update in updates.texts), "the request")
+                with kept_busy("/cancelled/rosoclingo"):
+                    goal = Client("cancelled/rosoclingo").send(f"do({what},{number})")
+                goal.arrived()
                 goal.handle.cancel()
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
             self.serves("cancelled", "do(walk,3)", updates)
 
     def test_ctrl_c_ends_grounding(self):
         with core("stopped", search_timeout=0) as process:
-            updates = Updates("stopped/rosoclingo")
-            (child,) = children("/stopped/rosoclingo")
-            goal = Client("stopped/rosoclingo").send("do(boom,1)")
-            wait_until(lambda: updates.texts, "the request")
+            client = Client("stopped/rosoclingo")
+            pids = children("/stopped/rosoclingo")
+            with kept_busy("/stopped/rosoclingo"):
+                goal = client.send("do(boom,1)")
             process.signal(signal.SIGINT)
             self.assertIn("the core shuts down", goal.ends_as(GoalStatus.ABORTED))
             code, error = process.wait()
             self.assertEqual(code, 0, error)
             self.assertNotIn("Traceback", error)
-            wait_until(lambda: gone(child), "the end of the solver's process")
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
     def test_sudden_death_leaves_no_process_behind(self):
         with core("killed", search_timeout=0) as process:
-            updates = Updates("killed/rosoclingo")
-            (child,) = children("/killed/rosoclingo")
-            Client("killed/rosoclingo").send("do(boom,1)")
-            wait_until(lambda: updates.texts, "the request")
+            client = Client("killed/rosoclingo")
+            pids = children("/killed/rosoclingo")
+            with kept_busy("/killed/rosoclingo"):
+                client.send("do(boom,1)")
             process.signal(signal.SIGKILL)
-            wait_until(lambda: gone(child), "the end of the solver's process")
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
     def test_death_of_the_solver_costs_one_update_at_most(self):
         with core("robbed") as process:
             updates = Updates("robbed/rosoclingo")
             self.serves("robbed", "do(walk,1)", updates)
-            (child,) = children("/robbed/rosoclingo")
-            os.kill(child, signal.SIGKILL)
-            wait_until(lambda: gone(child), "the end of the solver's process")
+            pids = children("/robbed/rosoclingo")
+            for pid in pids:
+                os.kill(pid, signal.SIGKILL)
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
             self.serves("robbed", "do(run,2)", updates)
             self.assertIsNotNone(process)
+
+    def test_cancels_of_grounding_leave_one_process_in_reserve(self):
+        with core("often", search_timeout=0, horizon_limit=2):
+            updates = Updates("often/rosoclingo")
+            client = Client("often/rosoclingo")
+            for number in range(1, 4):
+                with kept_busy("/often/rosoclingo"):
+                    goal = client.send(f"do(boom,{number})")
+                goal.arrived()
+                goal.handle.cancel()
+                self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
+                self.assertLessEqual(len(children("/often/rosoclingo")), 2)
+            self.serves("often", "do(walk,9)", updates)
 
 
 if __name__ == "__main__":

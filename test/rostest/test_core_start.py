@@ -39,6 +39,18 @@ class CoreStart(unittest.TestCase):
         self.fails_with("~program_files", "none")
         self.fails_with("there is no file '/no/such/file.lp'", "missing", program_files="[/no/such/file.lp]")
         self.fails_with("~horizon_limit is 0", "zero", program_files=f"[{ERRANDS}]", horizon_limit=0)
+        self.fails_with("no #const nosuch", "constant", program_files=f"[{ERRANDS}]", constants="{nosuch: 3}")
+
+    def test_what_a_program_lacks_is_told_at_the_start(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+            file.write("#const n = 2.\n#program cumulative(t).\n{ _action_lib(go,n,t) }.\n")
+            file.flush()
+            with core("lacking", program_files=f"[{file.name}]", constants="{n: -2}") as process:
+                Client("lacking/rosoclingo").send("go(1)").ends_as(GoalStatus.REJECTED)
+                process.signal(signal.SIGINT)
+                error = process.wait()[1]
+        for text in ("no external _request/2 (write", "no external _return/3 (write", "no volatile part", "n is -2"):
+            self.assertEqual(error.count(text), 1, error)
 
     def test_bad_program(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:

@@ -17,9 +17,9 @@ from interface_helpers import wait_until
 from move_base_msgs.msg import MoveBaseAction
 from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult, ROSoClingoActionResult
 
-from rosoclingo.nodes.action_servers import start_server
-from rosoclingo.reasoning.labels import LabelTable
-from rosoclingo.simulation.packages import PackageOffice
+from rosoclingo.common.action_servers import start_server
+from rosoclingo.common.labels import LabelTable
+from rosoclingo.robot.simulation.office_packages import PackageOffice
 
 LIMIT = 400.0  # seconds of wall time
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED

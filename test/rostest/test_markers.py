@@ -10,8 +10,8 @@ from interface_helpers import wait_until
 from rosoclingo.msg import PackageState, PackageStates, TaskPlan
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rosoclingo.nodes.markers import MarkersNode
-from rosoclingo.nodes.parameters import ParameterError
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.nodes.rviz.markers import MarkersNode
 
 
 class Markers(unittest.TestCase):

@@ -23,10 +23,10 @@ from rosoclingo.msg import (
 )
 from rosoclingo.srv import PutPackage
 
-from rosoclingo.nodes.office import OfficeNode
-from rosoclingo.nodes.parameters import ParameterError
-from rosoclingo.reasoning.labels import LabelError
-from rosoclingo.simulation.packages import PackageError
+from rosoclingo.common.labels import LabelError
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.robot.nodes.office import OfficeNode
+from rosoclingo.robot.simulation.office_packages import PackageError
 
 
 class Robot:
@@ -128,6 +128,7 @@ class Office(unittest.TestCase):
     def test_cancel_while_waiting_and_while_handling(self):
         handles = [self.pickup.send_goal(PickupGoal(package=str(package))) for package in range(1, 4)]
         wait_until(lambda: handles[0].get_comm_state() == CommState.ACTIVE, "the arm to begin")
+        wait_until(lambda: handles[2].get_comm_state() == CommState.PENDING, "the last goal to be known")
         handles[0].cancel()
         handles[2].cancel()
         ends = [self.end(handle) for handle in handles]

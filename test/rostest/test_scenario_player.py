@@ -11,9 +11,9 @@ import rostest
 from interface_helpers import wait_until
 from rosgraph_msgs.msg import Clock
 
-from rosoclingo.nodes import scenario_player
-from rosoclingo.nodes.scenario_player import PlayError, ScenarioPlayer
-from rosoclingo.reasoning.scenario import Scenario
+from rosoclingo.nodes.scenarios import player as scenario_player
+from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
+from rosoclingo.runs.scenario import Scenario
 
 SCENARIO = "{title: test, events: [{time: 50.0, request: 'goal(office1,office2,1)'}], timeout: 20.0}"
 

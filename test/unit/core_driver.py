@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import List, Optional
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused
+from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.journal import Journal
 
 #: One errand per goal ``do(What,Id)``; see the file.
@@ -20,10 +20,13 @@ class Driver:
         self.program = program or ReactiveProgram.from_text(text)
         self.journal = Journal()
         settings = settings or CoreSettings(horizon_limit=8)
-        self.core = Core(self.program, lambda: ReactiveSolver(self.program, shortest=True), self.journal, settings)
+        self.core = Core(self.program, lambda: self._solver(), self.journal, settings)
         self.now = 1.0
         self.core.start()
         self.run()
+
+    def _solver(self) -> ReactiveSolver:
+        return ReactiveSolver(self.program, shortest=True, oclingo_strings=False)
 
     @classmethod
     def from_files(cls, *files: Path) -> "Driver":
@@ -59,6 +62,19 @@ class Driver:
             self.core.receive("interface", [f"_return({action.interface},{action.parameter},{action.cycle})"])
         return self.run()
 
+    def fail(self, reason: str) -> "Driver":
+        """What is under way fails for a reason, and the core goes on."""
+        action = self.core.awaited[0]
+        return self.facts(f"_return({action.interface},{reason},{action.cycle})")
+
+    def until(self, interface: str) -> "Driver":
+        """All succeeds until an action of this interface is under way."""
+        for _ in range(50):
+            if any(action.interface_name == interface for action in self.core.awaited):
+                return self
+            self.succeed()
+        raise AssertionError(f"{interface} is never under way")
+
     def finish(self) -> "Driver":
         """All succeeds until nothing is under way."""
         for _ in range(200):
@@ -71,6 +87,11 @@ class Driver:
     def awaited(self) -> List[str]:
         """The actions under way."""
         return [str(action.atom) for action in self.core.awaited]
+
+    @property
+    def problems(self) -> List[str]:
+        """What the core found odd."""
+        return [event.message for event in self.journal.of(Problem)]
 
     def states(self, key: str) -> List[str]:
         """The states that a goal went through."""

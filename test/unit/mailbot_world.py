@@ -17,7 +17,7 @@ from rosoclingo.oclingo import (
     fact,
     parse_term,
 )
-from rosoclingo.oclingo.sources import Source
+from rosoclingo.oclingo.program.sources import Source
 
 ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
 TRIES, MEMORY, TOLD = 3, 6, 20
@@ -121,7 +121,7 @@ class Ways:
 
     def asked(self):
         """Somebody asks for a place that seems to be cut off."""
-        self.misses, self.avoided = {}, {}
+        self.misses, self.avoided, self.unknown = {}, {}, set()
 
     def shut(self, graph):
         """Return the connections that are not used."""
@@ -145,15 +145,23 @@ class Mailbot:
         self.places, self.origins, self.ends, self.cancelled = {}, {}, {}, set()
         self.ways, self.slips, self.shut, self._reached = Ways(), {}, frozenset(), set(self.graph)
         self.cycle, self._items, self._done = 0, [], None
+        self.takes = 0  # how often in a row somebody else has driven the robot
+        self._refused = set()
         self.solver = ReactiveSolver(program(count, corridors, start, capacity), horizon_limit=1000, shortest=True)
         assert self.solver.solve().outcome is SolveOutcome.SATISFIABLE
 
     def request(self, identifier, source, target):
-        """A new request, told with the next update."""
+        """A new request, told with the next update; what is on the robot goes on from there."""
         source, target = f"o{source}", f"o{target}"
         self._items.append(atom("_request(goal({},{},{}),{})", source, target, identifier, self.cycle + 2))
-        self.places[identifier], self.origins[identifier] = ("waits", source, target), source
         self.ends.pop(identifier, None)
+        held = (self.places.get(identifier) or ("waits",))[0] != "waits"
+        if held and source != self.origins[identifier]:
+            self._refused.add(identifier)
+            return
+        self.places[identifier] = ("rides", target) if held else ("waits", source, target)
+        self.origins[identifier], self.takes = source, 0
+        source = target if held else source
         self.slips.pop(identifier, None)
         self.cancelled.discard(identifier)
         if self.shut and not {source, target} <= self._reached and not self.ways.noticed:
@@ -185,14 +193,14 @@ class Mailbot:
         needed = self._fewest()
         bound = None if needed is not None else 30
         result = self.solver.update(StreamUpdate(self.cycle, bound, tuple(items + self._items)))
-        self._items, self._done = [], None
+        self._items, self._done, refused, self._refused = [], None, self._refused, set()
         assert not result.warnings
         if needed is None:
             assert result.outcome is SolveOutcome.UNSATISFIABLE, result
             return None
         assert result.outcome is SolveOutcome.SATISFIABLE, result
         self.answer = result.answers[0]
-        self._check_statuses(self.answer)
+        self._check_statuses(self.answer, refused)
         actions = {one.arguments[2].number: one for one in self.answer if one.name == "_action_lib"}
         ahead = [actions[cycle] for cycle in sorted(actions) if cycle >= self.cycle]
         assert [one.arguments[2].number for one in ahead] == list(range(self.cycle, self.cycle + needed))
@@ -200,13 +208,17 @@ class Mailbot:
 
     def _fewest(self):
         spared = frozenset(number for number, one in enumerate(self.places) if self._is_cut_off(one))
+        if self.takes >= TRIES:
+            waits = [one for number, one in enumerate(self.places.values()) if number not in spared]
+            return None if any(one and one[0] != "stuck" for one in waits) else 0
         places = tuple(self.places.values())
         return fewest_steps(self.graph, self.capacity, self.office, places, self.astray, self.shut, spared)
 
     def _is_cut_off(self, identifier):
         place = self.places[identifier]
         rides = place is not None and place[0] == "rides"
-        return rides and identifier in self.cancelled and place[1] not in self._reached
+        lost = self.takes >= TRIES or (place is not None and place[1:] and place[1] not in self._reached)
+        return rides and identifier in self.cancelled and lost
 
     def hopeless(self):
         """Return the requests for which there is no plan, whatever becomes of the others."""
@@ -216,16 +228,26 @@ class Mailbot:
                 stuck = [one for one in self.places.values() if one == ("stuck",)]
                 kept = [("stuck",) for one in self.places if self._is_cut_off(one)]
                 packages = (place, *stuck, *kept)
-                if fewest_steps(self.graph, self.capacity, self.office, packages, self.astray, self.shut) is None:
+                if (
+                    self.takes >= TRIES
+                    or fewest_steps(self.graph, self.capacity, self.office, packages, self.astray, self.shut) is None
+                ):
                     found.append(identifier)
         return found
 
-    def _check_statuses(self, answer):
+    def _check_statuses(self, answer, refused):
         found = {}
         for one in answer:
             if one.name == "_status" and one.arguments[2].number == self.cycle:
-                assert one.arguments[0].number not in found
-                found[one.arguments[0].number] = str(one.arguments[1])
+                identifier, status = one.arguments[0].number, str(one.arguments[1])
+                if identifier in refused and status.startswith("rejected"):
+                    where = f'" is on the robot, which picked it up at ",{self.origins[identifier]}'
+                    assert status == f'rejected(("package ",{identifier},{where}))'
+                    refused = refused - {identifier}
+                else:
+                    assert identifier not in found
+                    found[identifier] = status
+        assert not refused
         told = {}
         for identifier, place in self.places.items():
             if place and place[0] != "stuck":
@@ -240,6 +262,7 @@ class Mailbot:
         name, what, _ = action.arguments
         self._done = action
         self._items.insert(0, atom("_return({},{},{})", name, reason or what, self.cycle))
+        self.takes = 0 if reason is None else self.takes + (reason == "preempted")
         if name.name == "move_base":
             self._move(what.name, reason)
         elif reason is None:
@@ -249,6 +272,16 @@ class Mailbot:
             self.ways.returned()
             self._fail_to_handle(what.number, name.name, reason)
 
+    def called_off(self):
+        """The core itself has ended the action that was done last."""
+        name, what, _ = self._done.arguments
+        self._items.insert(0, atom("_cancel({},{},{})", name, what, self.cycle))
+        self.takes = 0
+
+    def answer_now(self):
+        """Return the action of the present cycle."""
+        return next(one for one in self.answer if one.name == "_action_lib" and one.arguments[2].number == self.cycle)
+
     def _move(self, office, reason):
         assert office in self.graph[self.office] or (office == self.office and self.astray)
         way = frozenset((self.office, office))
@@ -256,6 +289,7 @@ class Mailbot:
         self.ways.returned(way, reason)
         if reason is None:
             self.office, self.astray = office, False
+            self.ways.unknown.discard(office)
         elif reason == "unknown_label":
             self.ways.unknown.add(office)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rosoclingo.navigation import (
+from rosoclingo.robot.navigation import (
     Costmap,
     CostmapLimits,
     GridPlanner,
@@ -12,8 +12,8 @@ from rosoclingo.navigation import (
     Velocity,
     default_recoveries,
 )
-from rosoclingo.navigation.local_planner import inscribed_radius, way_radii
-from rosoclingo.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
+from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radii
+from rosoclingo.robot.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
 # Footprints (m): an Erratic's, whose origin is off its middle, and one that is longer than it is wide.
 ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
@@ -32,8 +32,9 @@ def room(width=6.0, height=6.0, resolution=0.05, walls=()):
     cells = np.zeros((round(height / resolution), round(width / resolution)), dtype=np.int8)
     cells[:2] = cells[-2:] = 100
     cells[:, :2] = cells[:, -2:] = 100
-    for x0, y0, x1, y1 in walls:
-        cells[round(y0 / resolution) : round(y1 / resolution), round(x0 / resolution) : round(x1 / resolution)] = 100
+    for wall in walls:
+        x0, y0, x1, y1 = np.rint(np.divide(wall, resolution)).astype(int)
+        cells[y0:y1, x0:x1] = 100
     return OccupancyGrid(cells, resolution)
 
 

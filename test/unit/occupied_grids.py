@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from rosoclingo.navigation.compiled import update_clearance
-from rosoclingo.navigation.compiled_places import Ground, update_places
+from rosoclingo.robot.navigation.compiled.clearance import update_clearance
+from rosoclingo.robot.navigation.compiled.places import Ground, update_places
 
 GRIDS = arrays(np.uint8, st.tuples(st.integers(3, 20), st.integers(3, 20)), elements=st.sampled_from([0, 0, 0, 0, 1]))
 

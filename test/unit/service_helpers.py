@@ -6,8 +6,8 @@ import socket
 import threading
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.process import SolverProcess
-from rosoclingo.oclingo.service import Service, listen
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo.service.server import Service, listen
 
 TIMEOUT = 120.0  # seconds for what must happen in the end; no test measures time
 

@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, List, Optional, Set, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.progression import (
+from rosoclingo.oclingo.progression.updates import (
     Assert,
     Cumulative,
     Forget,
@@ -24,17 +24,23 @@ Answer = FrozenSet[str]
 
 @dataclass(frozen=True)
 class Parts:
-    """Rules of a program as text; ``externals`` are templates like ``f(1,t)``, ``opens`` names of arity 2."""
+    """Rules of a program as text; ``externals`` are templates like ``f(1,t)``, ``opens`` names of arity 2.
+
+    ``free`` are names that the program has no word of: updates may define them. ``forgets`` holds terms like ``t-1``.
+    """
 
     base: Tuple[str, ...]
     cumulative: Tuple[str, ...]
     volatile: Tuple[Tuple[int, str], ...]
     externals: Tuple[str, ...]
     opens: Tuple[str, ...]
+    free: Tuple[str, ...] = ()
+    forgets: Tuple[str, ...] = ()
 
     def text(self) -> str:
         lines = ["#base.", *self.base, "#cumulative t.", *(f"#external {e}." for e in self.externals)]
         lines += [f"#external {name}/2." for name in self.opens]
+        lines += [f"#forget t : {term}." for term in self.forgets]
         lines += self.cumulative
         for window, rule in self.volatile:
             lines += [f"#volatile t : {window}.", rule]
@@ -72,22 +78,29 @@ class Reference:
         if update.step is not None:
             self.step = update.step
             self.bound = None if update.bound is None else update.step + update.bound
+        due: List[Forget] = []
         while self.horizon < self.step:
-            self.grow()
+            due += self.grow()
         ignored = self.take(update)
+        for item in [*due, *(one for one in update.items if isinstance(one, Forget))]:
+            self.forget(item)
         while True:
             answers = self.solve()
             if answers or self.horizon >= (self.bound if self.bound is not None else self.horizon):
                 return bool(answers), answers, self.horizon, ignored
-            self.grow()
+            for item in self.grow():
+                self.forget(item)
 
-    def grow(self) -> None:
+    def grow(self) -> List[Forget]:
+        """Go to the next step; return what falls due to be forgotten there."""
         self.horizon += 1
         self.held = [one for one in self.held if not (isinstance(one.lifetime, int) and one.lifetime < self.horizon)]
         for one in self.held:
             if one.waiting and str(one.statement.head) in self.declared():
                 one.waiting = False
                 self.closed |= {str(one.statement.head)} if one.lifetime == "ever" else set()
+        steps = [int(at(term, self.horizon)) for term in self.parts.forgets]
+        return [Forget(step, step) for step in steps]
 
     def take(self, update: StreamUpdate) -> int:
         section, ignored, fresh = Cumulative(), 0, set()
@@ -96,8 +109,6 @@ class Reference:
                 section = item
             elif isinstance(item, Statement):
                 ignored += self.statement(item, self.lifetime(section), fresh)
-            elif isinstance(item, Forget):
-                self.forget(item)
             elif isinstance(item, Retract):
                 self.held = [one for one in self.held if one.lifetime != ("term", item.term)]
         self.closed |= fresh
@@ -118,7 +129,7 @@ class Reference:
         if head is None:
             self.held.append(Held(statement, lifetime))
             return 0
-        is_open = head.split("(")[0] in self.parts.opens
+        is_open = head.split("(")[0] in self.parts.opens + self.parts.free
         if is_open:
             self.opened.add(head)
         if head in fresh or ((is_open or head in self.declared()) and head not in self.closed | self.forgotten):

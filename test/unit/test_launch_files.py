@@ -48,6 +48,15 @@ def load(name, **arguments):
     return config
 
 
+@pytest.mark.parametrize(
+    ("encoding", "files"),
+    [({}, ["mailbot.lp", "office.lp"]), ({"encoding": "paper"}, ["paper.lp"]), ({"programs": "[a/b.lp]"}, ["b.lp"])],
+)
+def test_the_encoding_of_the_mailbot(encoding, files):
+    programs = parameters(load("mailbot.launch", **encoding), "/rosoclingo/program_files")[""]
+    assert [Path(file).name for file in programs] == files
+
+
 def nodes(config):
     return {(node.package, node.type) for node in config.nodes}
 

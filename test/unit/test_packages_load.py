@@ -10,7 +10,7 @@ import pytest
 SOURCES = Path(__file__).resolve().parents[2] / "src"
 
 
-@pytest.mark.parametrize("package", ["rosoclingo.navigation", "rosoclingo.simulation"])
+@pytest.mark.parametrize("package", ["rosoclingo.robot.navigation", "rosoclingo.robot.simulation"])
 def test_every_name_is_there(package):
     module = importlib.import_module(package)
     for name in module.__all__:
@@ -19,7 +19,9 @@ def test_every_name_is_there(package):
         module.nonsense  # noqa: B018
 
 
-@pytest.mark.parametrize("module", ["rosoclingo.simulation.packages", "rosoclingo.navigation.geometry"])
+@pytest.mark.parametrize(
+    "module", ["rosoclingo.robot.simulation.office_packages", "rosoclingo.robot.navigation.geometry"]
+)
 def test_what_needs_no_compiler_loads_none(module):
     code = f"import sys, {module}; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=str(SOURCES), check=False, timeout=120).returncode == 0

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.navigation import Pose2D
+from rosoclingo.robot.navigation import Pose2D
 
 DEEP = 1e-6  # m: who overlaps by less touches
 

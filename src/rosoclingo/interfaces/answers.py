@@ -5,9 +5,9 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tupl
 
 from clingo import Function, Symbol
 
+from rosoclingo.common.labels import UnknownLabelError
 from rosoclingo.interfaces.templates import Ended, FillError, Scope, evaluate
-from rosoclingo.interfaces.terms import TermError, as_term, as_text, read_atom
-from rosoclingo.reasoning.labels import UnknownLabelError
+from rosoclingo.interfaces.values import TermError, as_term, as_text, read_atom
 
 SUCCEEDED = "succeeded"
 LOST = "server_lost"
@@ -105,6 +105,13 @@ def _field(result: Any, name: str) -> Any:
 
 def _equal(value: Any, wanted: Any) -> bool:
     """Equality, and for a text in slashes a match of the regular expression between them."""
-    if isinstance(wanted, str) and len(wanted) > 1 and wanted[0] == wanted[-1] == "/":
-        return re.search(wanted[1:-1], as_text(value)) is not None
+    pattern = pattern_of(wanted)
+    if pattern is not None:
+        return re.search(pattern, as_text(value)) is not None
     return bool(value == wanted)
+
+
+def pattern_of(wanted: Any) -> Optional[str]:
+    """The regular expression that a condition's text in slashes holds; None where it is none."""
+    slashed = isinstance(wanted, str) and len(wanted) > 1 and wanted[0] == wanted[-1] == "/"
+    return str(wanted[1:-1]) if slashed else None

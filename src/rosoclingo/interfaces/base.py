@@ -9,21 +9,22 @@ from typing import Any, Dict, Optional, Tuple
 import rospy
 from clingo import Function
 
+from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
 from rosoclingo.interfaces.answers import LOST, SUCCEEDED, Answer, answer, conclude
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
-from rosoclingo.interfaces.health import Health
+from rosoclingo.interfaces.interface_state import Health
+from rosoclingo.interfaces.interface_worker import Worker
 from rosoclingo.interfaces.link import ServerLink
 from rosoclingo.interfaces.outbox import Outbox
-from rosoclingo.interfaces.runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
 from rosoclingo.interfaces.templates import Ended, Scope
-from rosoclingo.interfaces.worker import Worker
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.reasoning.keywords import Action
 
 IN_TOPIC = "in_rosoclingo"
 OUT_TOPIC = "out_rosoclingo"
 
+_TAKEN = ("preempted", "recalled")  # the server has cancelled a goal though nobody here has asked for it
 _FINAL = ("preempted", "interface_lost")  # verdicts after which nothing is sent again
 
 
@@ -74,7 +75,8 @@ class Interface(abc.ABC):
         out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it.
             Messages with another interface's name are dropped unread.
     Publishes:
-        in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any.
+        in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any; to each
+            node that connects first a message without facts, which announces the interface.
         /diagnostics (diagnostic_msgs/DiagnosticArray): server, actions under way, counts and the last failure, at 1 Hz.
     Actions called:
         the server that is given by name; it may come, go and come back.
@@ -100,7 +102,7 @@ class Interface(abc.ABC):
         self._attempts: Dict[Action, _Attempt] = {}
         self._server = server
         self._link = ServerLink(server, action_type)
-        self._outbox = Outbox(IN_TOPIC)
+        self._outbox = Outbox(IN_TOPIC, name)
         self._health = Health(name, server)
         worker.add_ticker(self._tick)
         rospy.on_shutdown(lambda: worker.post(self._shut_down))
@@ -170,7 +172,8 @@ class Interface(abc.ABC):
             self._finish(attempt)
 
     def _report(self, attempt: _Attempt, event: Event, ended: Optional[Ended]) -> None:
-        self._worker.post(functools.partial(self._handle, attempt, event, ended))
+        taken = event is Event.ENDED and ended is not None and ended.status in _TAKEN
+        self._worker.post(functools.partial(self._handle, attempt, Event.TAKEN if taken else event, ended))
 
     def _finish(self, attempt: _Attempt) -> None:
         action, ended = attempt.action, conclude(attempt.run.verdict, attempt.ended)
@@ -208,6 +211,8 @@ class Interface(abc.ABC):
         for attempt in list(self._attempts.values()):
             if attempt.run.phase is Phase.WAITING and self._link.connected:
                 self._handle(attempt, Event.SERVER_FOUND)
+            elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
+                rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
             elif attempt.run.phase is not Phase.WAITING and gone:
                 self._handle(attempt, Event.SERVER_LOST)
             else:

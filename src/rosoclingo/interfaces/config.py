@@ -6,6 +6,7 @@ move_base:                           # the first argument of _action_lib(move_ba
   goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
   timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
   server_timeout: 5.0                # seconds until a silent server counts as lost
+  pause: 3.0                         # seconds for which the server is left to somebody else who has taken it
   retries: 0                         # how often a goal that failed is sent again ...
   retry_on: [failed]                 # ... for these reasons only
   returns:                           # first rule that matches; without: the parameter, or a reason
@@ -17,15 +18,15 @@ import math
 import re
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
 
-from rosoclingo.interfaces.answers import DEFAULT_RETURNS, Rule
-from rosoclingo.interfaces.runs import DEFAULT_LIMITS, Limits
+from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Limits
+from rosoclingo.interfaces.answers import DEFAULT_RETURNS, Rule, pattern_of
 from rosoclingo.interfaces.templates import ANSWER_NAMES, GOAL_NAMES, TemplateError, check
-from rosoclingo.interfaces.terms import TermError, read_term
+from rosoclingo.interfaces.values import TermError, read_term
 
 DEFAULT_RETRY_ON = ("failed", "blocked", "server_lost")
 
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
-_FIELDS = ("server", "type", "goal", "timeout", "server_timeout", "retries", "retry_on", "returns")
+_FIELDS = ("server", "type", "goal", "timeout", "server_timeout", "pause", "retries", "retry_on", "returns")
 _RULE_FIELDS = ("status", "text", "when", "return", "facts")
 
 
@@ -47,23 +48,38 @@ class InterfaceSpec(NamedTuple):
 
 def read_specs(data: Any) -> Dict[str, InterfaceSpec]:
     """All entries of an interface configuration by name.  Raises ConfigError listing all faults."""
-    if not isinstance(data, Mapping) or not data:
-        raise ConfigError(f"interfaces must be a mapping of interface names to their settings, not {data!r}")
-    specs, faults = {}, []
-    for name, entry in data.items():
-        try:
-            specs[str(name)] = read_spec(str(name), entry)
-        except ConfigError as error:
-            faults.append(str(error))
+    specs, faults = survey(data)
     if faults:
         raise ConfigError("\n".join(faults))
     return specs
 
 
+def survey(data: Any) -> Tuple[Dict[str, InterfaceSpec], List[str]]:
+    """All entries by name, with defaults in place of what cannot be used, and the faults, each with its place."""
+    if not isinstance(data, Mapping):
+        return {}, [f"must be a mapping of interface names to their settings, not {data!r}"]
+    if not data:
+        return {}, ["has no entries; write one for each action, like move_base: {type: move_base_msgs/MoveBaseAction}"]
+    specs: Dict[str, InterfaceSpec] = {}
+    faults: List[str] = []
+    for name, entry in data.items():
+        specs[str(name)] = _spec(str(name), entry, faults)
+    return specs, faults
+
+
 def read_spec(name: str, entry: Any) -> InterfaceSpec:
     """One entry of an interface configuration.  Raises ConfigError listing its faults."""
+    faults: List[str] = []
+    spec = _spec(name, entry, faults)
+    if faults:
+        raise ConfigError("\n".join(faults))
+    return spec
+
+
+def _spec(name: str, entry: Any, faults: List[str]) -> InterfaceSpec:
     if not isinstance(entry, Mapping):
-        raise ConfigError(f"{name}: must be a mapping with type, server, goal ..., not {entry!r}")
+        faults.append(f"{name}: must be a mapping with type, server, goal ..., not {entry!r}")
+        return InterfaceSpec(name, "", name)
     reader = _Reader(name)
     reader.known_fields(entry, _FIELDS, "")
     spec = InterfaceSpec(
@@ -75,13 +91,12 @@ def read_spec(name: str, entry: Any) -> InterfaceSpec:
         limits=reader.limits(entry),
         retry_on=reader.reasons(entry.get("retry_on", DEFAULT_RETRY_ON)),
     )
-    if reader.faults:
-        raise ConfigError("\n".join(reader.faults))
+    faults.extend(reader.faults)
     return spec
 
 
 def read_limits(entry: Mapping[str, Any], place: str, defaults: Limits = DEFAULT_LIMITS) -> Limits:
-    """The fields `timeout`, `server_timeout` and `retries` of a mapping.  Raises ConfigError."""
+    """The fields `timeout`, `server_timeout`, `pause` and `retries` of a mapping.  Raises ConfigError."""
     reader = _Reader(place)
     limits = reader.limits(entry, defaults)
     if reader.faults:
@@ -115,12 +130,14 @@ class _Reader:
             return name
 
     def type_name(self, value: Any) -> str:
-        """Return the name of an action type, package/NameAction."""
+        """Return the name of an action type, package/NameAction; empty where it is none."""
         if value is None:
             self.fault("type", "is missing; name the action type, like move_base_msgs/MoveBaseAction")
         elif not isinstance(value, str) or not _TYPE.match(value):
             self.fault("type", f"{value!r} is no action type; write package/NameAction")
-        return str(value)
+        else:
+            return value
+        return ""
 
     def text(self, value: Any, field: str) -> str:
         """Return the text of a field that must have one."""
@@ -137,13 +154,14 @@ class _Reader:
         return value
 
     def limits(self, entry: Mapping[str, Any], defaults: Limits = DEFAULT_LIMITS) -> Limits:
-        """Return time-outs (s) and retries; ``defaults`` where ``entry`` has none."""
+        """Return time-outs and pause (s), and retries; ``defaults`` where ``entry`` has none."""
         timeout = self._number(entry, "timeout", defaults.timeout, lambda value: value >= 0, "a number from 0 on")
         server = self._number(entry, "server_timeout", defaults.server_timeout, lambda value: value > 0, "above 0")
         retries = self._number(
             entry, "retries", defaults.retries, lambda value: value >= 0 and value == int(value), "a whole number"
         )
-        return Limits(float(timeout), float(server), int(retries))
+        pause = self._number(entry, "pause", defaults.pause, lambda value: value >= 0, "a number from 0 on")
+        return Limits(timeout, server, int(retries), pause)
 
     def _number(
         self, entry: Mapping[str, Any], field: str, default: float, holds: Callable[[float], bool], wanted: str
@@ -184,6 +202,9 @@ class _Reader:
         if not isinstance(facts, (list, tuple)) or not all(isinstance(fact, str) for fact in facts):
             self.fault(place, f"facts must be a list of atoms as text, not {facts!r}")
             facts = []
+        when = {str(field): wanted for field, wanted in when.items()}
+        for field, wanted in when.items():
+            self._pattern(pattern_of(wanted), f"{place}.when.{field}")
         returns = entry.get("return", DEFAULT_RETURNS.get(str(status), "failed"))
         self._check([returns, *facts], ANSWER_NAMES, place)
         return Rule(returns, status, self._pattern(entry.get("text"), place), when, tuple(facts))
@@ -198,6 +219,16 @@ class _Reader:
             return None
 
     def _check(self, template: Any, names: Tuple[str, ...], place: str) -> None:
+        if isinstance(template, Mapping):
+            for key, value in template.items():
+                self._check(value, names, f"{place}.{key}")
+        elif isinstance(template, (list, tuple)):
+            for index, value in enumerate(template):
+                self._check(value, names, f"{place}[{index}]")
+        else:
+            self._check_text(template, names, place)
+
+    def _check_text(self, template: Any, names: Tuple[str, ...], place: str) -> None:
         try:
             check(template, names, place)
         except TemplateError as error:

@@ -1,30 +1,33 @@
 """Interfaces without code: an entry of config/interfaces.yaml drives any actionlib action."""
 
-from typing import Any, Mapping, Tuple
+from typing import Any, List, Mapping, Tuple
 
 import genpy
 import rospy
 
-from rosoclingo.interfaces.answers import Answer, Rule, answer
+from rosoclingo.common.labels import LabelTable, UnknownLabelError
+from rosoclingo.interfaces.answers import Answer, Rule, answer, pattern_of
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec
-from rosoclingo.interfaces.messages import FieldError, check_fields, field_types, fill
-from rosoclingo.interfaces.templates import Ended, FillError, Scope, evaluate, references
-from rosoclingo.interfaces.worker import Worker
+from rosoclingo.interfaces.interface_worker import Worker
+from rosoclingo.interfaces.message_filling import FieldError, field_faults, field_types, fill
+from rosoclingo.interfaces.templates import Ended, FillError, Scope, TemplateError, evaluate, references
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.labels import LabelTable, UnknownLabelError
 
 
 class ConfiguredInterface(Interface):
     """An interface that an InterfaceSpec describes (see config.py for its fields, templates.py for the templates).
 
-    Raises ConfigError if the action type cannot be loaded, or if goal, rules or results name fields that it lacks.
+    Raises ConfigError, listing all faults, if the action type cannot be loaded or is not as the entry says.
     Topics and returns are those of Interface.
     """
 
     def __init__(self, spec: InterfaceSpec, labels: LabelTable, *, worker: Worker) -> None:
+        faults = type_faults(spec)
+        if faults:
+            raise ConfigError("\n".join(faults))
         action = _load(spec)
-        self._spec = _checked(spec, action)
+        self._spec = _with_values(spec, action.action_result.result)
         self._goal_class = type(action.action_goal.goal)
         self._labels = labels
         super().__init__(spec.name, type(action), spec.server, spec.limits, spec.retry_on, worker=worker)
@@ -55,30 +58,52 @@ def _load(spec: InterfaceSpec) -> Any:
     return action_class()
 
 
-def _checked(spec: InterfaceSpec, action: Any) -> InterfaceSpec:
-    """The spec with the names of result constants replaced by their values.  Raises ConfigError."""
-    result = action.action_result.result
+def type_faults(spec: InterfaceSpec) -> List[str]:
+    """What of an entry does not fit its action type, each fault with its place; nothing where it names no type."""
+    if not spec.type:
+        return []
     try:
-        check_fields(action.action_goal.goal, spec.goal, f"{spec.name}.goal")
-        for index, rule in enumerate(spec.rules):
-            _check_rule(rule, result, f"{spec.name}.returns[{index}]")
-    except FieldError as error:
-        raise ConfigError(str(error)) from error
+        action = _load(spec)
+    except ConfigError as error:
+        return [str(error)]
+    faults = field_faults(action.action_goal.goal, spec.goal, f"{spec.name}.goal")
+    for index, rule in enumerate(spec.rules):
+        faults += _rule_faults(rule, action.action_result.result, f"{spec.name}.returns[{index}]")
+    return faults
+
+
+def _rule_faults(rule: Rule, result: Any, place: str) -> List[str]:
+    types = field_types(result)
+    missing = dict.fromkeys(name for name in _result_fields(rule) if name not in types)
+    faults = [
+        f"{place}: {result._type} has no field {name}; it has {', '.join(types) or 'no fields'}" for name in missing
+    ]
+    for name, wanted in rule.when.items():
+        number = types.get(name, "").rstrip("0123456789") in ("int", "uint", "byte", "char")
+        if number and isinstance(wanted, str) and pattern_of(wanted) is None and not hasattr(type(result), wanted):
+            known = ", ".join(name for name in dir(type(result)) if name.isupper()) or "none"
+            faults.append(f"{place}.when.{name}: {result._type} has no constant {wanted}; its constants are {known}")
+    return faults
+
+
+def _with_values(spec: InterfaceSpec, result: Any) -> InterfaceSpec:
+    """The spec with the names of result constants replaced by their values."""
     return spec._replace(rules=tuple(rule._replace(when=_with_constants(rule.when, result)) for rule in spec.rules))
-
-
-def _check_rule(rule: Rule, result: Any, place: str) -> None:
-    for name in _result_fields(rule):
-        if name not in field_types(result):
-            known = ", ".join(field_types(result)) or "no fields"
-            raise FieldError(f"{place}: {result._type} has no field {name}; it has {known}")
 
 
 def _result_fields(rule: Rule) -> Tuple[str, ...]:
     texts = [text for text in (rule.returns, *rule.facts) if isinstance(text, str)]
-    used = [reference.split(".") for text in texts for reference in references(text)]
+    used = [reference.split(".") for text in texts for reference in _references(text)]
     named = [steps[1] for steps in used if steps[0] == "result" and len(steps) > 1]
     return (*(name.split(".")[0] for name in rule.when), *named)
+
+
+def _references(text: str) -> List[str]:
+    """The references of a text; none of one that is malformed, which is told already."""
+    try:
+        return references(text)
+    except TemplateError:
+        return []
 
 
 def _with_constants(when: Mapping[str, Any], result: Any) -> Mapping[str, Any]:

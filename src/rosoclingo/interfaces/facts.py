@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from clingo import Function, Symbol
 
-from rosoclingo.interfaces.terms import TermError, read_atom
+from rosoclingo.interfaces.values import TermError, read_atom
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,

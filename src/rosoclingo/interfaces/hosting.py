@@ -1,18 +1,21 @@
 """The interface node: reads its parameters and runs the interfaces that they describe."""
 
 import os
-from typing import Any, Dict, Mapping, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
 
 import rospkg
 import rospy
 import yaml
 
-from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, read_specs
-from rosoclingo.interfaces.configured import ConfiguredInterface
-from rosoclingo.interfaces.worker import Worker
-from rosoclingo.reasoning.labels import DEFAULT_FRAME, LabelError, LabelTable
+from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
+from rosoclingo.common.private_parameters import has_parameter, read_parameter
+from rosoclingo.common.starting import node_arguments, run_node
+from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
+from rosoclingo.interfaces.configured import ConfiguredInterface, type_faults
+from rosoclingo.interfaces.interface_worker import Worker
+from rosoclingo.interfaces.templates import uses_labels
 
-_OVERRIDES = ("timeout", "server_timeout", "retries")
+_OVERRIDES = ("timeout", "server_timeout", "pause", "retries")
 
 
 class InterfacesNode:
@@ -25,15 +28,15 @@ class InterfacesNode:
         ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.  Default: none, so that an entry
             that asks for the pose of a label returns unknown_label.
         ~frame (string, "map"): tf frame of labels that name none.
-        ~server, ~timeout, ~server_timeout, ~retries: in place of the entry's own, if the node runs a single interface.
+        ~server, ~timeout, ~server_timeout, ~pause, ~retries: in place of the entry's own, if the node runs a single
+            interface.
     Topics and actions: those of Interface, for each.
     Raises ConfigError, listing every fault, if a parameter cannot be used.
 
     """
 
     def __init__(self, names: Sequence[str] = ()) -> None:
-        labels = _labels()
-        specs = _override(_choose(read_specs(_entries()), rospy.get_param("~names", list(names))))
+        labels, specs = _settings(names)
         self._worker = Worker()
         self.interfaces = tuple(ConfiguredInterface(spec, labels, worker=self._worker) for spec in specs)
         rospy.on_shutdown(self._worker.stop)
@@ -42,52 +45,79 @@ class InterfacesNode:
 
 def run(node_name: str, names: Sequence[str] = ()) -> int:
     """Be an interface node until shutdown; the exit code: 0, or 1 if a parameter cannot be used."""
-    rospy.init_node(node_name)
-    try:
-        InterfacesNode(names)
-    except ConfigError as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        return 1
-    rospy.spin()
-    return 0
+    node_arguments(InterfacesNode, node_name)
+    return run_node(node_name, InterfacesNode, (ConfigError,), [names])
 
 
-def _labels() -> LabelTable:
+def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ...]]:
+    """The parameters. Raises ConfigError listing all that is wrong with them."""
+    faults: List[str] = []
+    labels = _labels(faults)
+    entries, where = _entries(rospy.loginfo if names else rospy.logwarn)
+    known, found = survey(entries)
+    specs = _choose(known, read_parameter("~names", list(names)), faults) if known else ()
+    found += [fault for spec in specs for fault in type_faults(spec)]
+    specs = _override(specs, faults)
+    faults += [f"{where} {fault}" for fault in found]
+    if faults:
+        raise ConfigError("\n".join(faults))
+    _warn(labels, specs)
+    return labels, specs
+
+
+def _warn(labels: LabelTable, specs: Tuple[InterfaceSpec, ...]) -> None:
+    """Say what is odd but may be meant."""
+    for spec in specs:
+        if not labels and uses_labels(spec.goal):
+            text = "%s: %s asks for labels, but ~labels is empty: each of its actions will return unknown_label"
+            rospy.logwarn(text, rospy.get_name(), spec.name)
+
+
+def _labels(faults: List[str]) -> LabelTable:
     try:
-        return LabelTable.from_mapping(rospy.get_param("~labels", {}), rospy.get_param("~frame", DEFAULT_FRAME))
+        return LabelTable.from_mapping(read_parameter("~labels", {}), read_parameter("~frame", DEFAULT_FRAME))
     except LabelError as error:
-        raise ConfigError(f"~labels: {error}") from error
+        faults.append(f"~labels: {error}")
+        return LabelTable()
 
 
-def _entries() -> Any:
-    entries = rospy.get_param("~interfaces", None)
+def _entries(say: Callable[..., None]) -> Tuple[Any, str]:
+    """The entries, and how messages call the place where they stand; ``say`` hears where they are not the user's."""
+    entries = read_parameter("~interfaces")
     if entries is not None:
-        return entries
+        return entries, "~interfaces:"
     path = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "config", "interfaces.yaml")
+    say("%s: ~interfaces is not set: the entries are those of %s", rospy.get_name(), path)
     with open(path, encoding="utf-8") as stream:
-        return yaml.safe_load(stream)
+        return yaml.safe_load(stream), f"{path}:"
 
 
-def _choose(specs: Mapping[str, InterfaceSpec], names: Any) -> Tuple[InterfaceSpec, ...]:
+def _choose(specs: Mapping[str, InterfaceSpec], names: Any, faults: List[str]) -> Tuple[InterfaceSpec, ...]:
     if not isinstance(names, list):
-        raise ConfigError(f"~names must be a list of interface names, not {names!r}")
+        faults.append(f"~names must be a list of interface names, not {names!r}")
+        return tuple(specs.values())
     missing = [str(name) for name in names if name not in specs]
     if missing:
         message = "~names: no entry {} in ~interfaces; entries are {}"
-        raise ConfigError(message.format(", ".join(missing), ", ".join(specs)))
-    return tuple(specs[name] for name in names or specs)
+        faults.append(message.format(", ".join(missing), ", ".join(specs)))
+    return tuple(specs[name] for name in names or specs if name in specs)
 
 
-def _override(specs: Tuple[InterfaceSpec, ...]) -> Tuple[InterfaceSpec, ...]:
-    given: Dict[str, Any] = {name: rospy.get_param("~" + name) for name in _OVERRIDES if rospy.has_param("~" + name)}
-    server = rospy.get_param("~server", None)
+def _override(specs: Tuple[InterfaceSpec, ...], faults: List[str]) -> Tuple[InterfaceSpec, ...]:
+    given: Dict[str, Any] = {name: read_parameter("~" + name) for name in _OVERRIDES if has_parameter("~" + name)}
+    server = read_parameter("~server")
     if not given and server is None:
         return specs
-    if len(specs) != 1:
-        raise ConfigError(
-            "~server, ~timeout, ~server_timeout and ~retries need a node with a single interface (~names)"
-        )
+    if len(specs) > 1:
+        overrides = "~server, ~timeout, ~server_timeout, ~pause and ~retries"
+        faults.append(f"{overrides} need a node with a single interface (~names)")
     if server is not None and (not isinstance(server, str) or not server):
-        raise ConfigError(f"~server must be the name of an actionlib server, not {server!r}")
+        faults.append(f"~server must be the name of an actionlib server, not {server!r}")
+    if len(specs) != 1:
+        return specs
     spec = specs[0]
-    return (spec._replace(server=server or spec.server, limits=read_limits(given, "~", spec.limits)),)
+    try:
+        return (spec._replace(server=server or spec.server, limits=read_limits(given, "~", spec.limits)),)
+    except ConfigError as error:
+        faults.append(str(error))
+        return specs

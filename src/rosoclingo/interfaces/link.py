@@ -5,7 +5,7 @@ from typing import Any, Callable, Optional, Set
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
 from actionlib_msgs.msg import GoalID
 
-from rosoclingo.interfaces.runs import Event
+from rosoclingo.interfaces.action_runs import Event
 from rosoclingo.interfaces.templates import Ended
 
 # Seconds of wall time that the connection to a server may be down before the server counts as gone.
@@ -51,6 +51,11 @@ class ServerLink:
             self._client.pub_goal.impl.has_connection(server) and self._client.pub_cancel.impl.has_connection(server)
             for server in servers
         )
+
+    @property
+    def starting(self) -> bool:
+        """True if somebody has announced the server, but does not serve yet: it may load or compile for a while."""
+        return self._client.status_sub.get_num_connections() > 0 and not self.connected
 
     def gone(self, wall: float) -> bool:
         """True if no server has been heard for a while; `wall` is steady time in seconds."""

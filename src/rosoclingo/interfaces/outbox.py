@@ -1,7 +1,7 @@
 """Answers on their way to the core."""
 
 from collections import deque
-from typing import Deque, Tuple
+from typing import Callable, Deque, Tuple
 
 import rospy
 
@@ -11,14 +11,29 @@ from rosoclingo.msg import InterfaceIO
 PATIENCE = 1.0
 
 
+class _Announcement(rospy.SubscribeListener):
+    """Tells each node that connects which interface there is: a message without facts."""
+
+    def __init__(self, interface: str) -> None:
+        super().__init__()
+        self.message = InterfaceIO(interface=interface)
+
+    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
+        """Called by rospy when a subscriber has connected."""
+        publish(self.message)
+
+
 class Outbox:
     """Publishes messages in order, each as soon as the node that is to read it is connected.
 
     A node that has just started is connected in one direction before the other; an answer sent then would be lost.
+    Whoever connects is told the interface's name.
     """
 
-    def __init__(self, topic: str) -> None:
-        self._publisher = rospy.Publisher(topic, InterfaceIO, queue_size=100)
+    def __init__(self, topic: str, interface: str) -> None:
+        announcement = _Announcement(interface)
+        self._publisher = rospy.Publisher(topic, InterfaceIO, announcement, queue_size=100)
+        self._publisher.publish(announcement.message)  # to those that another interface of this node has met already
         self._waiting: Deque[Tuple[InterfaceIO, str, float]] = deque()
 
     def put(self, message: InterfaceIO, reader: str, wall: float) -> None:

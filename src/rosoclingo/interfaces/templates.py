@@ -16,8 +16,8 @@ from typing import Any, Callable, Dict, List, Mapping, Match, NamedTuple, Option
 
 from clingo import Symbol, SymbolType
 
-from rosoclingo.interfaces.terms import TermError, as_text
-from rosoclingo.reasoning.labels import Label, LabelTable
+from rosoclingo.common.labels import Label, LabelTable
+from rosoclingo.interfaces.values import TermError, as_text
 
 LABEL_FIELDS = ("pose", "x", "y", "yaw", "frame")
 GOAL_NAMES = ("parameter", "cycle", "now")
@@ -97,6 +97,16 @@ def references(template: str, place: str = "") -> List[str]:
         if match.group(1) is not None:
             found.append(match.group(1))
     return found
+
+
+def uses_labels(template: Any) -> bool:
+    """Whether some reference of the template asks for a label."""
+    if isinstance(template, Mapping):
+        return any(uses_labels(value) for value in template.values())
+    if isinstance(template, (list, tuple)):
+        return any(uses_labels(value) for value in template)
+    steps = [reference.split(".") for reference in references(template)] if isinstance(template, str) else []
+    return any(one[0] != "result" and one[-1] in LABEL_FIELDS for one in steps)
 
 
 def _check_reference(reference: str, names: Tuple[str, ...], place: str) -> None:

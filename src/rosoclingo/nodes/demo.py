@@ -9,19 +9,17 @@ from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Callable, Dict, List, Optional
-from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
 
-from rosoclingo.nodes.scenario_run import ScenarioOutcome, run_scenario
-from rosoclingo.reasoning.scenario import Scenario
+from rosoclingo.nodes.recording.bag_file import BagError, active, mend
+from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
+from rosoclingo.nodes.scenarios.playing import ScenarioOutcome, run_scenario
+from rosoclingo.runs.scenario import Scenario
 
 #: Action servers of the case study, which have to be there before a scenario begins.
 SERVERS = ("move_base", "pickup", "deliver")
-
-#: Topics that the recorder has to be connected to before a scenario begins.
-RECORDED = ("/rosoclingo/updates", "/rosoclingo/task_plan", "/out_rosoclingo", "/in_rosoclingo", "/packages")
 
 #: Seconds of wall time for a start, which compiles the first time (minutes on a busy machine), and for an end:
 #: roslaunch itself gives its nodes 15 s to end before it kills them.
@@ -72,6 +70,13 @@ class DemoSystem:
             except subprocess.TimeoutExpired:
                 continue
         _signal_group(self._process.pid, signal.SIGKILL)
+        self._mend_bag()
+
+    def _mend_bag(self) -> None:
+        """What a recorder that was killed has left becomes the bag."""
+        if active(self.bag).exists():
+            with suppress(BagError):
+                mend(self.bag, self.bag, "/record/notes")
 
     def check(self) -> None:
         """Raises DemoError when the system has ended."""
@@ -87,14 +92,6 @@ class DemoSystem:
             if time.monotonic() > end:
                 raise DemoError(f"{what} is not up after {START_TIME:g} s; the log is {self.log}")
             time.sleep(0.05)
-
-    def recording(self) -> bool:
-        """Whether the recorder is connected to what is to be recorded."""
-        try:
-            connections = ServerProxy(_node_uri("/record")).getBusInfo("/demo")[2]
-        except OSError:
-            return False
-        return set(RECORDED) <= {connection[4] for connection in connections}
 
     def _tail(self) -> str:
         lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
@@ -113,14 +110,11 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
             say,
             START_TIME,
             check=system.check,
-            ready=lambda: system.wait_for(system.recording, "the recorder"),
+            recording=lambda: is_recording(RECORDED),
         )
         rospy.signal_shutdown("the scenario is over")
-    say("")
-    for line in outcome.summary.lines():
-        say(line)
-    for fault in outcome.faults:
-        say("NOT AS EXPECTED: " + fault)
+        for line in ("", *outcome.summary.lines(), *("NOT AS EXPECTED: " + fault for fault in outcome.faults)):
+            say(line)
     say(f"time: {outcome.summary.seconds:.1f} s simulated, {time.monotonic() - began:.1f} s in all")
     say(f"bag: {system.bag}")
     return outcome

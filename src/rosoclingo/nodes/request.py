@@ -2,7 +2,9 @@
 
 from typing import Callable
 
-from rosoclingo.nodes.client import CoreClient, SentGoal
+import rospy
+
+from rosoclingo.nodes.goal_client import CoreClient, SentGoal
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -12,10 +14,14 @@ _TURN = 0.2
 
 
 def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> int:
-    """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES."""
+    """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES.
+
+    A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost.
+    """
     client = CoreClient(server)
     if not client.wait_for_server(wait):
-        say(f"no action server '{server}': is the core running?")
+        still = "" if rospy.get_time() else "; ROS time has not begun, and the core tells its status by it"
+        say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
     goal = client.send(text)
     cancelled = False
@@ -44,10 +50,10 @@ def _follow(client: CoreClient, goal: SentGoal, say: Callable[[str], None]) -> N
                 say(line)
             shown = line
         client.wait(_TURN)
+        client.check()
 
 
 def _line(goal: SentGoal) -> str:
     feedback = goal.feedback
-    done, ahead = feedback.position, feedback.task_plan[feedback.position :]
-    plan = " ".join(ahead) or "nothing to do"
-    return f"cycle {feedback.cycle}, {feedback.status}, {done} actions done: {plan}"
+    plan = " ".join(feedback.task_plan[feedback.position :]) or "nothing to do"
+    return f"cycle {feedback.cycle}, {feedback.status}: {plan}"

@@ -13,8 +13,10 @@ from rosoclingo.oclingo.errors import (
     ProgressionError,
     SolverError,
 )
-from rosoclingo.oclingo.program import ReactiveProgram
-from rosoclingo.oclingo.progression import (
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.parser import parse_update, parse_updates
+from rosoclingo.oclingo.progression.terms import parse_atom, parse_term
+from rosoclingo.oclingo.progression.updates import (
     Assert,
     Cumulative,
     Forget,
@@ -28,10 +30,8 @@ from rosoclingo.oclingo.progression import (
     commitment,
     fact,
 )
-from rosoclingo.oclingo.progression_parser import parse_update, parse_updates
-from rosoclingo.oclingo.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
-from rosoclingo.oclingo.stream_solver import StreamSolver
-from rosoclingo.oclingo.terms import parse_atom, parse_term
+from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
 __all__ = [
     "Answer",

@@ -28,8 +28,8 @@ from rosoclingo.reasoning.goals import (
     read_goal,
 )
 from rosoclingo.reasoning.keywords import Action, KeywordError, Return
-from rosoclingo.reasoning.planner import Halt
 from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt
 
 __all__ = [
     "TERMINAL",

@@ -6,8 +6,9 @@ are tested in that order.
 """
 
 from collections import deque
+from dataclasses import dataclass
 from functools import partial
-from typing import Callable, Deque, Dict, FrozenSet, Generic, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, Deque, Dict, FrozenSet, Generic, List, Optional, Sequence, Tuple, TypeVar
 
 T = TypeVar("T")
 Met = Callable[[Tuple[T, ...]], bool]
@@ -17,7 +18,8 @@ class UndecidedError(Exception):
     """A test came to no result in its time."""
 
 
-class Conflict(NamedTuple, Generic[T]):
+@dataclass(frozen=True)  # a generic NamedTuple needs Python 3.11
+class Conflict(Generic[T]):
     """Things that cannot be had together.
 
     ``minimal`` tells that any fewer of them can; otherwise that was not found out in time.
@@ -41,7 +43,7 @@ def find_conflict(things: Sequence[T], met: Met[T]) -> Conflict[T]:
     rest = list(things)
     try:
         while not _is_conflict(found, met, known=rest):
-            size = _least(len(rest), partial(_too_many, things, found, rest, met))
+            size = least_number(len(rest), partial(_too_many, things, found, rest, met))
             found.append(rest[size - 1])
             rest = rest[: size - 1]
     except UndecidedError:
@@ -101,7 +103,7 @@ def _too_many(things: Sequence[T], found: Sequence[T], rest: Sequence[T], met: M
     return not met(_in_order(things, [*found, *rest[:size]]))
 
 
-def _least(most: int, enough: Callable[[int], bool]) -> int:
+def least_number(most: int, enough: Callable[[int], bool]) -> int:
     """The least number from 1 to ``most`` that is enough; ``most`` is. Small numbers are tried first."""
     low, high = 0, 1
     while high < most and not enough(high):

@@ -3,8 +3,10 @@
 from contextlib import suppress
 from typing import List, Sequence, Tuple
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
+from rosoclingo.reasoning.clock import Clock
+from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.dispatch import Dispatch
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
@@ -15,19 +17,22 @@ from rosoclingo.reasoning.events import (
     Problem,
     UpdateSent,
 )
+from rosoclingo.reasoning.explanations import Explanations
 from rosoclingo.reasoning.feeding import feed
-from rosoclingo.reasoning.goal_desk import GoalDesk
+from rosoclingo.reasoning.goal_manager import GoalDesk
+from rosoclingo.reasoning.goal_status import Statuses, judge
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
 from rosoclingo.reasoning.intake import Intake
-from rosoclingo.reasoning.judge import judge
-from rosoclingo.reasoning.keywords import STATUS, Action
-from rosoclingo.reasoning.planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
+from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
+from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.preemption import Preemption
-from rosoclingo.reasoning.recovery import Question, Recovery, recover, requests_of
+from rosoclingo.reasoning.recovery import Question, Recovery, recover
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.reasoning.statuses import Statuses
-from rosoclingo.reasoning.words import Explanations
+from rosoclingo.reasoning.stream_planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
+
+#: So often in a row it may stay open whether there is an answer at all, before everything begins anew.
+PATIENCE = 2
 
 
 class Core:
@@ -55,15 +60,18 @@ class Core:
         self._planner = Planner(make_solver, settings.horizon_limit, watch)
         self._watch_recovery = watch_recovery
         self._speaks = program.defines(STATUS, 3)
-        self._feeder = InputFeeder()
+        self._clock = Clock(program.delay_of, program.first_step)
+        self._feeder = InputFeeder(self._clock)
         self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle, settings.goals_at_once)
-        self._intake = Intake(program, self._feeder, observer, lambda: self.cycle)
-        self._preemption = Preemption(self._feeder, self._intake)
+        self._intake = Intake(program, self._feeder, self._clock, observer, lambda: self.cycle)
+        self._preemption = Preemption(self._feeder, self._intake, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
         self._plan = TaskPlan()
         self._waits = 0
         self._unanswered = False  # the search was left: there is to be another
         self._untaken = False  # so was the update of the present step
+        self._untold = False  # the update in force has not been told yet
+        self._undecided = 0  # so often in a row it was not found out in time whether there is an answer at all
 
     @property
     def cycle(self) -> int:
@@ -153,13 +161,12 @@ class Core:
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         if self._step and not self._untaken:
             since = min((goal.request_cycle or self._step for goal in self._desk.fed), default=self._step)
-            self._planner.end_cycle(self._step, [action.atom for action in executed], since - 1)
+            self._planner.end_cycle(self._step, since - 1)
         self._step += 0 if self._untaken else 1
         self._unanswered = self._untaken = False
-        batch = self._feeder.next_update(self._step, executed)
+        batch = self._feeder.next_update(self._step, executed, self._planner.over)
         for goal in batch.goals:
             goal.request_cycle = self._step + 1
-        self._tell(UpdateSent(self._step, str(batch.update)))
         self._solve(batch, now)
 
     def _solve(self, batch: Batch, now: float) -> None:
@@ -167,51 +174,88 @@ class Core:
             result = feed(self._planner, batch, self._desk, self._problem)
         except DisturbedError as disturbance:
             self._leave(disturbance)
-            if not disturbance.kept:
+            if disturbance.kept:
+                self._taken(batch)
+                self._tell_update()
+            else:
                 self._untaken = True
                 self._feeder.put_back(batch)
             return
         try:
             if result is None:
-                self._give_up()
+                self._give_up(batch)
             else:
-                self._answered(result, batch.goals, now)
+                self._taken(batch)
+                self._answered(result, batch, now)
         except DisturbedError as disturbance:
             self._leave(disturbance)
+        self._tell_update()
 
     def _leave(self, disturbance: DisturbedError) -> None:
         """Leave the search: there is another as soon as what has come is taken."""
         self._plan, self._unanswered = TaskPlan(), True
         self._problem(str(disturbance))
 
-    def _give_up(self) -> None:
-        """Go back to a short horizon, without the goals' requests."""
-        self._plan, requests = TaskPlan(), requests_of(self._desk.fed)
+    def _give_up(self, batch: Batch) -> None:
+        """Go back to a short horizon, and give up the goals; the rest of the update comes with the next one."""
+        self._plan, known = TaskPlan(), [goal for goal in self._desk.fed if goal not in batch.goals]
         self._desk.end(self._desk.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
+        for goal in known:
+            self._feeder.add_cancellation(goal.identifier)
+        self._untaken = True
+        self._feeder.put_back(batch, waits=True)
         with suppress(SolverError):
-            self._planner = self._planner.restarted(requests)
+            self._planner = self._planner.restarted()
 
-    def _answered(self, result: SolveResult, fresh: Sequence[Goal], now: float) -> None:
+    def _taken(self, batch: Batch) -> None:
+        """Remember the facts of an update that is in force."""
+        self._untold = True
+        present = {item.head for item in self._update.items if isinstance(item, Statement)}
+        for fact in batch.facts:
+            if fact.atom not in present:
+                self._intake.forget(fact)
+            elif not fact.is_return:
+                self._intake.observations.add_fact(fact)
+            if fact.outdated:
+                self._problem(f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}")
+
+    @property
+    def _update(self) -> StreamUpdate:
+        """The update in force."""
+        return self._planner.taken or StreamUpdate(self._step)
+
+    def _tell_update(self) -> None:
+        """Tell the update in force, once."""
+        if self._untold:
+            self._untold = False
+            self._tell(_sent(self._step, self._update))
+
+    def _answered(self, result: SolveResult, batch: Batch, now: float, mended: bool = False) -> None:
+        self._plan = TaskPlan()
         for warning in result.warnings:
             self._problem(warning)
-        self._desk.reject_undeclared(fresh, result.warnings)
-        self._plan = TaskPlan()
+        self._desk.reject_undeclared(batch.goals, result.warnings)
         if result.outcome is SolveOutcome.SATISFIABLE:
+            self._tell_update()
+            self._undecided = 0
             self._use(result, now)
         else:
             self._tell_plan(result)
-            self._recover(result, fresh, now)
+            self._recover(result, batch, now, mended)
 
     def _use(self, result: SolveResult, now: float) -> None:
         answer = result.answers[0]
-        self._plan, statuses = extract_plan(answer), Statuses(answer)
+        self._plan, statuses = extract_plan(answer), Statuses(answer, self._step)
         for fault in (*self._plan.faults, *statuses.faults):
             self._problem(fault)
         self._tell_plan(result)
         for goal in self._desk.fed:
             judge(goal, statuses, self._plan, self._step, result.horizon, self._speaks)
+            if goal.refused:
+                self._feeder.add_rejection(goal.identifier)
+        told = self._plan.told(self._step)
         for goal in self._desk.fed:
-            self._tell(GoalProgress(self._step, goal.key, goal.state, self._plan.actions))
+            self._tell(GoalProgress(self._step, goal.key, goal.state, told))
         actions = self._plan.at(self._step)
         if actions:
             self._intake.dispatch = Dispatch(self._step, actions, now)
@@ -226,42 +270,100 @@ class Core:
         self._plan = TaskPlan()
         self._desk.drop(self._desk.fed, "cannot be met: the program keeps putting off its plan")
 
-    def _recover(self, result: SolveResult, fresh: Sequence[Goal], now: float) -> None:
-        """No plan: end the goals that must go and start the next cycle without them."""
+    def _recover(self, result: SolveResult, batch: Batch, now: float, mended: bool) -> None:
+        """No plan: end the goals that must go and start the next cycle without them, or doubt what was seen."""
         goals, why = self._desk.fed, self._planner.why_none(result)
         question = Question(
             self._step + 1,
             tuple(reversed(goals)),
-            tuple(goal for goal in reversed(goals) if goal in fresh),
+            tuple(goal for goal in reversed(goals) if goal in batch.goals),
             self._intake.observations.newest_first,
             result.outcome is SolveOutcome.UNSATISFIABLE,
             self._watch_recovery,
         )
-        found = recover(self._planner, question) if goals else None
-        if found is not None:
-            self._adopt(found, why, now)
-            return
-        self._problem(f"the program has no answer, whatever goals are given up: {why}")
-        self._desk.end(goals, Outcome.ABORTED, f"cannot be met: {why}")
+        try:
+            found = recover(self._planner, question)
+            if found is not None:
+                self._adopt(found, why, now)
+            elif mended or not self._mend(question, batch, now):
+                self._begin_anew(batch, why, now)
+        except UndecidedError:
+            self._undecided += 1
+            if self._undecided < PATIENCE:
+                self._lose(why)
+            else:
+                self._begin_anew(batch, why, now)
+
+    def _mend(self, question: Question, batch: Batch, now: float) -> bool:
+        """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
+        observations = self._intake.observations
+        found = mend(self._planner, Case(batch, self._update, observations.executed, question, self._clock))
+        if found is None:
+            return False
+        self._planner = found.planner
+        observations.drop(frozenset(change.observation.atom for change in found.changes))
+        for change in found.changes:
+            self._problem(str(change), change.observation.origin)
+            if change.taken_as is not None:
+                observations.add_fact(change.observation._replace(atom=change.taken_as))
+        self._answered(found.result, batch, now, mended=True)
+        return True
+
+    def _lose(self, why: str) -> None:
+        """No way on was found: the goals are cancelled, and the next update tries again."""
+        self._problem(f"no answer was found, whatever goals are given up: {why}")
+        self._desk.drop(self._desk.fed, f"cannot be met: {why}")
         with suppress(SolverError):
             self._planner = self._planner.restarted()
 
+    def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
+        """Nothing else helps: what was told and done before is forgotten, if the program has an answer then."""
+        try:
+            planner, updates, result = self._planner.anew(self._step)
+        except SolverError:
+            self._lose(why)
+            return
+        if result.outcome is not SolveOutcome.SATISFIABLE:
+            if result.outcome is SolveOutcome.UNSATISFIABLE:
+                self._problem(f"the program has no answer, whatever is told: {why}")
+            self._lose(why)
+            return
+        self._problem(f"ERROR: the program has no answer after all that was done and told: {why}; it begins anew")
+        self._desk.end(
+            [goal for goal in self._desk.fed if goal not in batch.goals],
+            Outcome.ABORTED,
+            "is given up: the program begins anew",
+        )
+        self._feeder.put_back(Batch(StreamUpdate(), batch.goals))
+        self._planner, self._untold = planner, False
+        self._intake.forget_all()
+        for update in updates:
+            self._tell(_sent(self._step, update))
+        self._answered(result, Batch(self._update), now, mended=True)
+
     def _adopt(self, found: Recovery, why: str, now: float) -> None:
+        self._tell_update()
         if found.withheld:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
         self._planner = found.planner
         self._step += 1
-        self._tell(UpdateSent(self._step, str(found.update)))
+        self._untold = True
         explanations = Explanations(found.result.answers[0])
         for fault in explanations.faults:
             self._problem(fault)
         for loss in found.losses:
             loss.goal.end(Outcome.ABORTED, loss.text(explanations, why))
-        self._answered(found.result, (), now)
+        self._answered(found.result, Batch(found.update), now)
 
     def _tell_plan(self, result: SolveResult) -> None:
         seconds = result.statistics
-        self._tell(PlanMade(self.cycle, result.horizon, self._plan.actions, seconds["ground"], seconds["solve"]))
+        told = self._plan.told(self.cycle)
+        self._tell(PlanMade(self.cycle, result.horizon, told, seconds["ground"], seconds["solve"]))
 
-    def _problem(self, message: str) -> None:
-        self._tell(Problem(self.cycle, message))
+    def _problem(self, message: str, origin: str = "") -> None:
+        self._tell(Problem(self.cycle, message, origin))
+
+
+def _sent(cycle: int, update: StreamUpdate) -> UpdateSent:
+    """An update as it is told: what happened, and all that the solver took."""
+    return UpdateSent(cycle, str(update.plain), str(update))

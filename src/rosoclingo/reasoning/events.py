@@ -18,14 +18,19 @@ class Event:
 
 @dataclass(frozen=True)
 class UpdateSent(Event):
-    """The stream update ``text`` was handed to the solver and starts ``cycle``."""
+    """A stream update is in force and starts ``cycle``; each is told once.
+
+    ``text`` is the update as the paper prints it: what happened. ``stream`` is all that the solver took: the bound of
+    the search and what is past as well; one after the other they are an online progression that gives the same plans.
+    """
 
     text: str
+    stream: str
 
 
 @dataclass(frozen=True)
 class PlanMade(Event):
-    """The solver's answer for the cycle: all actions of the plan by cycle, past ones included.
+    """The solver's answer for the cycle: the plan's actions by cycle, after the last few that are done.
 
     ``ground`` and ``solve`` are seconds of wall time.
     """
@@ -87,7 +92,7 @@ class GoalRefused(Event):
 
 @dataclass(frozen=True)
 class GoalProgress(Event):
-    """A live goal after an answer: its status, and the whole plan."""
+    """A live goal after an answer: its status, and the plan after the last few actions that are done."""
 
     key: str
     state: GoalState
@@ -95,7 +100,7 @@ class GoalProgress(Event):
 
     @property
     def position(self) -> int:
-        """How many actions of the plan are of past cycles."""
+        """How many of the actions are of past cycles."""
         return sum(action.cycle < self.cycle for action in self.actions)
 
 

@@ -3,10 +3,10 @@
 from typing import Callable, Optional, Sequence
 
 from rosoclingo.oclingo import DroppedError, SolverError, SolveResult
-from rosoclingo.reasoning.goal_desk import GoalDesk
+from rosoclingo.reasoning.goal_manager import GoalDesk
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch
-from rosoclingo.reasoning.planner import Planner
+from rosoclingo.reasoning.stream_planner import Planner
 
 
 def feed(planner: Planner, batch: Batch, desk: GoalDesk, problem: Callable[[str], None]) -> Optional[SolveResult]:

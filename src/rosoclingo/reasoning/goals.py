@@ -7,6 +7,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import ProgressionError, parse_term
 from rosoclingo.reasoning.keywords import CANCEL, identifier_of
+from rosoclingo.reasoning.texts import LONGEST, shortened
 
 
 class GoalState(Enum):
@@ -91,7 +92,8 @@ class Goal:
 
     ``key`` is the client's handle (actionlib's goal id), ``term`` the goal as the program sees it, ``identifier`` its
     last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``known`` tells whether
-    the program has said something of it. ``observer`` is called with the goal and the event after each transition.
+    the program has said something of it, ``refused`` whether that was that it rejects the goal. ``observer`` is called
+    with the goal and the event after each transition.
     """
 
     def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
@@ -102,8 +104,13 @@ class Goal:
         self.request_cycle: Optional[int] = None
         self.outcome: Optional[Outcome] = None
         self.known = False
+        self.refused = False
         self.message = ""
         self._observer = observer
+
+    def __str__(self) -> str:
+        """The goal as all messages name it: its term."""
+        return shortened(str(self.term))
 
     @property
     def live(self) -> bool:
@@ -125,7 +132,7 @@ class Goal:
         try:
             self.state = TRANSITIONS[self.state, event]
         except KeyError:
-            raise TransitionError(f"goal {self.term} is {self.state.value}: cannot {event.value}") from None
+            raise TransitionError(f"{self} is {self.state.value}: cannot {event.value}") from None
         self._observer(self, event)
 
     def accept(self) -> None:
@@ -140,7 +147,7 @@ class Goal:
         instead of rejected.
         """
         if not self.live:
-            raise TransitionError(f"goal {self.term} has ended: it is {self.state.value}")
+            raise TransitionError(f"{self} has ended: it is {self.state.value}")
         if outcome is Outcome.REJECTED and self.state not in UNDECIDED:
             outcome = Outcome.ABORTED
         if outcome in (Outcome.SUCCEEDED, Outcome.ABORTED):
@@ -151,14 +158,17 @@ class Goal:
 
 def read_goal(text: str) -> Symbol:
     """The goal term of a client's text; raises GoalError with the reason when it is none."""
+    shown = shortened(text)
+    if len(text) > LONGEST:
+        raise GoalError(f"'{shown}' is too long for a goal: write at most {LONGEST} characters")
     try:
         term = parse_term(text)
     except ProgressionError as error:
-        raise GoalError(f"'{text}' is no ground term: {error}") from error
+        raise GoalError(f"'{shown}' is no ground term: {error}") from error
     if identifier_of(term) is None:
-        raise GoalError(f"'{text}' names no goal: write a function whose last argument identifies it")
+        raise GoalError(f"'{shown}' names no goal: write a function whose last argument identifies it")
     if term.name == CANCEL:
-        raise GoalError(f"'{text}' is the core's own request: cancel the goal itself instead")
+        raise GoalError(f"'{shown}' is the core's own request: cancel the goal itself instead")
     return term
 
 
@@ -174,7 +184,7 @@ class GoalBook:
             raise GoalError(f"the goal handle '{goal.key}' is in use")
         twin = self.by_identifier(goal.identifier)
         if twin is not None:
-            raise GoalError(f"the identity '{goal.identifier}' is taken: goal {twin.term} has not ended")
+            raise GoalError(f"the identity '{shortened(str(goal.identifier))}' is taken: {twin} has not ended")
         self._goals[goal.key] = goal
 
     def remove(self, goal: Goal) -> None:

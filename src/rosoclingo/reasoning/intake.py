@@ -1,32 +1,45 @@
 """What interfaces tell the core: returns of the actions under way, and other facts; what of it makes no sense."""
 
 from contextlib import contextmanager
-from typing import Callable, Iterator, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
+from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.dispatch import Dispatch, ReturnError
 from rosoclingo.reasoning.events import Event, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import RESERVED, RETURN, TIMEOUT, Action, KeywordError, Return, is_keyword, return_of
-from rosoclingo.reasoning.observations import Observations
+from rosoclingo.reasoning.observations import Observation, Observations
+from rosoclingo.reasoning.texts import LONGEST, MOST_FACTS, MOST_WAITING, shortened
 
 
 class FactError(ValueError):
     """A fact that no interface may state, or that the program has no use for; the text says why."""
 
 
+#: So many facts that name their cycle are remembered: told again they are nothing new.
+KNOWN = 1000
+
+
 class Intake:
     """Takes facts into the feeder, counts returns of the ``dispatch`` under way, and remembers ``observations``."""
 
     def __init__(
-        self, program: ReactiveProgram, feeder: InputFeeder, tell: Callable[[Event], None], cycle: Callable[[], int]
+        self,
+        program: ReactiveProgram,
+        feeder: InputFeeder,
+        clock: Clock,
+        tell: Callable[[Event], None],
+        cycle: Callable[[], int],
     ) -> None:
         self._program = program
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
+        self._clock = clock
+        self._known: Dict[Symbol, None] = {}
         self.dispatch: Optional[Dispatch] = None
         self.observations = Observations()
 
@@ -37,9 +50,14 @@ class Intake:
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
-        for text in facts:
+        for text in facts[:MOST_FACTS]:
             with self._guarded(origin, text):
-                self._take(parse_atom(text))
+                self._take(origin, _read(text))
+        if len(facts) > MOST_FACTS:
+            why = (
+                f"of {len(facts)} facts in one message from '{origin}' those behind the first {MOST_FACTS} are ignored"
+            )
+            self._tell(Problem(self._cycle(), f"{why}: send them in several", origin))
 
     def expire(self, now: float, limit: float) -> None:
         """Actions that have not returned within ``limit`` seconds count as failed; 0 waits for ever."""
@@ -53,7 +71,7 @@ class Intake:
             self._tell(Problem(self._cycle(), text, action.interface_name))
             atom = Return(action.interface, TIMEOUT, action.cycle).atom
             with self._guarded(action.interface_name, str(atom)):
-                self._feed_return(atom)
+                self._feed_return(action.interface_name, atom)
 
     def end_cycle(self) -> Tuple[Action, ...]:
         """The actions that were executed in the cycle, which is over."""
@@ -62,6 +80,7 @@ class Intake:
             return ()
         for answer, actions in dispatch.failures:
             self.observations.add_failure(answer, actions)
+        self.observations.add_executed(dispatch.actions)
         return dispatch.actions
 
     @contextmanager
@@ -70,27 +89,48 @@ class Intake:
         try:
             yield
         except (ProgressionError, KeywordError, ReturnError, FactError) as error:
-            self._tell(Problem(self._cycle(), f"'{text}' from '{origin}' is ignored: {error}", origin))
+            self._tell(Problem(self._cycle(), f"'{shortened(text)}' from '{origin}' is ignored: {error}", origin))
 
-    def _take(self, atom: Symbol) -> None:
+    def _take(self, origin: str, atom: Symbol) -> None:
         """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
             if self.dispatch is None:
                 raise ReturnError("no action is under way")
             self.dispatch.take(answer)
-            self._feed_return(atom)
+            self._feed_return(origin, atom)
         else:
             self._check(atom)
-            self.observations.add_fact(atom, self._cycle())
-            self._tell(FactTaken(self._cycle(), atom))
-            self._feeder.add_fact(atom)
+            if self._feeder.waiting >= MOST_WAITING:
+                raise FactError(f"{MOST_WAITING} facts wait for the next update already")
+            if not self._is_known(atom):
+                self._tell(FactTaken(self._cycle(), atom))
+                self._feeder.add_fact(atom, origin, self._cycle())
 
-    def _feed_return(self, atom: Symbol) -> None:
+    def forget(self, fact: Observation) -> None:
+        """A fact was not taken: told again it is new."""
+        self._known.pop(fact.told or fact.atom, None)
+
+    def forget_all(self) -> None:
+        """Nothing counts of what was told and done before."""
+        self._known.clear()
+        self.observations.clear()
+
+    def _is_known(self, atom: Symbol) -> bool:
+        """Whether a fact that names its cycle was told before."""
+        if self._clock.cycle_of(atom) is None:
+            return False
+        known = atom in self._known
+        self._known[atom] = None
+        if len(self._known) > KNOWN:
+            del self._known[next(iter(self._known))]
+        return known
+
+    def _feed_return(self, origin: str, atom: Symbol) -> None:
         """Pass on a return that has been counted."""
         self._tell(ReturnTaken(self._cycle(), atom))
         self._check(atom)
-        self._feeder.add_fact(atom)
+        self._feeder.add_fact(atom, origin, self._cycle())
 
     def _check(self, atom: Symbol) -> None:
         """Raises FactError when ``atom`` is one of the core's own keywords or no external of the program."""
@@ -99,3 +139,10 @@ class Intake:
             raise FactError("{}/{} is for the core and the program only".format(*signature))
         if not self._program.declares_external(*signature):
             raise FactError("the program declares no external {}/{}".format(*signature))
+
+
+def _read(text: str) -> Symbol:
+    """The atom of a fact's text; raises ProgressionError, and FactError for one that is too long."""
+    if len(text) > LONGEST:
+        raise FactError(f"it is too long: write at most {LONGEST} characters")
+    return parse_atom(text)

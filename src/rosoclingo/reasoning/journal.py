@@ -29,8 +29,13 @@ class Journal:
 
     @property
     def updates(self) -> List[str]:
-        """The texts of all stream updates: an online progression that replays the run."""
+        """The texts of all stream updates, as the paper prints them."""
         return [event.text for event in self.of(UpdateSent)]
+
+    @property
+    def stream(self) -> str:
+        """An online progression that replays the run: all updates as the solver took them."""
+        return "".join(event.stream for event in self.of(UpdateSent))
 
     @property
     def actions(self) -> List[str]:

@@ -10,13 +10,14 @@ from clingo import Function, Number, Symbol, SymbolType
 REQUEST = "_request"
 ACTION_LIB = "_action_lib"
 RETURN = "_return"
+FAILED = "_failed"
 STATUS = "_status"
 EXPLAIN = "_explain"
 CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
 
 #: Keywords that only the core itself or the program may state: ``(name, arity)``.
-RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (STATUS, 3), (EXPLAIN, 3), (CANCEL_ACTION, 3)})
+RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (CANCEL_ACTION, 3)})
 
 #: The return value of an action that did not answer in time.
 TIMEOUT = Function("timeout")
@@ -58,6 +59,11 @@ class Return(NamedTuple):
     interface: Symbol
     value: Symbol
     cycle: int
+
+    @property
+    def interface_name(self) -> str:
+        """The interface's name as messages carry it."""
+        return name_of(self.interface)
 
     @property
     def atom(self) -> Symbol:

@@ -1,27 +1,39 @@
 """What was seen of the world: actions that failed, and facts that interfaces told. A goal may be at odds with it."""
 
 from collections import deque
-from typing import Deque, FrozenSet, NamedTuple, Tuple
+from typing import Deque, FrozenSet, NamedTuple, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.reasoning.keywords import Action, Return, name_of, return_of
+from rosoclingo.reasoning.keywords import RETURN, Action, Return, is_keyword, name_of, return_of
 
 #: So many are kept; what is older is taken for granted.
 MEMORY = 32
 
 
 class Observation(NamedTuple):
-    """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it may be about."""
+    """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it may be about.
+
+    ``origin`` is the interface that told it, ``told`` the fact as it came, where that may be another;
+    ``outdated`` if it came too late, and was taken for the present.
+    """
 
     atom: Symbol
     cycle: int
     actions: Tuple[Action, ...] = ()
+    origin: str = ""
+    told: Optional[Symbol] = None
+    outdated: bool = False
 
     @property
     def facts(self) -> FrozenSet[Symbol]:
         """All that would not have been told without it: had the failed action not been tried."""
         return frozenset((self.atom, *(action.atom for action in self.actions)))
+
+    @property
+    def is_return(self) -> bool:
+        """Whether it is how an action ended."""
+        return is_keyword(self.atom, RETURN)
 
     def __str__(self) -> str:
         """The observation in words, for want of the program's own."""
@@ -32,20 +44,39 @@ class Observation(NamedTuple):
 
 
 class Observations:
-    """The latest observations."""
+    """The latest observations, and the latest actions that were executed."""
 
     def __init__(self) -> None:
         self._kept: Deque[Observation] = deque(maxlen=MEMORY)
+        self._executed: Deque[Action] = deque(maxlen=2 * MEMORY)
 
     @property
     def newest_first(self) -> Tuple[Observation, ...]:
         """All that are kept."""
         return tuple(reversed(self._kept))
 
-    def add_fact(self, atom: Symbol, cycle: int) -> None:
-        """A fact came that is no return."""
-        self._kept.append(Observation(atom, cycle))
+    @property
+    def executed(self) -> Tuple[Action, ...]:
+        """The latest actions, oldest first."""
+        return tuple(self._executed)
+
+    def add_fact(self, fact: Observation) -> None:
+        """A fact was fed that is no return."""
+        self._kept.append(fact)
 
     def add_failure(self, answer: Return, actions: Tuple[Action, ...]) -> None:
         """One of ``actions`` returned something else than success."""
         self._kept.append(Observation(answer.atom, answer.cycle, actions))
+
+    def add_executed(self, actions: Tuple[Action, ...]) -> None:
+        """The actions of a cycle are over."""
+        self._executed.extend(actions)
+
+    def drop(self, atoms: FrozenSet[Symbol]) -> None:
+        """Some facts count no more."""
+        self._kept = deque((one for one in self._kept if one.atom not in atoms), maxlen=MEMORY)
+
+    def clear(self) -> None:
+        """Everything begins anew."""
+        self._kept.clear()
+        self._executed.clear()

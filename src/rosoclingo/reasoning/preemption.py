@@ -6,15 +6,17 @@ from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.intake import Intake
 from rosoclingo.reasoning.keywords import PREEMPTED, Action, Return
-from rosoclingo.reasoning.planner import Planner
+from rosoclingo.reasoning.stream_planner import Planner
 
 
 class Preemption:
     """Thinks again of the actions under way whenever something has arrived; each is found unwanted once."""
 
-    def __init__(self, feeder: InputFeeder, intake: Intake) -> None:
+    def __init__(self, feeder: InputFeeder, intake: Intake, told: bool) -> None:
+        """Think for the actions that ``intake`` awaits; ``told`` says whether the program hears of those it ends."""
         self._feeder = feeder
         self._intake = intake
+        self._told = told
         self._considered = 0
         self._found: FrozenSet[Action] = frozenset()
 
@@ -32,6 +34,8 @@ class Preemption:
             return ()
         running = tuple(action for action in self._intake.awaited if action not in self._found)
         found = self._ask(planner, self._intake.dispatch.actions, running) if running else ()
+        for action in found if self._told else ():
+            self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals
         self._found |= frozenset(found)
         return found
@@ -41,8 +45,9 @@ class Preemption:
         returns = [Return(action.interface, PREEMPTED, cycle).atom for action in running]
         try:
             beside = planner.restarted()
-            beside.end_cycle(cycle, [action.atom for action in executed])
-            result = beside.update(self._feeder.preview(cycle + 1, executed, returns))
+            beside.end_cycle(cycle)
+            ended = [action.cancellation for action in running] if self._told else []
+            result = beside.update(self._feeder.preview(cycle + 1, executed, [*ended, *returns]))
             unheard = any(str(atom) in warning for atom in returns for warning in result.warnings)
             if unheard or result.outcome is not SolveOutcome.SATISFIABLE:
                 return ()

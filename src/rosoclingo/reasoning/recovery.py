@@ -9,12 +9,14 @@ from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import Item, Withdraw
 from rosoclingo.reasoning.conflicts import Choice, Conflict, UndecidedError, choose, find_conflict, remembering
+from rosoclingo.reasoning.explanations import Loss
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.keywords import cancellation, request
-from rosoclingo.reasoning.loss import Loss
+from rosoclingo.reasoning.input_feeder import requests_of
+from rosoclingo.reasoning.keywords import cancellation
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.planner import Planner, SearchWatch
+from rosoclingo.reasoning.stream_planner import Planner, SearchWatch
 
 #: So many observations are told though it is not sure that all of them matter.
 FEW = 3
@@ -55,21 +57,33 @@ class Recovery(NamedTuple):
 
 
 def recover(planner: Planner, question: Question) -> Optional[Recovery]:
-    """Find the goals to give up. None when there is no plan even without any goal.
+    """Find the goals to give up. None when there is no plan even without any goal; raises UndecidedError.
 
     Where time is over, the fresh goals are given up or else all, but for those that can be met with the ones kept.
     """
-    for withhold in (False, True):
+    undecided = not question.proven and not question.goals
+    for withhold in (False, True) if question.goals else ():
         attempts = _Attempts(planner, question, withhold)
         everything = attempts.without(question.goals)
         if everything.met:
             return _fewest(attempts, question, everything) or _few(attempts, question, everything)
+        undecided = undecided or everything.result.outcome is SolveOutcome.INTERRUPTED
+    if undecided:
+        raise UndecidedError
     return None
 
 
-def requests_of(goals: Sequence[Goal]) -> FrozenSet[Symbol]:
-    """The requests of the goals that were fed."""
-    return frozenset(request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None)
+def is_answerable(planner: Planner, question: Question) -> bool:
+    """Whether there is an answer without the goals, be they cancelled or withheld; raises UndecidedError."""
+    undecided = False
+    for withhold in (False, True) if question.goals else ():
+        outcome = _Attempts(planner, question, withhold).without(question.goals).result.outcome
+        if outcome is SolveOutcome.SATISFIABLE:
+            return True
+        undecided = undecided or outcome is SolveOutcome.INTERRUPTED
+    if undecided:
+        raise UndecidedError
+    return False
 
 
 class _Attempts:
@@ -95,16 +109,19 @@ class _Attempts:
         """Plan without some goals and observations."""
         step = self._question.step
         facts: FrozenSet[Symbol] = frozenset().union(*(one.facts for one in unseen))
-        oldest_first = [] if self._withhold else list(reversed(dropped))
-        update = StreamUpdate(step, items=tuple(Statement(cancellation(one.identifier, step)) for one in oldest_first))
+        oldest_first: List[Goal] = list(reversed(dropped))
+        cancels = () if self._withhold else tuple(cancellation(one.identifier, step) for one in oldest_first)
+        gone: FrozenSet[Symbol] = requests_of(dropped) if self._withhold else frozenset()
+        items: Tuple[Item, ...] = (*map(Withdraw, sorted(gone)), *map(Statement, cancels))
+        update = StreamUpdate(step, items=items)
         try:
-            fresh = self._planner.restarted(facts | requests_of(dropped) if self._withhold else facts)
-            fresh.end_cycle(step - 1, ())
+            fresh = self._planner.restarted(facts | gone, cancels)
+            fresh.end_cycle(step - 1)
             result = fresh.update(update)
         except SolverError:  # what is left of the goals takes too long, or is refused, as well
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
         found = Recovery(fresh, update, result, self._withhold, tuple(Loss(goal, sure=False) for goal in dropped))
-        if found.met and not unseen:
+        if found.met:
             self.latest = found
         return found
 
@@ -144,14 +161,11 @@ def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Op
 
 def _losses(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[Loss, ...]:
     attempts.begin()
-    seen: Dict[Conflict[Goal], Conflict[Observation]] = {}
     losses: List[Loss] = []
     for goal, conflict in reversed(choice):
-        if conflict not in seen:
-            seen[conflict] = _observed(attempts, conflict.things, question.observations)
+        seen = _observed(attempts, conflict.things, question.observations)
         others = tuple(other for other in reversed(conflict.things) if other is not goal)
-        sure = conflict.minimal and seen[conflict].minimal
-        losses.append(Loss(goal, others, tuple(reversed(seen[conflict].things)), sure))
+        losses.append(Loss(goal, others, tuple(reversed(seen.things)), conflict.minimal and seen.minimal))
     return tuple(losses)
 
 
@@ -174,7 +188,7 @@ def _few(attempts: _Attempts, question: Question, everything: Recovery) -> Recov
     found = found if found.met else everything
     attempts.begin()
     for loss in reversed(found.losses):
-        fewer = [other.goal for other in found.losses if other is not loss]
+        fewer = [other.goal for other in found.losses if other.goal is not loss.goal]
         if fewer and not attempts.over:
             tried = attempts.without(fewer)
             if tried.result.outcome is SolveOutcome.INTERRUPTED:

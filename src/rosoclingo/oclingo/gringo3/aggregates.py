@@ -16,9 +16,9 @@ from rosoclingo.oclingo.gringo3.elements import (
 )
 from rosoclingo.oclingo.gringo3.faults import RefusalError
 from rosoclingo.oclingo.gringo3.lexer import Token
-from rosoclingo.oclingo.gringo3.rewriting import Rewriting
+from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.syntax import Aggregate, Element, Literal, Term
-from rosoclingo.oclingo.gringo3.terms import has_pool, show
+from rosoclingo.oclingo.gringo3.term_nodes import has_pool, show
 
 SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
 """Tokens inside literals and terms that today's syntax lacks or reads otherwise."""

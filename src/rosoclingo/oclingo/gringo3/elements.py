@@ -5,7 +5,7 @@ from typing import Iterable, List, Optional, Sequence, Set, Tuple
 from rosoclingo.oclingo.gringo3.faults import RefusalError
 from rosoclingo.oclingo.gringo3.lexer import Token
 from rosoclingo.oclingo.gringo3.syntax import Element, Interval, Literal, Symbol, Term, Variable
-from rosoclingo.oclingo.gringo3.terms import (
+from rosoclingo.oclingo.gringo3.term_nodes import (
     alternative_count,
     has_interval,
     has_pool,

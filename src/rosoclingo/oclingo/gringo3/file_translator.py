@@ -9,11 +9,11 @@ from rosoclingo.oclingo.gringo3.elements import ElementTranslator, Naming, show_
 from rosoclingo.oclingo.gringo3.faults import RefusalError
 from rosoclingo.oclingo.gringo3.lexer import Kind, Token
 from rosoclingo.oclingo.gringo3.optimization import OptimizationTranslator, domain_atoms
-from rosoclingo.oclingo.gringo3.rewriting import Rewriting
+from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.rules import RuleTranslator
 from rosoclingo.oclingo.gringo3.statement_parser import FUNCTIONS
 from rosoclingo.oclingo.gringo3.syntax import Aggregate, Disjunction, Element, Rule
-from rosoclingo.oclingo.gringo3.terms import show
+from rosoclingo.oclingo.gringo3.term_nodes import show
 from rosoclingo.oclingo.gringo3.visibility import Statement, Visibility
 
 _AGGREGATES = (*FUNCTIONS, "#true", "#false", "#abs", "#mod", "#div", "#pow", "#infimum", "#supremum")

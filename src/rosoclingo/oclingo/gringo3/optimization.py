@@ -5,9 +5,9 @@ from typing import Dict, List, Sequence, Tuple
 from rosoclingo.oclingo.gringo3.directive_parser import Elements
 from rosoclingo.oclingo.gringo3.elements import ElementTranslator, Naming, instance_variables, show_conditions, weight
 from rosoclingo.oclingo.gringo3.lexer import Token
-from rosoclingo.oclingo.gringo3.rewriting import Rewriting
+from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.syntax import Element
-from rosoclingo.oclingo.gringo3.terms import show, show_literal
+from rosoclingo.oclingo.gringo3.term_nodes import show, show_literal
 
 Domains = Sequence[Tuple[str, Sequence[str]]]
 """Atoms declared by ``#domain``, each with its variables."""

@@ -6,7 +6,7 @@ from rosoclingo.oclingo.gringo3.aggregates import AggregateTranslator
 from rosoclingo.oclingo.gringo3.elements import Naming, show_element
 from rosoclingo.oclingo.gringo3.faults import RefusalError
 from rosoclingo.oclingo.gringo3.lexer import Token
-from rosoclingo.oclingo.gringo3.rewriting import Rewriting
+from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.syntax import (
     Aggregate,
     BodyItem,
@@ -18,7 +18,7 @@ from rosoclingo.oclingo.gringo3.syntax import (
     Pool,
     Rule,
 )
-from rosoclingo.oclingo.gringo3.terms import has_interval, literal_terms, show_literal, walk
+from rosoclingo.oclingo.gringo3.term_nodes import has_interval, literal_terms, show_literal, walk
 
 PARITIES = ("#even", "#odd")
 

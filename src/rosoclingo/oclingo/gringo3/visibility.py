@@ -12,9 +12,9 @@ from rosoclingo.oclingo.gringo3.directive_parser import Display, Signature, sign
 from rosoclingo.oclingo.gringo3.elements import ElementTranslator
 from rosoclingo.oclingo.gringo3.faults import RefusalError
 from rosoclingo.oclingo.gringo3.lexer import Token
-from rosoclingo.oclingo.gringo3.rewriting import Rewriting
+from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.syntax import Element, Function, Variable
-from rosoclingo.oclingo.gringo3.terms import show, show_literal
+from rosoclingo.oclingo.gringo3.term_nodes import show, show_literal
 
 HIDDEN = "_hidden"
 """Name of the predicate that holds the single atoms that a program hides."""

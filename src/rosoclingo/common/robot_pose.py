@@ -1,0 +1,43 @@
+"""The robot's position, from tf."""
+
+from typing import Optional, Tuple
+
+import rospy
+import tf2_ros
+
+from rosoclingo.common.labels import DEFAULT_FRAME
+from rosoclingo.common.parameters import not_negative, parameter
+
+
+class RobotPose:
+    """Where tf says that the robot is.
+
+    Parameters
+    ----------
+        ~map_frame (string, "map"), ~base_frame (string, "base_link"): the frames between which the robot is looked up.
+        ~pose_max_age (float, 5.0): seconds of ROS time after which a pose is too old to be believed.
+    Subscribes:
+        /tf, /tf_static
+
+    """
+
+    def __init__(self) -> None:
+        self.map_frame = parameter("~map_frame", str, DEFAULT_FRAME)
+        self._base_frame = parameter("~base_frame", str, "base_link")
+        self._max_age = not_negative("~pose_max_age", 5.0)
+        self._buffer = tf2_ros.Buffer()
+        self._listener = tf2_ros.TransformListener(self._buffer)
+
+    def look_up(self) -> Optional[Tuple[float, float]]:
+        """The robot's x and y in metres in the map frame; None, with a warning, if unknown or too old."""
+        try:
+            transform = self._buffer.lookup_transform(self.map_frame, self._base_frame, rospy.Time(0))
+        except tf2_ros.TransformException as error:
+            rospy.logwarn("no pose of the robot: %s", error)
+            return None
+        stamp = transform.header.stamp
+        age = (rospy.get_rostime() - stamp).to_sec()
+        if not stamp.is_zero() and age > self._max_age:
+            rospy.logwarn("the robot's pose is %.1f s old", age)
+            return None
+        return (transform.transform.translation.x, transform.transform.translation.y)

@@ -1,0 +1,90 @@
+"""How the scripts start: with words for what is missing, ``--help``, and a node's errors as one line of the log."""
+
+import argparse
+import contextlib
+import inspect
+import os
+import shlex
+import sys
+import sysconfig
+from typing import Any, Callable, Iterator, Sequence, Tuple, Type
+
+__all__ = ["needed_modules", "node_arguments", "run_node"]
+
+
+@contextlib.contextmanager
+def needed_modules() -> Iterator[None]:
+    """Around a script's imports: ends the script with what is missing and how to install it."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        sys.exit(f"{os.path.basename(sys.argv[0])}: {missing(error.name or str(error))}")
+
+
+def missing(module: str) -> str:
+    """What to do about a module that is not there, for this Python."""
+    python = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})"
+    package = module.split(".")[0]
+    if package == "clingo":
+        return f"clingo is not installed for {python}: {_pip('clingo>=5.7')}"
+    if package == "rosoclingo":
+        return f"there is no {module}: build the workspace and source its setup.bash (devel/setup.bash)"
+    return f"{package} is not installed for {python}: rosdep install rosoclingo, or {_pip(package)}"
+
+
+def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequence[str]:
+    """The command line's arguments but for ROS's own, at most one; ``--help`` shows the node's docstring."""
+    from rospy import myargv
+
+    own = f" [{positional}]" if positional else ""
+    parser = argparse.ArgumentParser(
+        prog=script,
+        usage=f"rosrun rosoclingo {script}{own} [_PARAMETER:=VALUE ...] [NAME:=NEW_NAME ...]",
+        description=inspect.getdoc(node),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    if positional:
+        parser.add_argument("argument", nargs="?", metavar=positional)
+    found = parser.parse_args(myargv()[1:])
+    return [found.argument] if positional and found.argument is not None else []
+
+
+def run_node(
+    name: str,
+    node: Callable[..., Any],
+    errors: Tuple[Type[Exception], ...],
+    arguments: Sequence[Any] = (),
+    begin: Callable[[Any], None] = lambda node: None,
+) -> int:
+    """Be the node until shutdown; the exit code: 0, or 1 where making it raised one of the ``errors``.
+
+    Parameters that it has not read by then are told.
+    """
+    import rospy
+
+    from rosoclingo.common.private_parameters import warn_of_unread
+
+    rospy.init_node(name)
+    try:
+        made = node(*arguments)
+    except errors as error:
+        rospy.logfatal("%s: %s", rospy.get_name(), error)
+        return 1
+    warn_of_unread()
+    begin(made)
+    rospy.spin()
+    return 0
+
+
+def _pip(package: str) -> str:
+    managed = os.path.exists(os.path.join(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED"))
+    outside = sys.prefix == sys.base_prefix
+    words = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        *(["--break-system-packages"] if managed and outside else []),
+        package,
+    ]
+    return " ".join(map(shlex.quote, words))

@@ -1,0 +1,231 @@
+"""The node ``rosoclingo``: the pure core on topics, parameters and an action server."""
+
+import time
+from typing import Any, Callable, Dict, Optional, Set, Type
+
+import rospy
+from actionlib import ActionServer, ServerGoalHandle
+
+from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.private_parameters import private_values
+from rosoclingo.common.worker import Worker
+from rosoclingo.msg import InterfaceIO, ROSoClingoAction
+from rosoclingo.nodes.core.goal_handles import GoalHandles
+from rosoclingo.nodes.core.loading import core_parameters, load_program
+from rosoclingo.nodes.core.reporting import CoreHealth
+from rosoclingo.nodes.core.topics import CoreTopics
+from rosoclingo.oclingo import DroppedError
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.reasoning import (
+    ActionsDispatched,
+    ActionsPreempted,
+    Core,
+    Event,
+    GoalChanged,
+    GoalProgress,
+    GoalRefused,
+    Halt,
+    PlanMade,
+    Problem,
+    ReturnTaken,
+    UpdateSent,
+)
+from rosoclingo.reasoning.core_state import Health, Level, Report
+from rosoclingo.reasoning.interface_register import InterfaceRegister
+from rosoclingo.reasoning.keywords import return_of
+
+#: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
+SHUTDOWN_TIME = 5.0
+
+#: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
+CANCEL_GRACE = 0.05
+
+
+class CoreNode:
+    """The reasoning layer as a node.
+
+    Parameters
+    ----------
+        ~program_files (list of str, required): the reactive logic program, files in order.
+        ~constants (map, default {}): values of the program's ``#const`` names; numbers where the program has numbers.
+        ~labels (map or list, default {}): named locations; each is given to the program's base part as ``label(Name).``
+        ~horizon_limit (int, default 100): steps that a plan may reach beyond the current cycle.
+        ~goals_at_once (int, default 8): goals that the program is told of at the same time; further ones wait, pending,
+            the oldest first. 0 for no limit.
+        ~search_timeout (float, default 10.0): seconds of wall time for one search, 0 for no limit.
+        ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
+            failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
+        ~recovery_timeout (float, default 5.0): seconds of wall time in which to look for the fewest goals to give up,
+            and again for the reasons, when there is no plan; 0 for no limit. The check under way still ends.
+        ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
+    Subscribes:
+        in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
+            In place of its cycle a fact may say ``now``: the next actions that go out heed it already.
+            A message without facts announces that its node serves that interface.
+    Publishes:
+        out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
+            but a subscriber that comes while actions are under way is sent those. With ``~preempt`` also
+            ``_cancel(A,P,C)`` of actions that are to be ended.
+        ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
+        ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
+            of its search and what is past: played with ``oclingo --shortest --stream`` they give the same plans.
+        ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
+    Actions:
+        rosoclingo (rosoclingo/ROSoClingo): goals of any number of clients, each with its own status.
+
+    Raises ParameterError and ProgramError when it cannot start.
+
+    """
+
+    def __init__(self) -> None:
+        self._parameters = core_parameters(private_values())
+        self._ending = False
+        self._cancels: Set[str] = set()  # keys of goals whose cancel waits
+        self._last_time = 0.0
+        self._handles = GoalHandles()
+        program, odd = load_program(self._parameters)
+        for warning in odd:
+            rospy.logwarn("%s: %s", rospy.get_name(), warning)
+        self._solvers = SolverProcess(program, shortest=True, oclingo_strings=False, spare=True)
+        self._core = Core(
+            program,
+            self._solvers.solver,
+            self._observe,
+            self._parameters.settings,
+            self._watch_search,
+            self._watch_recovery,
+        )
+        self._worker = Worker(self._settle)
+        self._topics = CoreTopics(lambda: self._core.awaited)
+        self._register = InterfaceRegister()
+        self._health = CoreHealth(self._describe)
+        self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
+            UpdateSent: self._topics.update_sent,
+            PlanMade: self._plan_made,
+            ActionsDispatched: self._topics.actions_dispatched,
+            ActionsPreempted: self._topics.actions_preempted,
+            ReturnTaken: self._return_taken,
+            GoalChanged: self._handles.changed,
+            GoalRefused: self._handles.refused,
+            GoalProgress: self._handles.progress,
+            Problem: self._health.problem,
+        }
+        self._connect()
+
+    def _connect(self) -> None:
+        self._worker.put(self._start)
+        self._server = ActionServer("rosoclingo", ROSoClingoAction, self._on_goal, self._on_cancel, auto_start=False)
+        self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
+        rospy.on_shutdown(self._shut_down)
+        start_server(self._server)
+        self._worker.start()
+
+    # -- callbacks: they only put things into the queue
+
+    def _on_goal(self, handle: ServerGoalHandle) -> None:
+        key, text = handle.get_goal_id().id, handle.get_goal().request
+        self._worker.put(lambda: self._goal_came(key, text, handle))
+
+    def _on_cancel(self, handle: ServerGoalHandle) -> None:
+        key = handle.get_goal_id().id
+        self._cancels.add(key)
+        self._worker.put(lambda: self._cancel_came(key))
+
+    def _on_facts(self, message: InterfaceIO) -> None:
+        node = message._connection_header["callerid"]
+        self._worker.put(lambda: self._facts_came(node, message))
+
+    # -- the worker's side
+
+    def _start(self) -> None:
+        """Wait for the solver's process, which is no part of the first search's time."""
+        try:
+            self._solvers.start(lambda: self._ending)
+        except DroppedError as error:
+            rospy.logwarn("%s", error)
+        self._core.start()
+
+    def _goal_came(self, key: str, text: str, handle: ServerGoalHandle) -> None:
+        self._handles.add(key, handle)
+        self._core.add_goal(key, text)
+
+    def _cancel_came(self, key: str) -> None:
+        self._cancels.discard(key)
+        self._core.cancel_goal(key)
+
+    def _facts_came(self, node: str, message: InterfaceIO) -> None:
+        if message.facts:
+            self._core.receive(message.interface, message.facts)
+        else:
+            self._register.announce(node, message.interface)
+
+    def _settle(self) -> None:
+        self._go_on()
+        self._health.tick()
+
+    def _go_on(self) -> None:
+        now = rospy.get_time()
+        if now < self._last_time:
+            rospy.logwarn("time jumped back by %.1f s", self._last_time - now)
+            forget_cancels(self._server)
+        self._last_time = now
+        if now == 0.0:
+            rospy.logwarn_throttle(10.0, "waiting for /clock")
+            return
+        self._core.poll(now)
+        while not self._ending and not self._worker.waiting and self._core.advance(now):
+            now = rospy.get_time()
+
+    def _watch_search(self) -> Callable[[], Optional[Halt]]:
+        """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
+        start, limit = time.monotonic(), self._parameters.search_timeout
+
+        def look() -> Optional[Halt]:
+            """Return why the search is to end now, None while it may go on."""
+            self._health.tick()
+            elapsed = time.monotonic() - start
+            if self._ending:
+                return Halt("the core shuts down", disturbed=True)
+            if self._cancels and elapsed >= CANCEL_GRACE:
+                return Halt("a goal was cancelled", disturbed=True)
+            return Halt(f"it took longer than {limit:g} s") if 0 < limit <= elapsed else None
+
+        return look
+
+    def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
+        """Be content with what was found of goals to give up after some time."""
+        start, limit = time.monotonic(), self._parameters.recovery_timeout
+        return lambda: Halt(f"it took longer than {limit:g} s") if 0 < limit <= time.monotonic() - start else None
+
+    def _shut_down(self) -> None:
+        self._ending = True
+        self._worker.put(lambda: self._core.abandon("is given up: the core shuts down"))
+        self._worker.put(self._solvers.close)
+        self._worker.stop(SHUTDOWN_TIME)
+
+    # -- what the core tells
+
+    def _observe(self, event: Event) -> None:
+        outlet = self._outlets.get(type(event))
+        if outlet is not None:
+            outlet(event)
+
+    def _plan_made(self, event: PlanMade) -> None:
+        self._topics.plan_made(event)
+        self._health.plan_made(event)
+
+    def _return_taken(self, event: ReturnTaken) -> None:
+        self._topics.return_taken(event)
+        self._register.answered(return_of(event.atom).interface_name)
+
+    def _describe(self, health: Health, now: float) -> Report:
+        speaking = {connection.callerid_pub for connection in self._inlet.impl.connections}
+        missing = self._register.look(self._core.awaited, self._topics.listeners, speaking, now)
+        for one in missing:
+            if one.new:
+                self._health.problem(Problem(self._core.cycle, one.text, one.action.interface_name))
+        awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
+        goals, names = len(self._core.live_goals), self._register.names
+        report = health.report(self._core.cycle, goals, awaited, now, names, text)
+        return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")

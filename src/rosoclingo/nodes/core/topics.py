@@ -1,0 +1,82 @@
+"""What the core publishes: actions to the interfaces, plans and stream updates."""
+
+from typing import Callable, Dict, Iterable, List, Set, Tuple
+
+import rospy
+from clingo import Symbol
+from std_msgs.msg import String, UInt32
+
+from rosoclingo.msg import InterfaceIO, TaskPlan
+from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, UpdateSent
+
+
+class CoreTopics:
+    """Used by the worker only. ``awaited`` gives the actions under way that have not returned."""
+
+    def __init__(self, awaited: Callable[[], Tuple[Action, ...]]) -> None:
+        self._awaited = awaited
+        self._under_way: Tuple[InterfaceIO, ...] = ()
+        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, _Newcomers(lambda: self._under_way), queue_size=100)
+        self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
+        self._updates = rospy.Publisher("~updates", String, queue_size=100)
+        self._cycle = rospy.Publisher("~cycle", UInt32, latch=True, queue_size=10)
+        self._told = 0
+        self._tell_cycle(1)
+
+    @property
+    def listeners(self) -> Set[str]:
+        """The names of the nodes that hear the actions."""
+        return {connection.endpoint_id for connection in self._out.impl.connections}
+
+    def update_sent(self, event: UpdateSent) -> None:
+        """Publish a stream update."""
+        self._updates.publish(String(event.stream))
+        self._tell_cycle(event.cycle)
+
+    def _tell_cycle(self, cycle: int) -> None:
+        if cycle != self._told:
+            self._told = cycle
+            self._cycle.publish(UInt32(cycle))
+
+    def plan_made(self, event: PlanMade) -> None:
+        """Publish a plan."""
+        message = TaskPlan(cycle=event.cycle, horizon=event.horizon, actions=[str(one.atom) for one in event.actions])
+        message.ground_time, message.solve_time = event.ground, event.solve
+        message.header.stamp = rospy.Time.now()
+        self._task_plan.publish(message)
+
+    def actions_dispatched(self, event: ActionsDispatched) -> None:
+        """Have the actions of a cycle run."""
+        self._under_way = _messages((action, action.atom) for action in event.actions)
+        for message in self._under_way:
+            self._out.publish(message)
+
+    def actions_preempted(self, event: ActionsPreempted) -> None:
+        """Have actions ended."""
+        for message in _messages((action, action.cancellation) for action in event.actions):
+            self._out.publish(message)
+
+    def return_taken(self, _event: object) -> None:
+        """An action is no longer under way."""
+        self._under_way = _messages((action, action.atom) for action in self._awaited())
+
+
+class _Newcomers(rospy.SubscribeListener):
+    """Sends the actions under way to an interface node that comes late, and to it alone."""
+
+    def __init__(self, under_way: Callable[[], Tuple[InterfaceIO, ...]]) -> None:
+        super().__init__()
+        self._under_way = under_way
+
+    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
+        """Called by rospy when a subscriber has connected."""
+        for message in self._under_way():
+            publish(message)
+
+
+def _messages(facts: Iterable[Tuple[Action, Symbol]]) -> Tuple[InterfaceIO, ...]:
+    """One message for each interface, in the order of the actions."""
+    texts: Dict[str, List[str]] = {}
+    for action, fact in facts:
+        texts.setdefault(action.interface_name, []).append(str(fact))
+    return tuple(InterfaceIO(name, found) for name, found in texts.items())

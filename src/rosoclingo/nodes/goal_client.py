@@ -1,0 +1,154 @@
+"""A client of the core's action server, for any number of goals."""
+
+import threading
+import time
+from typing import Callable, List, Optional
+
+import rospy
+from actionlib import ActionClient, ClientGoalHandle, CommState
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+
+from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
+from rosoclingo.nodes.server_watch import UNHEARD, ServerWatch, Silence
+
+#: actionlib's terminal states as the words of a goal's outcome.
+OUTCOME_WORDS = {
+    GoalStatus.SUCCEEDED: "succeeded",
+    GoalStatus.PREEMPTED: "canceled",
+    GoalStatus.RECALLED: "canceled",
+    GoalStatus.REJECTED: "rejected",
+    GoalStatus.ABORTED: "aborted",
+    GoalStatus.LOST: "lost",
+}
+
+_CANCELLABLE = (CommState.PENDING, CommState.ACTIVE)
+
+
+class SentGoal:
+    """One goal on its way: ``outcome`` is a word of OUTCOME_WORDS and ``message`` the reason, once it has ended."""
+
+    def __init__(self, text: str, on_change: Callable[[], None]) -> None:
+        self.text = text
+        self.outcome = ""
+        self.message = ""
+        self.feedback: Optional[ROSoClingoFeedback] = None
+        self.silence = Silence()
+        self._on_change = on_change
+        self._handle: Optional[ClientGoalHandle] = None
+        self._unwanted = False
+
+    @property
+    def ended(self) -> bool:
+        """Whether the server has ended it."""
+        return bool(self.outcome)
+
+    @property
+    def identifier(self) -> str:
+        """Actionlib's id of the goal, empty before it was sent."""
+        return str(self._handle.comm_state_machine.action_goal.goal_id.id) if self._handle is not None else ""
+
+    def send(self, client: ActionClient) -> None:
+        """Send it; once only."""
+        self._handle = client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
+
+    def send_again(self, client: ActionClient) -> None:
+        """Send it again if the server has never told of it: rospy may drop it, and an id is taken once."""
+        if self._handle is not None and self._handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK:
+            client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
+
+    def cancel(self) -> None:
+        """Ask the server to cancel it, once it has acknowledged it; it ends when the server says so.
+
+        actionlib's client takes a goal that was cancelled before it was acknowledged for lost.
+        """
+        self._unwanted = True
+        self._cancel_if_unwanted()
+
+    def lose(self, why: str) -> None:
+        """Nothing will be heard of it any more."""
+        self._end(OUTCOME_WORDS[GoalStatus.LOST], why)
+
+    def _cancel_if_unwanted(self) -> None:
+        if self._unwanted and self._handle is not None and self._handle.get_comm_state() in _CANCELLABLE:
+            self._handle.cancel()
+
+    def _on_transition(self, handle: ClientGoalHandle) -> None:
+        if handle.get_comm_state() == CommState.DONE:
+            result = handle.get_result()
+            status = handle.get_terminal_state()
+            message = result.message if result is not None and result.message else handle.get_goal_status_text()
+            lost = status == GoalStatus.LOST
+            self._end(OUTCOME_WORDS[status], f"the server no longer knows of {self.text}" if lost else message)
+        else:
+            self._cancel_if_unwanted()
+
+    def _end(self, outcome: str, message: str) -> None:
+        if not self.ended:
+            self.message, self.outcome = message, outcome
+            self._on_change()
+
+    def _on_feedback(self, _handle: ClientGoalHandle, feedback: ROSoClingoFeedback) -> None:
+        self.feedback = feedback
+        self._on_change()
+
+
+class CoreClient:
+    """Sends goals to the core under the name ``server`` and lets the caller wait for what comes of them."""
+
+    def __init__(self, server: str = "rosoclingo") -> None:
+        self._client = ActionClient(server, ROSoClingoAction)
+        self._news = threading.Condition()
+        self._watch: Optional[ServerWatch] = None
+        self._latest: Optional[GoalStatusArray] = None
+        self.goals: List[SentGoal] = []
+
+    def wait_for_server(self, timeout: float) -> bool:
+        """Wait until goals will arrive, at most ``timeout`` seconds of wall time; whether they will."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end and not rospy.is_shutdown():
+            # actionlib measures its time-out by ROS time, which may stand still or not have begun: so in short turns
+            status = self._client.last_status_msg
+            if status is not None and self._client.wait_for_server(rospy.Duration(0.001)):
+                self._watch = ServerWatch(status._connection_header["callerid"])
+                return True
+            self.wait(0.02)
+        return False
+
+    def send(self, text: str) -> SentGoal:
+        """Send a goal."""
+        goal = SentGoal(text, self._notify)
+        self.goals.append(goal)
+        goal.send(self._client)
+        return goal
+
+    def check(self) -> None:
+        """End goals of which nothing will be heard any more as lost; to be called while waiting for them.
+
+        That is so once nothing was heard of a goal for some seconds of wall time, and the server does not answer
+        either, was started anew, or tells of its goals without this one. Takes some seconds where nothing answers.
+        """
+        fresh = self._client.last_status_msg is not self._latest
+        self._latest = self._client.last_status_msg
+        known = {one.goal_id.id for one in self._latest.status_list} if fresh and self._latest is not None else set()
+        for goal in [one for one in self.goals if not one.ended]:
+            if goal.identifier in known:
+                goal.silence.end()
+                continue
+            goal.silence.denied |= fresh
+            turns = goal.silence.turn()
+            fault = self._watch.fault() if turns and self._watch is not None else ""
+            if not fault and turns >= UNHEARD and goal.silence.denied:
+                fault = "the server is there, but does not know of it"
+            if turns and not fault:
+                goal.send_again(self._client)
+            if fault:
+                goal.lose(f"nothing is heard of {goal.text} any more: {fault}")
+
+    def wait(self, timeout: float) -> None:
+        """Wait for news of any goal, at most ``timeout`` seconds of wall time."""
+        with self._news:
+            self._news.wait(timeout)
+
+    def _notify(self) -> None:
+        with self._news:
+            self._news.notify_all()

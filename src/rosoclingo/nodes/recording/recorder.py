@@ -1,0 +1,164 @@
+"""Recording a run to its last message."""
+
+import os
+import threading
+import time
+from collections import deque
+from datetime import datetime
+from functools import partial
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Deque, Iterable, List, Tuple
+from xmlrpc.client import ServerProxy
+
+import genpy
+import rosgraph
+import rospy
+
+from rosoclingo.common.parameters import ParameterError, not_negative, parameter
+from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
+
+__all__ = ["RECORDED", "RecorderNode", "is_recording"]
+
+PERIOD = 0.1  # s of wall time between two writings
+FLUSH = 1.0  # s of wall time between two flushes: so much is lost with a recorder that is killed
+NOTES = "~notes"  # the topic of what a bag says about itself
+LINGER = 0.5  # s of wall time for what is on its way when the recorder alone is ended
+
+#: Topics that a recorder of the case study has to be connected to before a scenario begins.
+RECORDED = (
+    "/rosoclingo/updates",
+    "/rosoclingo/task_plan",
+    "/rosoclingo/result",
+    "/out_rosoclingo",
+    "/in_rosoclingo",
+    "/packages",
+)
+
+
+class RecorderNode:
+    """Records topics into a bag that holds everything up to the end of the run.
+
+    Of a launch that ends, the recorder ends last: it goes on until all whose topics it records have ended, and has
+    then read what they had sent. A second signal ends it at once. A recorder that is killed leaves ``FILE.active``,
+    which holds all but the last second; the next one lays it aside, mended. What the bag says about itself, as what
+    it lacks, is in the topic ``~notes`` of the bag.
+
+    Parameters
+    ----------
+        ~topics (list of strings): what to record.
+        ~bag (string, ""): the bag's file; empty: mailbot_DATE.bag in the working directory, for roslaunch ~/.ros.
+        ~patience (float, 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
+    Subscribes:
+        all of ~topics, whatever their types.
+
+    Raises ParameterError and BagError.
+
+    """
+
+    def __init__(self) -> None:
+        topics = parameter("~topics", list)
+        if not topics or not all(isinstance(topic, str) for topic in topics):
+            raise ParameterError(f"parameter {rospy.resolve_name('~topics')} must be a list of topics, not {topics!r}")
+        self._patience = not_negative("~patience", 10.0)
+        self._signals = 0
+        self._ending = threading.Event()
+        self._come: Deque[Tuple[str, Any, genpy.Time]] = deque()
+        self._flushed = time.monotonic()
+        self._bag = _open_bag(_path(), rospy.resolve_name(NOTES))
+        self._subscribers = [self._subscribe(rospy.resolve_name(topic)) for topic in topics]
+        rospy.on_shutdown(self._linger)
+
+    def _subscribe(self, topic: str) -> rospy.Subscriber:
+        subscriber = rospy.Subscriber(topic, rospy.AnyMsg, partial(self._take, topic), tcp_nodelay=True)
+        subscriber.impl.set_queue_size(None)  # rospy's own of /clock, which is shared, takes the newest only
+        return subscriber
+
+    def _take(self, topic: str, message: Any) -> None:
+        self._come.append((topic, message, rospy.Time.now()))
+
+    def _linger(self) -> None:
+        if not self._signals:  # rosnode kill: rospy closes all connections behind this
+            time.sleep(LINGER)
+
+    def end(self, *_signal: Any) -> None:
+        """End when the others have ended; called once more, at once."""
+        self._signals += 1
+        self._ending.set()
+
+    def run(self) -> None:
+        """Record until the end; raises BagError."""
+        try:
+            while not (self._ending.is_set() or rospy.is_shutdown()):
+                self._turn()
+                self._ending.wait(PERIOD)
+            last = time.monotonic() + self._patience
+            while self._open_topics() and self._signals < 2 and time.monotonic() < last and not rospy.is_shutdown():
+                self._turn()
+                time.sleep(PERIOD)
+        finally:
+            self._close()
+
+    def _turn(self) -> None:
+        while self._come:
+            topic, message, moment = self._come.popleft()
+            self._bag.write(topic, _bytes(message), message._connection_header, moment)
+        if time.monotonic() - self._flushed >= FLUSH:
+            self._flushed = time.monotonic()
+            self._bag.flush()
+
+    def _open_topics(self) -> List[str]:
+        """The topics that somebody who has not ended publishes; of all others everything has been taken."""
+        return [one.resolved_name for one in self._subscribers if one.get_num_connections() > 0]
+
+    def _close(self) -> None:
+        going_on = self._open_topics()
+        self._turn()
+        lacks = f"lacks what came later on {' '.join(going_on)}" if going_on else "with the run: nothing is lacking"
+        self._bag.note(f"ends, {lacks}", rospy.Time.now())
+        self._bag.close()
+
+
+def is_recording(topics: Iterable[str], name: str = "/record") -> bool:
+    """Whether the recorder of that name is there and connected to all of some topics (full names)."""
+    try:
+        uri = rosgraph.Master(rospy.get_caller_id()).lookupNode(name)
+        connections = ServerProxy(uri).getBusInfo(rospy.get_caller_id())[2]
+    except (OSError, rosgraph.MasterException):
+        return False
+    return set(topics) <= {connection[4] for connection in connections}
+
+
+def _bytes(message: Any) -> bytes:
+    if isinstance(message, rospy.AnyMsg):
+        return bytes(message._buff)
+    buffer = BytesIO()  # a topic that this node reads itself
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def _path() -> Path:
+    name = parameter("~bag", str, "") or datetime.now().strftime("mailbot_%Y-%m-%d-%H-%M-%S.bag")
+    return Path(os.path.abspath(os.path.expanduser(name)))
+
+
+def _open_bag(path: Path, notes: str) -> BagFile:
+    """A new bag; what a killed recorder has left of one in the same place gets a name of its own."""
+    if active(path).exists():
+        other = _free_name(path)
+        try:
+            mend(path, other, notes)
+        except BagError as error:
+            rospy.logwarn("%s; it is overwritten", error)
+        else:
+            rospy.logwarn("an earlier recorder of %s was killed; what it has left is %s now", path, other)
+    bag = BagFile(path, notes)
+    bag.note("begins", rospy.Time.now())
+    return bag
+
+
+def _free_name(path: Path) -> Path:
+    number = 1
+    while path.with_name(f"{path.stem}_{number}{path.suffix}").exists():
+        number += 1
+    return path.with_name(f"{path.stem}_{number}{path.suffix}")

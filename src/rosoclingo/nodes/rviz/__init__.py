@@ -1,0 +1,1 @@
+"""What rviz shows of labels, packages and plans."""

@@ -1,0 +1,67 @@
+"""What of a map is worth showing, and how large: for rviz's view and for the texts in it. Lengths in m."""
+
+import math
+from typing import Any, Dict, NamedTuple, Tuple
+
+import numpy as np
+
+__all__ = ["LINES", "View", "bounds_of", "known", "text_factor", "view_of", "with_view"]
+
+USUAL = 16.0  # m across that the usual sizes of texts and arrows are made for
+LINES = 3.2  # m below the map, in usual sizes, that the plan's text takes
+MARGIN = 0.03  # of the picture, on each side
+FRAME = (32, 92)  # pixels of width and height that rviz takes for menu, tools and status
+
+Bounds = Tuple[float, float, float, float]  # least x, least y, greatest x, greatest y
+
+
+class View(NamedTuple):
+    """rviz's view from above: the middle (m), and how many pixels a metre takes."""
+
+    x: float
+    y: float
+    scale: float
+
+
+def known(cells: np.ndarray, resolution: float, origin: Tuple[float, float, float]) -> Bounds:
+    """Bounds of what a map (int8, -1 unknown) knows, else of all of it; ``origin``: x and y (m), yaw (rad)."""
+    rows, columns = np.nonzero(cells >= 0)
+    if not len(rows):
+        rows, columns = np.array([0, cells.shape[0] - 1]), np.array([0, cells.shape[1] - 1])
+    along = np.array([columns.min(), columns.max() + 1, columns.min(), columns.max() + 1]) * resolution
+    across = np.array([rows.min(), rows.min(), rows.max() + 1, rows.max() + 1]) * resolution
+    c, s = math.cos(origin[2]), math.sin(origin[2])
+    x, y = origin[0] + c * along - s * across, origin[1] + s * along + c * across
+    return float(x.min()), float(y.min()), float(x.max()), float(y.max())
+
+
+def bounds_of(message: Any) -> Bounds:
+    """Bounds of what a nav_msgs/OccupancyGrid knows."""
+    info = message.info
+    cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
+    turn, corner = info.origin.orientation, info.origin.position
+    yaw = math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
+    return known(cells, info.resolution, (corner.x, corner.y, yaw))
+
+
+def text_factor(bounds: Bounds) -> float:
+    """By how much texts and arrows have to be larger than usual to be read when the whole map is seen."""
+    return max(0.25, max(bounds[2] - bounds[0], bounds[3] - bounds[1]) / USUAL)
+
+
+def view_of(bounds: Bounds, size: Tuple[int, int]) -> View:
+    """The view of a map and the text below it in a window of width and height in pixels."""
+    x0, y0, x1, y1 = bounds
+    y0 -= LINES * text_factor(bounds)
+    room = 1.0 - 2.0 * MARGIN
+    width, height = (max(1, whole - frame) for whole, frame in zip(size, FRAME))
+    return View((x0 + x1) / 2.0, (y0 + y1) / 2.0, room * min(width / (x1 - x0), height / (y1 - y0)))
+
+
+def with_view(config: Dict[str, Any], view: View, size: Tuple[int, int]) -> Dict[str, Any]:
+    """An rviz configuration with another view from above and another size of the window."""
+    manager = config["Visualization Manager"]
+    views = {**manager["Views"], "Current": {**manager["Views"]["Current"], "X": view.x, "Y": view.y}}
+    views["Current"]["Scale"] = view.scale
+    window = {**config["Window Geometry"], "Width": size[0], "Height": size[1]}
+    return {**config, "Visualization Manager": {**manager, "Views": views}, "Window Geometry": window}

@@ -1,0 +1,190 @@
+"""Plays a scenario: real goals by actionlib, cancels, facts; waits for the end of all goals."""
+
+import threading
+import time
+from typing import Any, Callable, Dict, List, Mapping, Optional
+
+import genpy
+import rospy
+import rosservice
+from actionlib_msgs.msg import GoalStatusArray
+from clingo import Symbol
+
+from rosoclingo.msg import InterfaceIO, TaskPlan
+from rosoclingo.nodes.goal_client import CoreClient, SentGoal
+from rosoclingo.reasoning import GoalError, read_goal
+from rosoclingo.runs.scenario import Scenario, ScenarioEvent
+
+#: Seconds of wall time between two looks at the clock.
+_TURN = 0.02
+
+#: Seconds of wall time for which ROS time may stand still.
+STILL = 60.0
+
+
+class PlayError(RuntimeError):
+    """A scenario that could not be played to its end; the text says why."""
+
+
+class ScenarioPlayer:
+    """Plays one scenario against a running system.
+
+    Subscribes:
+        rosoclingo/task_plan (rosoclingo/TaskPlan): the cycles that events refer to.
+        NAME/status for each name of ``wait_for``: the action servers that have to be there.
+    Publishes:
+        in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
+    Services called:
+        office/put_package (rosoclingo/PutPackage), when the scenario puts packages, and those that it names.
+    Actions called:
+        rosoclingo (rosoclingo/ROSoClingo), with a client of its own for each client of the scenario.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        wait_for: List[str],
+        say: Callable[[str], None],
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Connect. ``check`` is called now and then and may raise when there is nothing to wait for any more."""
+        self._scenario = scenario
+        self._say = say
+        self._check = check
+        self._news = threading.Condition()
+        self._begun: Dict[int, float] = {}
+        self._start: Optional[float] = None
+        self._missing = set(wait_for)
+        self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
+        self._facts = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
+        rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._on_plan)
+        for name in wait_for:
+            rospy.Subscriber(name + "/status", GoalStatusArray, self._on_status, callback_args=name)
+        self.goals: List[SentGoal] = []
+
+    def prepare(self, timeout: float) -> None:
+        """Wait for all servers, each at most ``timeout`` seconds of wall time, put the packages; raises PlayError."""
+        self.wait_until(
+            lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing))
+        )
+        self.wait_until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
+        for client in self._clients.values():
+            if not client.wait_for_server(timeout):
+                raise PlayError("no action server rosoclingo")
+        if any(event.verb == "facts" for event in self._scenario.events):
+            self.wait_until(
+                lambda: self._facts.get_num_connections() > 0, timeout, lambda: "nobody reads in_rosoclingo"
+            )
+        self._put_packages(timeout)
+
+    def play(self) -> None:
+        """Let everything happen and wait until every goal has ended; raises PlayError when that takes too long."""
+        waiting = list(self._scenario.events)
+        self._start = rospy.get_time()
+        self._begun = dict.fromkeys(self._begun, self._start)
+        clock = _Clock(self._start)
+        while waiting or not all(goal.ended for goal in self.goals):
+            elapsed = rospy.get_time() - self._start
+            if rospy.is_shutdown():
+                raise PlayError("shut down before the scenario's end")
+            if elapsed > self._scenario.timeout:
+                raise PlayError(f"not done after {elapsed:g} s: {self._open(waiting)}")
+            if clock.stands_still(rospy.get_time()):
+                raise PlayError(f"time has stood still for {STILL:g} s: is the simulator paused or gone?")
+            for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
+                waiting.remove(event)
+                self._do(event)
+            self._turn()
+
+    def _turn(self) -> None:
+        self._check()
+        with self._news:
+            self._news.wait(_TURN)
+
+    def _elapsed_cycles(self) -> Dict[int, float]:
+        start = self._start or 0.0
+        return {cycle: moment - start for cycle, moment in dict(self._begun).items()}
+
+    def _open(self, waiting: List[ScenarioEvent]) -> str:
+        goals = [goal.text for goal in self.goals if not goal.ended]
+        return ", ".join([*map(str, waiting), *goals])
+
+    def _do(self, event: ScenarioEvent) -> None:
+        {"request": self._request, "cancel": self._cancel, "facts": self._tell, "call": self._call}[event.verb](event)
+
+    def _request(self, event: ScenarioEvent) -> None:
+        self.goals.append(self._clients[event.client].send(event.value))
+
+    def _cancel(self, event: ScenarioEvent) -> None:
+        named = [goal for goal in self.goals if _identifier(goal.text) == str(event.value)]
+        if named:
+            named[-1].cancel()
+        else:
+            self._say(f"no goal {event.value} to cancel")
+
+    def _tell(self, event: ScenarioEvent) -> None:
+        self._facts.publish(InterfaceIO(event.origin, [str(fact) for fact in event.value]))
+
+    def _call(self, event: ScenarioEvent) -> None:
+        call_service(event.value, event.fields)
+        self._say(f"called {event.value}: " + ", ".join(f"{key} {value}" for key, value in event.fields.items()))
+
+    def _put_packages(self, timeout: float) -> None:
+        for package, label in self._scenario.packages.items():
+            call_service("office/put_package", {"package": package, "location": label}, timeout)
+
+    def wait_until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
+        """Wait for a condition, at most ``timeout`` seconds of wall time; raises PlayError with what is ``missing``."""
+        turns = int(timeout / _TURN)
+        while not condition():
+            turns -= 1
+            if turns < 0 or rospy.is_shutdown():
+                raise PlayError(f"{missing()} within {timeout:g} s")
+            self._turn()
+
+    def _on_plan(self, message: TaskPlan) -> None:
+        self._begun.setdefault(message.cycle, rospy.get_time())
+
+    def _on_status(self, _message: GoalStatusArray, name: str) -> None:
+        self._missing.discard(name)
+
+
+def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) -> None:
+    """Call a service that is there within ``timeout`` seconds; raises PlayError where it is not, refuses or fails."""
+    try:
+        rospy.wait_for_service(name, timeout)
+        kind = rosservice.get_service_class_by_name(rospy.resolve_name(name))
+        request = kind._request_class()
+        genpy.message.fill_message_args(request, [dict(fields)])
+        answer = rospy.ServiceProxy(name, kind)(request)
+    except (
+        rospy.ROSException,
+        rospy.ServiceException,
+        rosservice.ROSServiceException,
+        genpy.MessageException,
+    ) as error:
+        raise PlayError(f"{name}: {error}") from error
+    if not getattr(answer, "success", True):
+        raise PlayError("{} refuses {}: {}".format(name, dict(fields), getattr(answer, "message", "")))
+
+
+class _Clock:
+    """Tells when ROS time has not moved for STILL seconds of wall time: whoever makes it is gone."""
+
+    def __init__(self, now: float) -> None:
+        self._last = now
+        self._seen = time.monotonic()
+
+    def stands_still(self, now: float) -> bool:
+        """Whether time stands still, ``now`` in seconds of ROS time."""
+        if now != self._last:
+            self._last, self._seen = now, time.monotonic()
+        return time.monotonic() - self._seen > STILL
+
+
+def _identifier(text: str) -> str:
+    try:
+        goal: Symbol = read_goal(text)
+    except GoalError:
+        return ""
+    return str(goal.arguments[-1])

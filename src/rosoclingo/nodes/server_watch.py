@@ -1,0 +1,100 @@
+"""Whether an action server is still the one that goals were sent to, whatever ROS time does."""
+
+import os
+import time
+import xmlrpc.client
+from contextlib import suppress
+from http.client import HTTPException
+from typing import Any, Optional
+
+import rosgraph
+import rospy
+
+#: Seconds of wall time without word of a goal after which the server is asked whether it is there.
+SILENCE = 5.0
+
+#: Such silences in a row after which a server that is there, and tells of its goals, has never got a goal.
+UNHEARD = 3
+
+#: Seconds of wall time in which a node has to answer.
+_ANSWER = 5.0
+
+_FAULTS = (OSError, HTTPException, xmlrpc.client.Error)
+
+
+class ServerWatch:
+    """The process behind an action server.
+
+    A server tells its status by ROS time, which may stand still; so one that is silent is asked by its node's XML-RPC
+    interface, in wall time, before it is taken for gone.
+    """
+
+    def __init__(self, node: str) -> None:
+        """Take the name of the server's node, which is there now."""
+        self.node = node
+        self._uri = ""
+        with suppress(*_FAULTS):
+            self._uri = str(_proxy(rosgraph.get_master_uri()).lookupNode(rospy.get_name(), node)[2] or "")
+        self._process = self._ask()
+
+    def fault(self) -> str:
+        """Why the server is no longer there, empty where it is; takes some seconds where nothing answers."""
+        process = self._ask()
+        if process is None:
+            return f"{self.node} does not answer any more"
+        if self._process is not None and process != self._process:
+            return f"{self.node} was started anew"
+        return ""
+
+    def _ask(self) -> Optional[int]:
+        """Return the node's process id, None where it does not answer."""
+        with suppress(*_FAULTS):
+            return int(_proxy(self._uri).getPid(rospy.get_name())[2]) if self._uri else None
+        return None
+
+
+class Silence:
+    """Counts the turns of SILENCE seconds of wall time in which nothing was heard of a goal.
+
+    Attributes:
+        denied: whether the server's status was heard meanwhile, without the goal in it.
+
+    """
+
+    def __init__(self) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """The goal was heard of."""
+        self._since = time.monotonic()
+        self._turns = 0
+        self.denied = False
+
+    def turn(self) -> int:
+        """Return how many turns have passed where one ends just now, else 0."""
+        turns = int((time.monotonic() - self._since) / SILENCE)
+        fresh = turns > self._turns
+        self._turns = turns
+        return turns if fresh else 0
+
+
+def missing_master() -> str:
+    """Why there is no ROS master, empty where there is one; asks for some seconds of wall time at most."""
+    uri = rosgraph.get_master_uri()
+    try:
+        _proxy(uri).getPid("/" + str(os.getpid()))
+    except _FAULTS as error:
+        return f"no ROS master at {uri} ({error}): is roscore or roslaunch running?"
+    return ""
+
+
+class _Transport(xmlrpc.client.Transport):
+    def make_connection(self, host: Any) -> Any:
+        """Give up a connection that takes too long."""
+        connection = super().make_connection(host)
+        connection.timeout = _ANSWER
+        return connection
+
+
+def _proxy(uri: str) -> Any:
+    return xmlrpc.client.ServerProxy(uri, transport=_Transport())

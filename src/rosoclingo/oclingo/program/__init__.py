@@ -1,0 +1,1 @@
+"""What is loaded: sources, directives, program parts, signatures, checks."""

@@ -1,0 +1,226 @@
+"""Faults of a program that clingo does not see: they would show as a plan that never comes, or in the middle of a run.
+
+A program that uses rosoclingo's keywords is held to them; any other one, written for oClingo, is only warned of what
+is odd.
+"""
+
+import re
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType
+from clingo.backend import Observer
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.return_failures import FAILED
+from rosoclingo.oclingo.program.signatures import Occurrence, Signature, occurrences, signature_of
+
+KEYWORDS = {
+    signature.name: signature
+    for signature in (
+        ACTION,
+        RETURN,
+        FAILED,
+        Signature("_request", 2),
+        Signature("_status", 3),
+        Signature("_explain", 3),
+        Signature("_cancel", 3),
+    )
+}
+"""The predicates by which a program talks to rosoclingo."""
+
+_TRIAL_STEPS = 3
+_TRIAL_RULES = 50_000  # a fraction of a second of grounding
+
+
+class Place(NamedTuple):
+    """An atom in a program."""
+
+    part: Part
+    statement: AST
+    occurrence: Occurrence
+
+    def fault(self, message: str, mend: str) -> Fault:
+        """Return a fault at the statement."""
+        begin = self.statement.location.begin
+        return Fault(begin.filename, begin.line, begin.column, message, mend)
+
+
+def places(parts: Sequence[Part]) -> Iterator[Place]:
+    """Yield every atom of the parts."""
+    for part in parts:
+        for statement in part.statements:
+            for occurrence in occurrences(statement):
+                yield Place(part, statement, occurrence)
+
+
+def uses_keywords(parts: Sequence[Part]) -> bool:
+    """Tell whether a program is written for rosoclingo's core."""
+    return any(place.occurrence.signature.name in KEYWORDS for place in places(parts))
+
+
+def wrong_arities(parts: Sequence[Part]) -> List[Fault]:
+    """Return a fault for each keyword with a wrong number of arguments."""
+    found = []
+    for place in places(parts):
+        signature = place.occurrence.signature
+        keyword = KEYWORDS.get(signature.name, signature)
+        if signature.arity != keyword.arity:
+            found.append(
+                place.fault(f"keyword {signature.name} with {signature.arity} arguments", f"write {_form(keyword)}")
+            )
+    return found
+
+
+def _form(keyword: Signature) -> str:
+    forms = {
+        "_request": "_request(Goal,C)",
+        "_action_lib": "_action_lib(Action,Parameter,C)",
+        "_return": "_return(Action,Value,C)",
+        "_failed": "_failed(Action,Value,C)",
+        "_cancel": "_cancel(Action,Parameter,C)",
+        "_status": "_status(Id,Status,C)",
+        "_explain": "_explain(What,Text,C)",
+    }
+    return forms[keyword.name]
+
+
+def missing_parts(parts: Sequence[Part]) -> List[Fault]:
+    """Return a fault for the cumulative and for the volatile part where there is none."""
+    present = {part.name for part in parts if part.written}
+    first = parts[0].header.location.begin.filename if parts else "<program>"
+    mends = {
+        "cumulative": "write #program cumulative(t). and what holds at each step t",
+        "volatile": "write #program volatile(t). and what a plan that ends at step t has to reach",
+    }
+    return [Fault(first, 0, 0, f"the program has no {name} part", mends[name]) for name in mends if name not in present]
+
+
+def late_externals(
+    parts: Sequence[Part], opens: Set[Signature], heads: Set[Signature], constants: Dict[str, clingo.Symbol]
+) -> List[Fault]:
+    """Return a fault for each rule that uses an external at a step that is declared only later."""
+    declared: Dict[Signature, List[Place]] = {}
+    used: List[Place] = []
+    for place in places(parts):
+        if place.occurrence.head and place.statement.ast_type == ASTType.External:
+            declared.setdefault(place.occurrence.signature, []).append(place)
+        elif not place.occurrence.head:
+            used.append(place)
+    found = []
+    for place in used:
+        signature = place.occurrence.signature
+        known = declared.get(signature, []) if signature not in opens | heads else []
+        if known and all(_too_late(place, one, constants) for one in known):
+            found.append(place.fault(*_late(place, known[0])))
+    return found
+
+
+def _late(use: Place, declaration: Place) -> Tuple[str, str]:
+    term, known = _text(use.occurrence.term), _text(declaration.occurrence.term)
+    if not use.part.parameter:
+        return (
+            f"external {term} is used in base but declared only step by step, so that the rule never sees it",
+            f"move the rule to the {declaration.part.name} part, or the #external to base",
+        )
+    return (
+        f"external {term} is declared too late: at the step of the rule only {known} is declared",
+        f"write #external {term}.",
+    )
+
+
+def _text(term: AST) -> str:
+    """Return the term without clingo's brackets around sums."""
+    return re.sub(r"\(([^(),]*[-+*/][^(),]*)\)(?=[,)])", r"\1", str(term))
+
+
+def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol]) -> bool:
+    """Tell whether the use can't see what the declaration declares at the same step or before."""
+    if not declaration.part.parameter:
+        return False
+    if not use.part.parameter:
+        return True
+    for mine, its in zip(_arguments(use), _arguments(declaration)):
+        ahead = time_offset(mine, use.part.parameter, constants)
+        known = time_offset(its, declaration.part.parameter, constants)
+        if ahead is not None and known is not None:
+            return ahead > known
+    return False
+
+
+def _arguments(place: Place) -> Sequence[AST]:
+    term = place.occurrence.term
+    return list(term.arguments) if term.ast_type == ASTType.Function else []
+
+
+class _TrialTooLargeError(Exception):
+    """A trial grounding has come to its bound."""
+
+
+class _Heads(Observer):
+    """Notes which atoms rules define; ends a grounding of too many rules, which may have no end."""
+
+    def __init__(self) -> None:
+        self.fresh: Set[int] = set()
+        self._left = _TRIAL_RULES
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A rule; raises _TrialTooLargeError where there are too many."""
+        self._left -= 1
+        if self._left < 0:
+            raise _TrialTooLargeError
+        self.fresh.update(head)
+
+
+def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
+    """Return the predicates that rules of steps define without, or with differing, steps in them."""
+    offsets: Dict[Signature, Set[object]] = {}
+    for place in places(parts):
+        if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
+            step = place.part.parameter
+            found = {time_offset(one, step, constants) for one in _arguments(place)} - {None} if step else set()
+            offsets.setdefault(place.occurrence.signature, set()).update(found or {None})
+    stepped = {p.occurrence.signature for p in places(parts) if p.part.parameter and p.occurrence.head}
+    return {signature for signature in stepped if len(offsets.get(signature, ())) != 1 or None in offsets[signature]}
+
+
+def redefinitions(control: clingo.Control, parts: Sequence[Part], first: int) -> List[Fault]:
+    """Ground a few steps on ``control``, which has the program loaded, and return the heads that two steps define.
+
+    What is too large for a trial is not judged: a real grounding tells.
+    """
+    observer = _Heads()
+    control.register_observer(observer)
+    twice: Set[int] = set()
+    try:
+        control.ground([("base", [])])
+        defined = set(observer.fresh)
+        for step in range(first, first + _TRIAL_STEPS):
+            observer.fresh.clear()
+            control.ground([(name, [clingo.Number(step)]) for name in ("cumulative", "volatile")])
+            twice |= observer.fresh & defined
+            defined |= observer.fresh
+    except _TrialTooLargeError:
+        return []
+    names: Dict[Signature, str] = {}
+    for one in control.symbolic_atoms:
+        if one.literal in twice:
+            names.setdefault(signature_of(one.symbol), str(one.symbol))
+    return [fault for signature in sorted(names) for fault in redefined_by(parts, names[signature], {signature})]
+
+
+def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
+    """Return a fault for each rule of a step with a head of ``signatures``; ``name`` is the atom in question."""
+    message = f"redefinition: {name} is defined by the rules of two steps"
+    mend = "give the head the step, like p(t), or move the rule to base"
+    return [
+        place.fault(message, mend)
+        for place in places(parts)
+        if place.occurrence.head
+        and place.part.parameter
+        and place.occurrence.signature in signatures
+        and place.statement.ast_type == ASTType.Rule
+    ]

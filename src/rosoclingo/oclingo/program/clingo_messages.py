@@ -1,0 +1,83 @@
+"""clingo's messages as faults: file, line, what is wrong and, for the common ones, what to write instead."""
+
+import re
+from typing import Callable, List, Tuple
+
+import clingo
+
+from rosoclingo.oclingo.errors import Fault
+
+_MESSAGE = re.compile(
+    r"(?P<file>.+?):(?P<line>[0-9]+):(?P<column>[0-9]+)(?:-[0-9:]+)?: (?P<kind>[a-z]+): (?P<text>.*)", re.S
+)
+_NOTE = re.compile(r"\n?[^\n]*: note: '(?P<variable>[^']*)' is unsafe")
+_PART = re.compile(r":-(\[#inc_\w+(\([^]]*\))?\];?)+")
+_GUARD = re.compile(r";?__oclingo_volatile\([^)]*\)")
+_ODD = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
+_PROJECTED = (  # how clingo, and this package, write "_"
+    (re.compile(r"\bAny__[0-9]+\b"), "_"),
+    (re.compile(r"#p_(\w+)\("), r"\1("),
+    (re.compile(r"#b\(([^()]*)\)"), r"\1"),
+    (re.compile(r"#p(?=[,)])"), "_"),
+)
+
+ParameterAt = Callable[[str, int], str]
+"""Returns the step parameter of the part that line LINE of FILE stands in."""
+
+
+class Messages:
+    """Collects what clingo says while it parses, grounds or solves; pass :meth:`log` as its logger."""
+
+    def __init__(self) -> None:
+        self._said: List[Tuple[clingo.MessageCode, str]] = []
+        self._remarked = 0
+
+    def log(self, code: clingo.MessageCode, text: str) -> None:
+        """Take a message."""
+        self._said.append((code, text.strip()))
+
+    def clear(self) -> None:
+        """Forget all messages."""
+        self._said.clear()
+        self._remarked = 0
+
+    def text(self) -> str:
+        """Return all messages as one text."""
+        return "\n".join(text for _, text in self._said)
+
+    def faults(self, error: RuntimeError, parameter_at: ParameterAt = lambda file, line: "t") -> List[Fault]:
+        """Return the errors among the messages; where there is none what ``error`` itself says, then all messages."""
+        errors = [text for code, text in self._said if code == clingo.MessageCode.RuntimeError]
+        found = errors or [str(error).strip(), *(text for _, text in self._said)]
+        return [_fault(text, parameter_at) for text in found]
+
+    def new_remarks(self, parameter_at: ParameterAt) -> List[Fault]:
+        """Return what clingo has said, since this was asked last, that is odd but no error."""
+        fresh, self._remarked = self._said[self._remarked :], len(self._said)
+        return [_fault(text, parameter_at) for code, text in fresh if code in _ODD]
+
+
+def _fault(text: str, parameter_at: ParameterAt) -> Fault:
+    match = _MESSAGE.match(text)
+    if match is None:
+        return Fault("<program>", 0, 0, text)
+    message = (
+        _GUARD.sub("", _PART.sub(":- ", match.group("text").strip())).replace(":- .", ".").replace("#void:-", ":-")
+    )
+    for form, written in _PROJECTED:
+        message = form.sub(written, message)
+    if "#Inc0" in message:
+        message = message.replace("#Inc0", parameter_at(match.group("file"), int(match.group("line"))))
+    mend = ""
+    variables = sorted({note.group("variable") for note in _NOTE.finditer(message)})
+    if variables:
+        rule = _NOTE.sub("", message).split("\n", 1)[-1].strip()
+        rule = rule.replace(":- 0=0;", ":- ")
+        message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
+        mend = "bind each variable by a positive body literal, for instance a domain like office(X)"
+    elif message.startswith("operation undefined:"):
+        message = (
+            "undefined operation " + message.split("\n", 1)[-1].strip() + ": the instances that need it are left out"
+        )
+        mend = "see to it that both sides are numbers, and no divisor is 0"
+    return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, mend)

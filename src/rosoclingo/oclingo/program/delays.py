@@ -1,0 +1,148 @@
+"""After how many cycles what is seen bears on actions: read from a program's rules, where times are ``t + c``.
+
+A fact of cycle T may matter to the choice of an action of cycle T at once, ``{ _action_lib(go,X,t) } :- not low(t).``,
+or, where what is observed in a cycle counts from the next one on, to those of cycle T+1 and later. Shortest paths over
+the rules, from a predicate to what it helps to define, tell which.
+"""
+
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType
+
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.look_back import least_ages
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.patterns import time_offset
+from rosoclingo.oclingo.program.signatures import Occurrence, Signature, occurrences
+
+#: Distances below are all the same: a path that leads so far back leads to the past.
+_FAR_BACK = -3
+
+_Distances = Dict[Signature, int]
+
+
+class _Time(NamedTuple):
+    """When an atom of a rule is: at a variable (of that name) of the rule plus ``offset``, the step for no name."""
+
+    name: str
+    offset: int
+
+
+class _Timed(NamedTuple):
+    """An atom of a rule with its time."""
+
+    signature: Signature
+    head: bool
+    positive: bool
+    time: _Time
+
+
+class Delays:
+    """What the rules of ``parts`` say of all predicates; ``constants`` are the program's."""
+
+    def __init__(self, parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> None:
+        self._timed: Dict[Signature, None] = {}
+        self._edges: List[Tuple[Signature, Signature, int]] = []
+        self._constraints: List[List[_Timed]] = []
+        self._choices: Dict[Signature, None] = {}
+        for part in parts:
+            for statement in part.statements:
+                self._take(part, statement, constants)
+        self._share_times()
+        self._after_actions = self._spread(self._sources())
+
+    def of(self, signature: Signature) -> Optional[int]:
+        """Return 0 or 1, the least number of cycles from such a fact to an action that it bears on.
+
+        0 where no rule tells. None where nothing tells that the last argument is a cycle.
+        """
+        if signature not in self._timed:
+            return None
+        seen = self._spread({signature: 0})
+        found = [seen[ACTION]] if ACTION in seen else []
+        found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
+        return min(1, max(0, min(found))) if found else 0
+
+    def _take(self, part: Part, statement: AST, constants: Dict[str, clingo.Symbol]) -> None:
+        atoms = list(_timed_atoms(part, statement, constants))
+        self._timed.update(dict.fromkeys(one.signature for one in atoms if not one.time.name))
+        if statement.ast_type != ASTType.Rule or part.name == "volatile":
+            return
+        heads = [one for one in atoms if one.head]
+        # where a rule waits for how an action has ended, it tells nothing of actions to come
+        over = [one.time for one in atoms if one.positive and one.signature == RETURN]
+        bodies = [one for one in atoms if not one.head and (one.signature == RETURN or one.time not in over)]
+        if statement.head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction):
+            self._choices.update(dict.fromkeys(one.signature for one in heads))
+        if not any(one.head for one in occurrences(statement)):
+            self._constraints.append(bodies)
+        for head in heads:
+            for body in bodies:
+                if head.time.name == body.time.name:
+                    self._edges.append((body.signature, head.signature, head.time.offset - body.time.offset))
+
+    def _share_times(self) -> None:
+        """Where one side of an edge has a time, what both have as their last argument is one."""
+        before = -1
+        while before < len(self._timed):
+            before = len(self._timed)
+            for body, head, _ in self._edges:
+                if body in self._timed or head in self._timed:
+                    self._timed.update({body: None, head: None})
+
+    def _sources(self) -> _Distances:
+        """Return actions, and the guesses that decide on them as many cycles before."""
+        sources = {ACTION: 0}
+        for guess in self._choices:
+            ahead = self._spread({guess: 0}).get(ACTION)
+            if ahead is not None:
+                sources[guess] = min(-ahead, sources.get(guess, 0))
+        return sources
+
+    def _spread(self, sources: _Distances) -> _Distances:
+        """Return the least time from ``sources`` to all that follows from them."""
+        found = dict(sources)
+        changed = True
+        while changed:
+            changed = False
+            for body, head, step in self._edges:
+                if body in found:
+                    reached = max(found[body] + step, _FAR_BACK)
+                    if reached < found.get(head, reached + 1):
+                        found[head], changed = reached, True
+        return found
+
+    def _least(self, atoms: List[_Timed], seen: _Distances) -> Iterator[int]:
+        """Yield the times from what is seen to the last of the actions that a constraint ties it to."""
+        for one in atoms:
+            if one.signature not in seen:
+                continue
+            acts = [
+                other.time.offset - self._after_actions[other.signature]
+                for other in atoms
+                if other.signature in self._after_actions and other.time.name == one.time.name
+            ]
+            if acts:
+                yield max(acts) - one.time.offset + seen[one.signature]
+
+
+def _timed_atoms(part: Part, statement: AST, constants: Dict[str, clingo.Symbol]) -> Iterator[_Timed]:
+    ages = least_ages(statement, part.parameter, constants) if part.parameter else {}
+    for one in occurrences(statement):
+        time = _time_of(one, part.parameter, ages, constants)
+        if time is not None:
+            yield _Timed(one.signature, one.head, one.positive, time)
+
+
+def _time_of(
+    one: Occurrence, parameter: str, ages: Dict[str, int], constants: Dict[str, clingo.Symbol]
+) -> Optional[_Time]:
+    """Return the time of an atom, by its last argument that tells one."""
+    if one.term.ast_type != ASTType.Function or not one.term.arguments:
+        return None
+    last = one.term.arguments[-1]
+    if last.ast_type == ASTType.Variable:
+        return _Time("", -ages[last.name]) if last.name in ages else _Time(last.name, 0)
+    offset = time_offset(last, parameter, constants) if parameter else None
+    return None if offset is None else _Time("", offset)

@@ -1,0 +1,122 @@
+"""How terms depend on the step: ``t+1`` by its offset, a variable by comparisons like ``t-T < 60``.
+
+Terms are read as sums ``a*t + b*T + c``, held as a mapping from names to factors, the constant under the empty name.
+"""
+
+from typing import Dict, Iterator, Optional, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType, BinaryOperator, ComparisonOperator, Sign, UnaryOperator
+
+from rosoclingo.oclingo.program.signatures import evaluate
+
+Sum = Dict[str, int]
+
+
+def time_offset(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
+    """Return c where ``term`` is ``parameter + c`` for a constant c, None where it is anything else."""
+    found = _sum(term, parameter, constants)
+    if found is None or set(found) - {""} != {parameter} or found[parameter] != 1:
+        return None
+    return found.get("", 0)
+
+
+def greatest_ages(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
+    """Return, for variables T that comparisons in the body bound, the greatest number that t - T can be.
+
+    That holds for values of T that are numbers; t is the step ``parameter``.
+    """
+    ages: Dict[str, int] = {}
+    for difference, strict in _differences(statement, parameter, constants):
+        for name, age in _age(difference, parameter, strict):
+            ages[name] = min(age, ages.get(name, age))
+    return ages
+
+
+def least_ages(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
+    """Return, for variables T that comparisons in the body bound, the least number that t - T can be."""
+    ages: Dict[str, int] = {}
+    for difference, strict in _differences(statement, parameter, constants):
+        for name, age in _age(_mirrored(difference), parameter, strict):
+            ages[name] = max(-age, ages.get(name, -age))
+    return ages
+
+
+def _differences(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Iterator[Tuple[Sum, bool]]:
+    """Yield what comparisons in the body say as sums with a bound on one side, and whether that bound is strict."""
+    for left, operator, right in _comparisons(statement):
+        sums = _sum(left, parameter, constants), _sum(right, parameter, constants)
+        if sums[0] is None or sums[1] is None:
+            continue
+        difference = _plus(sums[0], sums[1], -1)
+        for sign, strict in _SIGNS.get(operator, ()):
+            yield _plus({}, difference, sign), strict
+
+
+def _mirrored(difference: Sum) -> Sum:
+    """Return the sum for -t and -T in place of t and T: what it says of T - t the result says of t - T."""
+    return {name: -number if name else number for name, number in difference.items()}
+
+
+# what each comparison says of the difference of its sides: that, with this sign, it is at most 0, or below 0
+_SIGNS: Dict[int, Tuple[Tuple[int, bool], ...]] = {
+    ComparisonOperator.LessThan: ((1, True),),
+    ComparisonOperator.LessEqual: ((1, False),),
+    ComparisonOperator.GreaterThan: ((-1, True),),
+    ComparisonOperator.GreaterEqual: ((-1, False),),
+    ComparisonOperator.Equal: ((1, False), (-1, False)),
+}
+
+
+def _comparisons(statement: AST) -> Iterator[Tuple[AST, int, AST]]:
+    """Yield the comparisons that hold for every instance of the statement: left side, operator, right side."""
+    for literal in statement.body if hasattr(statement, "body") else ():
+        plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
+        if plain and literal.atom.ast_type == ASTType.Comparison:
+            left = literal.atom.term
+            for guard in literal.atom.guards:
+                yield left, guard.comparison, guard.term
+                left = guard.term
+
+
+def _age(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str, int]]:
+    """Yield the variable T, with the greatest t - T, where ``difference`` is f*(t - T) + c with a positive f."""
+    names = set(difference) - {"", parameter}
+    factor = difference.get(parameter, 0)
+    if factor > 0 and len(names) == 1:
+        name = names.pop()
+        if difference[name] == -factor:
+            yield name, (-difference.get("", 0) - strict) // factor
+
+
+def _sum(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[Sum]:
+    """Return ``term`` as a sum, None where it is anything else."""
+    if term.ast_type == ASTType.Variable:
+        return {term.name: 1}
+    if term.ast_type == ASTType.SymbolicTerm:
+        name = str(term.symbol)
+        symbol = constants.get(name, term.symbol)
+        if name == parameter:
+            return {name: 1}
+        return {"": symbol.number} if symbol.type == clingo.SymbolType.Number else None
+    if term.ast_type == ASTType.UnaryOperation and term.operator_type == UnaryOperator.Minus:
+        inner = _sum(term.argument, parameter, constants)
+        return None if inner is None else _plus({}, inner, -1)
+    if term.ast_type != ASTType.BinaryOperation:
+        return None
+    left, right = (_sum(side, parameter, constants) for side in (term.left, term.right))
+    if left is None or right is None:
+        return None
+    if term.operator_type in (BinaryOperator.Plus, BinaryOperator.Minus):
+        return _plus(left, right, 1 if term.operator_type == BinaryOperator.Plus else -1)
+    if term.operator_type == BinaryOperator.Multiplication and min(set(left), set(right), key=len) <= {""}:
+        number, other = (left, right) if set(left) <= {""} else (right, left)
+        return _plus({}, other, number.get("", 0))
+    value = evaluate(term, constants)
+    return None if value is None or value.type != clingo.SymbolType.Number else {"": value.number}
+
+
+def _plus(one: Sum, other: Sum, factor: int) -> Sum:
+    """Return ``one + factor * other``."""
+    found = {name: one.get(name, 0) + factor * other.get(name, 0) for name in {*one, *other}}
+    return {name: number for name, number in found.items() if number}

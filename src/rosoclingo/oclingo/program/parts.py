@@ -1,0 +1,150 @@
+"""Statements sorted into program parts, and volatile ones bound to the window in which they hold."""
+
+from dataclasses import dataclass, field
+from typing import List, Sequence, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer, parse_string
+
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.program.directives import VOLATILE_PREFIX, Directives
+from rosoclingo.oclingo.program.signatures import Signature, signature_of
+from rosoclingo.oclingo.program.sources import Parsed
+
+PARTS = ("base", "cumulative", "volatile")
+GUARD = "__oclingo_volatile"
+"""``__oclingo_volatile(W,T)``: true while the instance of step T of ``#volatile t : W.`` holds."""
+
+_GUARDED = (ASTType.Rule, ASTType.Minimize, ASTType.ShowTerm, ASTType.Edge, ASTType.Heuristic, ASTType.ProjectAtom)
+
+
+@dataclass
+class Part:
+    """Consecutive statements of one program part.
+
+    Attributes:
+        name: base, cumulative or volatile.
+        parameter: name of the step parameter, empty in base.
+        header: the ``#program`` statement.
+        statements: the statements, guarded where the part is volatile.
+        written: False for the base part that clingo puts before every text.
+
+    """
+
+    name: str
+    parameter: str
+    header: AST
+    statements: List[AST] = field(default_factory=list)
+    window: str = ""
+    written: bool = True
+
+
+def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
+    """Return the parts of the parsed sources in order; raise :class:`ProgramError` for parts of other names."""
+    parts: List[Part] = []
+    faults: List[Fault] = []
+    for source in parsed:
+        for number, statement in enumerate(source.statements):
+            if statement.ast_type == ASTType.Program:
+                parts.append(_open_part(statement, directives, faults))
+                parts[-1].written = number > 0
+            else:
+                _add(parts[-1], statement)
+    if faults:
+        raise ProgramError(faults)
+    return [part for part in parts if part.statements or part.written]
+
+
+def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part:
+    name, parameters = header.name, [parameter.name for parameter in header.parameters]
+    window = ""
+    if name.startswith(VOLATILE_PREFIX):
+        window, name = directives.windows[int(name[len(VOLATILE_PREFIX) :])].value, "volatile"
+    elif name == "volatile":
+        window = "1"
+    if name not in PARTS or len(parameters) != (0 if name == "base" else 1):
+        begin = header.location.begin
+        text = "{}({})".format(name, ",".join(parameters)) if parameters else name
+        mend = "a reactive program has the parts base, cumulative(t) and volatile(t)"
+        faults.append(Fault(begin.filename, begin.line, begin.column, f"unknown program part {text}", mend))
+    parameter = parameters[0] if parameters else ""
+    # one name of the parameter for clingo as for us: parts of the same name may call it differently
+    renamed = Program(header.location, name, [Id(header.location, parameter)] if parameter else [])
+    part = Part(name, parameter, renamed, window=window)
+    if window:
+        part.statements.extend(_guard_declaration(part, header))
+    return part
+
+
+def _guard_declaration(part: Part, header: AST) -> List[AST]:
+    found: List[AST] = []
+    parse_string(f"#external {GUARD}(({part.window}),{part.parameter}).", found.append)
+    return [statement for statement in found if statement.ast_type == ASTType.External]
+
+
+class _Namer(Transformer):
+    """Names the anonymous variables of positive literals.
+
+    The meaning is the same; but clingo projects a ``_`` by a rule of its own that it grounds for all steps anew at
+    every step.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def visit_Literal(self, node: AST) -> AST:
+        """Go into positive literals alone: under ``not`` the projection is what is meant."""
+        return node if node.sign != Sign.NoSign else node.update(**self.visit_children(node))
+
+    def visit_Variable(self, node: AST) -> AST:
+        """Give ``_`` a name that is used nowhere else."""
+        if node.name != "_":
+            return node
+        self._count += 1
+        return node.update(name=f"Any__{self._count}")
+
+
+def _add(part: Part, statement: AST) -> None:
+    kind = statement.ast_type
+    if part.name != "base":
+        statement = _Namer().visit(statement)
+    if part.window and kind in _GUARDED and not _says_nothing(statement):
+        statement = statement.update(body=[*list(statement.body), _guard(part, statement)])
+    part.statements.append(statement)
+
+
+def _says_nothing(statement: AST) -> bool:
+    """Tell whether it is ``#show.``, which clingo writes as a term to show with a body that is never true."""
+    return statement.ast_type == ASTType.ShowTerm and str(statement).startswith("#show #")
+
+
+def _guard(part: Part, statement: AST) -> AST:
+    declared = next(one for one in part.statements if one.ast_type == ASTType.External)
+    return Literal(statement.location, Sign.NoSign, declared.atom)
+
+
+def guard_atom(window: int, step: int) -> clingo.Symbol:
+    """Return the guard of the volatile instance of ``step`` with length ``window``."""
+    return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])
+
+
+def open_parts(signature: Signature) -> List[Tuple[str, List[str], str]]:
+    """Return the program parts (name, parameters, text) that make one atom of an open signature an external or a fact.
+
+    Atoms that come by clingo's backend won't do: its grounder passes over some instances of rules that hold them.
+    """
+    parameters = [f"x{number}" for number in range(signature.arity)]
+    atom = ("" if signature.positive else "-") + signature.name
+    atom += f"({','.join(parameters)})" if parameters else ""
+    texts = ((False, f"#external {atom}."), (True, f"{atom}."))
+    return [(_open_name(signature, fact), parameters, text) for fact, text in texts]
+
+
+def open_part(atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
+    """Return the part to ground, with its arguments, that makes ``atom`` an external or a fact."""
+    return _open_name(signature_of(atom), fact), atom.arguments
+
+
+def _open_name(signature: Signature, fact: bool) -> str:
+    sign = "" if signature.positive else "not_"
+    return f"__oclingo_{'fact' if fact else 'open'}_{sign}{signature.name}_{signature.arity}"

@@ -1,0 +1,264 @@
+"""Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
+
+from pathlib import Path
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Union
+
+import clingo
+from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
+
+from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
+from rosoclingo.oclingo.program import checks, remarks
+from rosoclingo.oclingo.program.action_rules import closing_text
+from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.delays import Delays
+from rosoclingo.oclingo.program.directives import Directives, Placed
+from rosoclingo.oclingo.program.parts import Part, open_parts, rewrite
+from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.signatures import (
+    Dependencies,
+    Signature,
+    evaluate,
+    occurrences,
+    rule_edges,
+    signature_of,
+)
+from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
+from rosoclingo.oclingo.progression.terms import parse_atom
+
+PathLike = Union[str, Path]
+_FAR = 2**31 - 1
+
+
+class ReactiveProgram:
+    """A reactive logic program: base, cumulative and volatile part, externals, and what the solver has to know of them.
+
+    Attributes:
+        sources: the texts that it was made of.
+        constants: values of ``#const`` names that were given from outside, as symbols.
+        first_step: the first grounded step (1 unless ``#iinit`` says less).
+        windows: the distinct lengths w of ``#volatile t : w.``, in steps.
+        forgets: the ``#forget t : term.`` directives.
+        open_signatures: the predicates of ``#external p/n.``
+        external_signatures: all predicates that some external declares.
+        signatures: all predicates that the program mentions.
+        warnings: what is odd but usable, as text.
+        told: what solvers of this program have remarked on it, each of which is told once.
+        may_idle: whether steps may be idle (see ``idling``), None as long as nobody has looked.
+
+    """
+
+    def __init__(self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None) -> None:
+        """Take the texts in order.
+
+        Raises ProgramError with all faults that can be found without grounding.
+        """
+        self.sources = tuple(sources)
+        self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
+        self._directives = Directives()
+        self.warnings: List[str] = []
+        self.may_idle: Optional[bool] = None
+        self.told: Set[str] = set()
+        parsed = read_sources(sources, self._directives, self.warnings)
+        self._delays: Optional[Delays] = None
+        self._known_delays: Dict[Signature, Optional[int]] = {}
+        self.parts: List[Part] = rewrite(parsed, self._directives)
+        self.parts += rewrite(read_sources([closing_text(self.parts)], Directives(), []), Directives())
+        self._collect()
+        self._check()
+
+    @classmethod
+    def from_files(cls, files: Iterable[PathLike], constants: Optional[Mapping[str, str]] = None) -> "ReactiveProgram":
+        """Load ``files`` in order; raise :class:`ProgramError` naming each file that cannot be read or used."""
+        return cls([Source.from_file(Path(file)) for file in files], constants)
+
+    @classmethod
+    def from_text(
+        cls, text: str, name: str = "<text>", constants: Optional[Mapping[str, str]] = None
+    ) -> "ReactiveProgram":
+        """Take one text; ``name`` stands for the file in messages."""
+        return cls([Source(name, text)], constants)
+
+    def declares_external(self, name: str, arity: int) -> bool:
+        """Tell whether some external of this name and arity is declared."""
+        return Signature(name, arity) in self.external_signatures
+
+    def defines(self, name: str, arity: int) -> bool:
+        """Tell whether some rule has a head of this name and arity."""
+        return Signature(name, arity) in self.head_signatures
+
+    def delay_of(self, name: str, arity: int) -> Optional[int]:
+        """Return after how many cycles (0 or 1) such a fact bears on actions; None where it has no cycle.
+
+        The cycle is the last argument; see :mod:`~rosoclingo.oclingo.program.delays`.
+        """
+        if self._delays is None:
+            self._delays = Delays(self.parts, self._values)
+        signature = Signature(name, arity)
+        if signature not in self._known_delays:
+            self._known_delays[signature] = self._delays.of(signature)
+        return self._known_delays[signature]
+
+    def load_into(self, control: clingo.Control) -> None:
+        """Add all statements to ``control``; raises RuntimeError as clingo does, details go to its logger."""
+        with ProgramBuilder(control) as builder:
+            for part in self.parts:
+                builder.add(part.header)
+                for statement in part.statements:
+                    builder.add(statement)
+        for signature in sorted(self.open_signatures):
+            for name, parameters, text in open_parts(signature):
+                control.add(name, parameters, text)
+
+    def arguments(self) -> List[str]:
+        """Return clingo's command line arguments for the constants."""
+        return ["-Wno-atom-undefined"] + [f"-c{name}={value}" for name, value in self.constants.items()]
+
+    def may_see(self, atom: clingo.Symbol, first: int, last: int) -> bool:
+        """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with ``atom``.
+
+        Heads count for open externals alone.
+        """
+        patterns = self._patterns.get(signature_of(atom), ())
+        return any(one.may_match(atom, first, last, self._values) for one in patterns)
+
+    def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
+        """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
+        patterns = self._patterns.get(signature_of(atom), ())
+        in_base = self.is_open_signature(atom)
+        return any((one.parameter or in_base) and one.may_match(atom, first, _FAR, self._values) for one in patterns)
+
+    def is_open_signature(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
+        return signature_of(atom) in self.open_signatures
+
+    def may_declare(self, atom: clingo.Symbol, first: int, last: int = _FAR) -> bool:
+        """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
+        patterns = self._declarations.get(signature_of(atom), ())
+        return any(one.parameter and one.may_match(atom, first, last, self._values) for one in patterns)
+
+    def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
+        """Return which of ``steps``, where it was declared external, declared ``atom``."""
+        patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
+        found = (one.first_match(atom, steps[0], steps[-1], self._values) for one in patterns)
+        return min((step for step in found if step is not None), default=steps[0])
+
+    def _collect(self) -> None:
+        """Gather signatures, dependencies and patterns from the statements."""
+        self.dependencies = Dependencies()
+        self.signatures: Set[Signature] = set()
+        self.head_signatures: Set[Signature] = set()
+        self.open_signatures = {Signature(*one) for one in self._directives.signatures}
+        self.external_signatures = set(self.open_signatures)
+        self.optimizes = False
+        self._patterns: Dict[Signature, List[Pattern]] = {}
+        self._declarations: Dict[Signature, List[Pattern]] = {}
+        for part in self.parts:
+            for statement in part.statements:
+                self._collect_statement(part, statement)
+
+    def _collect_statement(self, part: Part, statement: AST) -> None:
+        self.optimizes |= statement.ast_type == ASTType.Minimize
+        self.dependencies.add(*rule_edges(statement))
+        for one in occurrences(statement):
+            signature = one.signature
+            self.signatures.add(signature)
+            if one.head and statement.ast_type == ASTType.External:
+                self.external_signatures.add(signature)
+                self._declarations.setdefault(signature, []).append(Pattern(one.term, part.parameter, statement))
+            elif one.head:
+                self.head_signatures.add(signature)
+            if not one.head or signature in self.open_signatures:
+                self._patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter, statement))
+
+    def _control(self, messages: Messages) -> clingo.Control:
+        """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""
+        control = clingo.Control(self.arguments(), logger=messages.log)
+        try:
+            self.load_into(control)
+            control.ground([("__oclingo_no_part", [])])  # now clingo looks for unsafe variables
+        except RuntimeError as error:
+            raise ProgramError(messages.faults(error, self.parameter_at)) from None
+        return control
+
+    def parameter_at(self, file: str, line: int) -> str:
+        """Return the step parameter of the part that a line stands in, ``t`` where that is not known."""
+        for part in self.parts:
+            for statement in part.statements if part.parameter else ():
+                begin, end = statement.location.begin, statement.location.end
+                if begin.filename == file and begin.line <= line <= end.line:
+                    return part.parameter
+        return "t"
+
+    def _evaluate_directives(self, control: clingo.Control) -> None:
+        """Give windows, the first step and the constants in patterns their values."""
+        names = {s.name for part in self.parts for s in part.statements if s.ast_type == ASTType.Definition}
+        values = {name: control.get_const(name) for name in names | set(self.constants)}
+        self._values = {name: value for name, value in values.items() if value is not None}
+        faults: List[Fault] = []
+        self.windows = sorted({self._number(one, faults) for one in self._directives.windows} | {1})
+        first = [self._number(one, faults) for one in self._directives.first_steps]
+        self.first_step = min([1, *first[-1:]])
+        self.forgets = self._directives.forgets
+        for one in self.forgets:
+            self._number(one, faults, **{one.parameter: 1})
+        if faults:
+            raise ProgramError(faults)
+
+    def _number(self, placed: Placed, faults: List[Fault], **parameters: int) -> int:
+        """Return the value of a directive's term under constants and ``parameters``; 1 and a fault for none."""
+        values = dict(self._values, **{name: clingo.Number(value) for name, value in parameters.items()})
+        terms: List[AST] = []
+        try:
+            parse_string(f"value({placed.value}).", terms.append, logger=lambda code, text: None)
+        except RuntimeError:
+            faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no term"))
+            return 1
+        value = evaluate(terms[-1].head.atom.symbol.arguments[0], values)
+        if value is None or value.type != clingo.SymbolType.Number:
+            mend = "write a number, or a name that a #const gives a number"
+            faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no number", mend))
+            return 1
+        return value.number
+
+    def forgotten_at(self, step: int) -> List[int]:
+        """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
+        return [self._number(one, [], **{one.parameter: step}) for one in self.forgets]
+
+    def _check(self) -> None:
+        """Raise ProgramError with all faults that show before anything is grounded, or in the first steps."""
+        messages = Messages()
+        faults = checks.wrong_arities(self.parts)
+        try:
+            control = self._control(messages)
+            self._evaluate_directives(control)
+        except ProgramError as error:
+            raise ProgramError([*faults, *error.faults]) from None
+        odd = checks.missing_parts(self.parts)
+        odd += checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self._values)
+        if checks.uses_keywords(self.parts):
+            faults += [one for one in odd if "volatile part" not in one.message]
+            odd = [one for one in odd if one not in faults]
+        odd += remarks.undefined(self.parts, self.head_signatures | self.external_signatures)
+        odd += messages.new_remarks(self.parameter_at)
+        self.warnings += [str(one) for one in odd]
+        self.warnings += remarks.unknown_constants(self.parts, self.constants)
+        if not faults and checks.suspicious_heads(self.parts, self._values):
+            faults += self._redefinitions(control, messages)
+        if faults:
+            raise ProgramError(faults)
+
+    def redefinition_of(self, atom: str) -> List[Fault]:
+        """Return a fault for each rule that may have defined ``atom``, so far defined by another step's, once more."""
+        suspects = checks.suspicious_heads(self.parts, self._values)
+        try:
+            named = {signature_of(parse_atom(atom))}
+        except ProgressionError:  # clingo has no name for it
+            named = suspects
+        found = checks.redefined_by(self.parts, atom or "an atom", named)
+        return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice")]
+
+    def _redefinitions(self, control: clingo.Control, messages: Messages) -> List[Fault]:
+        try:
+            return checks.redefinitions(control, self.parts, self.first_step)
+        except RuntimeError as error:
+            return messages.faults(error, self.parameter_at)

@@ -1,0 +1,211 @@
+"""What a program's statements mention: signatures, the values of simple terms, and who depends on whom.
+
+Works on :mod:`clingo.ast` statements.
+"""
+
+import operator
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType, BinaryOperator, Sign, UnaryOperator
+
+from rosoclingo.oclingo.progression.updates import Statement
+
+
+class Signature(NamedTuple):
+    """Name, arity and sign (False under classical negation) of a predicate."""
+
+    name: str
+    arity: int
+    positive: bool = True
+
+    def __str__(self) -> str:
+        return "{}{}/{}".format("" if self.positive else "-", self.name, self.arity)
+
+
+def signature_of(atom: clingo.Symbol) -> Signature:
+    """Return the signature of a ground atom."""
+    return Signature(atom.name, len(atom.arguments), atom.positive)
+
+
+class Occurrence(NamedTuple):
+    """An atom in a statement: its term, whether it stands in a head, and whether it is a positive body atom."""
+
+    term: AST
+    head: bool
+    positive: bool
+
+    @property
+    def signature(self) -> Signature:
+        """The predicate of the atom."""
+        return term_signature(self.term)
+
+
+def term_signature(term: AST) -> Signature:
+    """Return the signature of an atom's term."""
+    if term.ast_type == ASTType.UnaryOperation:
+        return term_signature(term.argument)._replace(positive=False)
+    if term.ast_type == ASTType.SymbolicTerm:
+        return Signature(term.symbol.name, 0, term.symbol.positive)
+    return Signature(term.name, len(term.arguments))
+
+
+def atom_terms(term: AST) -> Iterator[AST]:
+    """Yield the terms of an atom, one for each alternative of a pool."""
+    if term.ast_type == ASTType.Pool:
+        for argument in term.arguments:
+            yield from atom_terms(argument)
+    else:
+        yield term
+
+
+def occurrences(statement: AST) -> List[Occurrence]:
+    """Return all atoms of ``statement``."""
+    found: List[Occurrence] = []
+    if statement.ast_type == ASTType.Rule:
+        _from_head(statement.head, found)
+    elif hasattr(statement, "atom"):
+        _from_atom(statement.atom, True, False, found)
+    if hasattr(statement, "body"):
+        for literal in statement.body:
+            _from_body(literal, True, found)
+    return found
+
+
+def _from_atom(atom: AST, head: bool, positive: bool, found: List[Occurrence]) -> None:
+    found.extend(Occurrence(term, head, positive) for term in atom_terms(atom.symbol))
+
+
+def _from_head(head: AST, found: List[Occurrence]) -> None:
+    """Collect the atoms of a head: a literal, a disjunction or an aggregate."""
+    if head.ast_type == ASTType.Literal:
+        if head.atom.ast_type == ASTType.SymbolicAtom:
+            _from_atom(head.atom, head.sign == Sign.NoSign, False, found)
+        return
+    for element in head.elements:
+        conditional = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
+        if conditional.ast_type == ASTType.ConditionalLiteral:
+            _from_head(conditional.literal, found)
+            for literal in conditional.condition:
+                _from_body(literal, True, found)
+
+
+def _from_body(literal: AST, positive: bool, found: List[Occurrence]) -> None:
+    """Collect the atoms of a body literal; in aggregates and conditions those without a sign count as positive."""
+    kind = literal.ast_type
+    if kind == ASTType.ConditionalLiteral:
+        for part in [literal.literal, *list(literal.condition)]:
+            _from_body(part, positive, found)
+    elif kind == ASTType.Literal:
+        atom = literal.atom
+        plain = positive and literal.sign == Sign.NoSign
+        if atom.ast_type == ASTType.SymbolicAtom:
+            _from_atom(atom, False, plain, found)
+        elif hasattr(atom, "elements"):
+            for element in atom.elements:
+                _from_element(element, found)
+
+
+def _from_element(element: AST, found: List[Occurrence]) -> None:
+    if element.ast_type == ASTType.ConditionalLiteral:
+        _from_body(element, True, found)
+        return
+    for literal in element.condition if hasattr(element, "condition") else ():
+        _from_body(literal, True, found)
+
+
+def evaluate(term: AST, values: Dict[str, clingo.Symbol]) -> Optional[clingo.Symbol]:
+    """Return the value of a ground term under constants and parameters, None where it has none or is not simple."""
+    if term.ast_type == ASTType.SymbolicTerm:
+        symbol = term.symbol
+        if symbol.type == clingo.SymbolType.Function and not symbol.arguments and symbol.positive:
+            return values.get(symbol.name, symbol)
+        return symbol
+    if term.ast_type not in (ASTType.UnaryOperation, ASTType.BinaryOperation):
+        return None
+    unary = term.ast_type == ASTType.UnaryOperation
+    parts = [evaluate(part, values) for part in ([term.argument] if unary else [term.left, term.right])]
+    numbers = [part.number for part in parts if part is not None and part.type == clingo.SymbolType.Number]
+    operation = (_UNARY if unary else _BINARY).get(term.operator_type)
+    if operation is None or len(numbers) < len(parts):
+        return None
+    value = operation(*numbers)
+    return clingo.Number(value) if value is not None and -(2**31) <= value < 2**31 else None
+
+
+def _quotient(a: int, b: int) -> Optional[int]:
+    """Return a/b cut off towards 0, as clingo does."""
+    return None if b == 0 else abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
+
+
+def _remainder(a: int, b: int) -> Optional[int]:
+    quotient = _quotient(a, b)
+    return None if quotient is None else a - b * quotient
+
+
+def _power(a: int, b: int) -> Optional[int]:
+    """Return a**b; clingo takes negative exponents for 0."""
+    if b < 0:
+        return None if a == 0 else 0
+    return a**b if abs(a) < 2 or b < 32 else None
+
+
+_UNARY: Dict[int, Callable[[int], Optional[int]]] = {
+    UnaryOperator.Minus: operator.neg,
+    UnaryOperator.Negation: operator.invert,
+    UnaryOperator.Absolute: abs,
+}
+_BINARY: Dict[int, Callable[[int, int], Optional[int]]] = {
+    BinaryOperator.Plus: operator.add,
+    BinaryOperator.Minus: operator.sub,
+    BinaryOperator.Multiplication: operator.mul,
+    BinaryOperator.Division: _quotient,
+    BinaryOperator.Modulo: _remainder,
+    BinaryOperator.Power: _power,
+    BinaryOperator.And: operator.and_,
+    BinaryOperator.Or: operator.or_,
+    BinaryOperator.XOr: operator.xor,
+}
+
+
+class Dependencies:
+    """Which predicates depend positively on which; edges are added as rules come."""
+
+    def __init__(self) -> None:
+        self._users: Dict[Signature, Set[Signature]] = {}
+
+    def copy(self) -> "Dependencies":
+        """Return a copy that shares nothing that changes."""
+        twin = Dependencies()
+        twin._users = {body: set(heads) for body, heads in self._users.items()}
+        return twin
+
+    def add(self, heads: Iterable[Signature], bodies: Iterable[Signature]) -> None:
+        """Let each of ``heads`` depend on each of ``bodies``."""
+        for body in bodies:
+            self._users.setdefault(body, set()).update(heads)
+
+    def reaches(self, source: Signature, targets: Set[Signature]) -> bool:
+        """Tell whether one of ``targets`` is, or depends through rules on, ``source``."""
+        seen, waiting = {source}, [source]
+        while waiting:
+            signature = waiting.pop()
+            if signature in targets:
+                return True
+            fresh = self._users.get(signature, set()) - seen
+            seen |= fresh
+            waiting.extend(fresh)
+        return False
+
+
+def rule_edges(statement: AST) -> Tuple[Set[Signature], Set[Signature]]:
+    """Return the head signatures and the positive body signatures of a statement."""
+    found = occurrences(statement) if statement.ast_type == ASTType.Rule else []
+    heads = {one.signature for one in found if one.head}
+    return heads, {one.signature for one in found if one.positive}
+
+
+def statement_edges(statement: Statement) -> Tuple[Set[Signature], Set[Signature]]:
+    """Return the head signature and the positive body signatures of an update's rule."""
+    heads = set() if statement.head is None else {signature_of(statement.head)}
+    return heads, {signature_of(one.atom) for one in statement.body if one.positive}

@@ -1,0 +1,140 @@
+"""Program texts: read from files with what they include, translated from gringo 3's dialect, parsed by clingo."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
+
+import clingo
+from clingo.ast import AST, ASTSequence, Location, Position, parse_string
+
+from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
+from rosoclingo.oclingo.gringo3 import included_files, translate_program
+from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.directives import Directives, take_directives
+from rosoclingo.oclingo.progression.terms import parse_term
+
+_CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A program text with the name that messages give to it; ``folder`` is where its includes are looked for."""
+
+    name: str
+    text: str
+    folder: Optional[Path] = None
+
+    @classmethod
+    def from_file(cls, path: Path) -> "Source":
+        """Read a file; raise :class:`ProgramError` where it can't be read or is no UTF-8 text."""
+        try:
+            return cls(str(path), path.read_text(encoding="utf-8"), path.parent)
+        except OSError as error:
+            raise ProgramError([Fault(str(path), 0, 0, f"can't be read: {error.strerror}")]) from None
+        except UnicodeDecodeError as error:
+            message = f"no UTF-8 text: {error.reason} at byte {error.start}"
+            raise ProgramError([Fault(str(path), 0, 0, message, "save the file as UTF-8")]) from None
+
+
+class Parsed(NamedTuple):
+    """A source after parsing."""
+
+    name: str
+    statements: List[AST]
+
+
+def read_sources(sources: Sequence[Source], found: Directives, warnings: List[str]) -> List[Parsed]:
+    """Parse ``sources`` and what they include, in either dialect; add oClingo's directives to ``found``.
+
+    Raises ProgramError with all the faults of all files.
+    """
+    collector = _Collector()
+    for source in sources:
+        collector.add(source)
+    texts: Sequence[str] = ()
+    faults = list(collector.faults)
+    try:
+        results = translate_program([(source.name, source.text) for source in collector.sources])
+        texts = [result.text for result in results]
+        warnings.extend(warning for result in results for warning in result.warnings)
+    except ProgramError as error:
+        faults.extend(error.faults)
+    parsed = [_parse(source.name, text, found, faults) for source, text in zip(collector.sources, texts)]
+    if faults or found.faults:
+        raise ProgramError([*found.faults, *faults])
+    return parsed
+
+
+class _Collector:
+    """Follows ``#include``, each file once; the files of a program are translated together."""
+
+    def __init__(self) -> None:
+        self._seen: Set[Path] = set()
+        self.sources: List[Source] = []
+        self.faults: List[Fault] = []
+
+    def add(self, source: Source) -> None:
+        """Take a source and all that it includes."""
+        self.sources.append(source)
+        for name, line in included_files(source.text):
+            self._include(source, name, line)
+
+    def _include(self, source: Source, name: str, line: int) -> None:
+        folders = [folder for folder in (source.folder, Path()) if folder is not None]
+        paths = [folder / name for folder in folders if (folder / name).is_file()]
+        if not paths:
+            message = f"included file {name!r} is not there"
+            mend = "looked in {}".format(" and ".join(str(folder.resolve()) for folder in folders))
+            self.faults.append(Fault(source.name, line, 1, message, mend))
+        elif paths[0].resolve() not in self._seen:
+            self._seen.add(paths[0].resolve())
+            try:
+                self.add(Source.from_file(paths[0]))
+            except ProgramError as error:
+                self.faults.extend(error.faults)
+
+
+def _parse(name: str, text: str, found: Directives, faults: List[Fault]) -> Parsed:
+    messages, statements = Messages(), []  # type: Messages, List[AST]
+    try:
+        parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
+    except RuntimeError as error:
+        faults.extend(_named(fault, name) for fault in messages.faults(error))
+    for statement in statements:
+        _relocate(statement, name)
+    return Parsed(name, statements)
+
+
+def _named(fault: Fault, name: str) -> Fault:
+    message = fault.message.replace("<string>", name)
+    return Fault(name if fault.file == "<string>" else fault.file, fault.line, fault.column, message, fault.mend)
+
+
+def _relocate(node: AST, name: str) -> None:
+    """Let ``node`` and all below it say that they stand in file ``name``."""
+    if hasattr(node, "location"):
+        begin, end = node.location.begin, node.location.end
+        node.location = Location(Position(name, begin.line, begin.column), Position(name, end.line, end.column))
+    for key in node.child_keys:
+        child = getattr(node, key)
+        for one in child if isinstance(child, ASTSequence) else [child]:
+            if isinstance(one, AST):
+                _relocate(one, name)
+
+
+def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:
+    """Return the values of ``-c NAME=VALUE`` constants as symbols; raise :class:`ProgramError` naming each bad one."""
+    faults, values = [], {}
+    for name, value in constants.items():
+        place = f"constant {name}={value}"
+        if not _CONSTANT.match(name):
+            faults.append(Fault(place, 0, 0, f"{name!r} is no name for a constant", "start in lower case"))
+            continue
+        try:
+            values[name] = parse_term(str(value))
+        except ProgressionError as error:
+            faults.append(Fault(place, 0, 0, f"the value is no ground term: {error.message}"))
+    if faults:
+        raise ProgramError(faults)
+    return values

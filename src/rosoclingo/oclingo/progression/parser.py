@@ -1,0 +1,149 @@
+"""Reads online progressions, the inverse of printing a :class:`~rosoclingo.oclingo.progression.updates.StreamUpdate`.
+
+Raises nothing but :class:`ProgressionError`, with line and column of the text that was given.
+"""
+
+from typing import Callable, Dict, Iterator, List, Optional, Tuple
+
+from rosoclingo.oclingo.errors import ProgressionError
+from rosoclingo.oclingo.progression.terms import read_atom, read_number, read_term
+from rosoclingo.oclingo.progression.tokens import TokenStream
+from rosoclingo.oclingo.progression.updates import (
+    Anew,
+    Assert,
+    Closed,
+    Cumulative,
+    Forget,
+    Item,
+    Literal,
+    Over,
+    Retract,
+    Statement,
+    Stop,
+    StreamUpdate,
+    Volatile,
+    Withdraw,
+)
+
+
+def parse_update(text: str) -> StreamUpdate:
+    """Return the one update that ``text`` holds; raise :class:`ProgressionError` where it holds none or more."""
+    updates = parse_updates(text)
+    if len(updates) != 1:
+        raise ProgressionError(1, 1, f"expected one update, ended by #endstep., found {len(updates)}")
+    return updates[0]
+
+
+def parse_updates(text: str) -> List[StreamUpdate]:
+    """Return the updates of ``text``, each ended by ``#endstep.``, ``#end step.`` or ``#stop.``"""
+    return list(iterate_updates(text))
+
+
+def iterate_updates(text: str) -> Iterator[StreamUpdate]:
+    """Yield the updates of ``text`` one by one; a fault is raised when its update's turn comes."""
+    tokens = TokenStream(text)
+    while tokens.next.kind != "end":
+        yield _UpdateReader(tokens).read()
+
+
+class _UpdateReader:
+    """Reads one update from a token stream."""
+
+    def __init__(self, tokens: TokenStream) -> None:
+        self._tokens = tokens
+        self._step: Optional[int] = None
+        self._bound: Optional[int] = None
+        self._items: List[Item] = []
+        self._warnings: List[str] = []
+
+    def read(self) -> StreamUpdate:
+        """Return the next update; raises ProgressionError."""
+        while True:
+            if self._tokens.next.kind != "directive":
+                if self._tokens.next.kind == "end":
+                    self._tokens.fail("update without end: expected a statement or '#endstep.'")
+                self._items.append(_read_statement(self._tokens))
+            elif self._read_directive():
+                return StreamUpdate(self._step, self._bound, tuple(self._items), tuple(self._warnings))
+
+    def _read_directive(self) -> bool:
+        """Read a directive and tell whether it ends the update."""
+        name = "".join(self._tokens.next.text.split())
+        if name == "#step":
+            self._read_step()
+        elif name in _DIRECTIVES:
+            self._tokens.take()
+            self._items.append(_DIRECTIVES[name](self._tokens))
+        elif name == "#endstep":
+            self._tokens.take()
+        else:
+            known = ", ".join(sorted(["#step", "#endstep", *list(_DIRECTIVES)]))
+            self._tokens.fail(f"unknown directive, known are {known}")
+        self._tokens.expect(".", f"to end {name}")
+        return name in ("#endstep", "#stop")
+
+    def _read_step(self) -> None:
+        token = self._tokens.take()
+        step = read_number(self._tokens, "the step")
+        bound = read_number(self._tokens, "the bound") if self._tokens.accept(":") else None
+        if self._step is None:
+            self._step, self._bound = step, bound
+        else:
+            text = f"New '#step {step}.' without prior '#endstep.' encountered in line {token.line}. Ignoring...."
+            self._warnings.append(text)
+
+
+def _read_volatile(tokens: TokenStream) -> Volatile:
+    return Volatile(read_number(tokens, "the window") if tokens.accept(":") else None)
+
+
+def _read_range(tokens: TokenStream) -> Tuple[int, int]:
+    first = read_number(tokens, "a step")
+    return first, read_number(tokens, "the last step") if tokens.accept("..") else first
+
+
+def _read_assert(tokens: TokenStream) -> Assert:
+    tokens.expect(":", "and a term behind #assert")
+    return Assert(read_term(tokens))
+
+
+def _read_retract(tokens: TokenStream) -> Retract:
+    tokens.expect(":", "and a term behind #retract")
+    return Retract(read_term(tokens))
+
+
+_DIRECTIVES: Dict[str, Callable[[TokenStream], Item]] = {
+    "#cumulative": lambda tokens: Cumulative(),
+    "#volatile": _read_volatile,
+    "#forget": lambda tokens: Forget(*_read_range(tokens)),
+    "#closed": lambda tokens: Closed(*_read_range(tokens)),
+    "#over": lambda tokens: Over(read_number(tokens, "a step")),
+    "#withdraw": lambda tokens: Withdraw(read_atom(tokens)),
+    "#anew": lambda tokens: Anew(),
+    "#assert": _read_assert,
+    "#retract": _read_retract,
+    "#stop": lambda tokens: Stop(),
+}
+
+
+def _read_statement(tokens: TokenStream) -> Statement:
+    head = None if tokens.at(":-") else read_atom(tokens)
+    body: Tuple[Literal, ...] = ()
+    if tokens.accept(":-"):
+        body = _read_body(tokens)
+    tokens.expect(".", "to end the statement")
+    return Statement(head, body)
+
+
+def _read_body(tokens: TokenStream) -> Tuple[Literal, ...]:
+    if tokens.at("."):
+        return ()
+    body = [_read_literal(tokens)]
+    while tokens.accept(","):
+        body.append(_read_literal(tokens))
+    return tuple(body)
+
+
+def _read_literal(tokens: TokenStream) -> Literal:
+    positive = not tokens.accept("not")
+    return Literal(read_atom(tokens), positive)

@@ -1,0 +1,47 @@
+"""Strings in updates as oClingo read them.
+
+oClingo took a string in an update for an identifier that is spelled with quotes: it prints alike, but no string of
+the program equals it. ``golden.json``'s case *bodies* shows it. Solvers that stand in for oClingo do the same; the
+core doesn't.
+"""
+
+from dataclasses import replace
+from typing import Tuple
+
+import clingo
+
+from rosoclingo.oclingo.progression.updates import Item, Literal, Statement, StreamUpdate, Withdraw
+
+
+def strings_apart(update: StreamUpdate) -> StreamUpdate:
+    """Return ``update`` with every string turned into a constant of the same text, quotes included."""
+    items: Tuple[Item, ...] = tuple(map(_item, update.items))
+    return replace(update, items=items)
+
+
+def holds_string_apart(atom: clingo.Symbol) -> bool:
+    """Tell whether ``atom`` holds such a constant, so that no program can know it."""
+    if atom.name.startswith('"'):
+        return True
+    return any(one.type == clingo.SymbolType.Function and holds_string_apart(one) for one in atom.arguments)
+
+
+def _item(item: Item) -> Item:
+    if isinstance(item, Withdraw):
+        return Withdraw(_symbol(item.atom))
+    return _statement(item) if isinstance(item, Statement) else item
+
+
+def _statement(statement: Statement) -> Statement:
+    if '"' not in str(statement):
+        return statement
+    head = None if statement.head is None else _symbol(statement.head)
+    return Statement(head, tuple(Literal(_symbol(one.atom), one.positive) for one in statement.body))
+
+
+def _symbol(symbol: clingo.Symbol) -> clingo.Symbol:
+    if symbol.type == clingo.SymbolType.String:
+        return clingo.Function(str(symbol))
+    if symbol.type == clingo.SymbolType.Function and symbol.arguments:
+        return clingo.Function(symbol.name, [_symbol(one) for one in symbol.arguments], symbol.positive)
+    return symbol

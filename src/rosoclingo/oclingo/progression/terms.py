@@ -1,0 +1,161 @@
+"""Ground terms and atoms as text: parsed as data into :class:`clingo.Symbol`, never evaluated.
+
+The grammar is that of oClingo's online progressions: identifiers, "strings", integers, ``f(terms)``; atoms may carry
+classical negation (``-p(1)``). What clingo's terms have besides is read too: tuples, ``-f(terms)``, ``#inf``, ``#sup``.
+"""
+
+from dataclasses import dataclass, field
+from typing import List, Optional, Union
+
+import clingo
+
+from rosoclingo.oclingo.errors import ProgressionError
+from rosoclingo.oclingo.progression.tokens import Token, TokenStream
+
+MAX_DEPTH = 256
+"""Deepest nesting of terms that is read; far beyond any use, and safe for the recursion in clingo."""
+
+_LOWEST, _HIGHEST = -(2**31), 2**31 - 1
+_LIMITS = {"#inf": clingo.Infimum, "#sup": clingo.Supremum}
+_ESCAPES = {"\\n": "\n", '\\"': '"', "\\\\": "\\"}
+
+
+def parse_term(text: str) -> clingo.Symbol:
+    """Return the one ground term that ``text`` holds.
+
+    Raises ProgressionError (line and column from 1) for anything else.
+    """
+    tokens = TokenStream(text)
+    term = read_term(tokens)
+    _expect_end(tokens)
+    return term
+
+
+def parse_atom(text: str) -> clingo.Symbol:
+    """Return the one ground atom that ``text`` holds (``p``, ``-p``, ``p(terms)``); a trailing ``.`` is accepted.
+
+    Raises ProgressionError (line and column from 1) for anything else.
+    """
+    tokens = TokenStream(text)
+    atom = read_atom(tokens)
+    tokens.accept(".")
+    _expect_end(tokens)
+    return atom
+
+
+def read_atom(tokens: TokenStream) -> clingo.Symbol:
+    """Read an atom from ``tokens``."""
+    positive = not tokens.accept("-")
+    if tokens.next.kind != "name" or tokens.at("not"):
+        tokens.fail("expected an atom: a name in lower case, like p or p(1)")
+    name = tokens.take().text
+    return _read_compound(tokens, _Compound(name, positive)) if tokens.accept("(") else _function(name, [], positive)
+
+
+def read_term(tokens: TokenStream) -> clingo.Symbol:
+    """Read a term from ``tokens``."""
+    value = _read_simple(tokens)
+    return _read_compound(tokens, value) if isinstance(value, _Compound) else value
+
+
+def read_number(tokens: TokenStream, what: str) -> int:
+    """Read a number without sign; ``what`` names it in the error."""
+    if tokens.next.kind != "number":
+        tokens.fail(f"expected {what}, a number")
+    return _number(tokens.take(), 1)
+
+
+@dataclass
+class _Compound:
+    """A function, or a tuple where it has no name, whose arguments are being read."""
+
+    name: str
+    positive: bool = True
+    arguments: List[clingo.Symbol] = field(default_factory=list)
+    comma: bool = False
+
+    def value(self) -> clingo.Symbol:
+        """Return the symbol; a term in brackets is no tuple without a comma."""
+        if not self.name and len(self.arguments) == 1 and not self.comma:
+            return self.arguments[0]
+        return _function(self.name, self.arguments, self.positive)
+
+
+def _function(name: str, arguments: List[clingo.Symbol], positive: bool = True) -> clingo.Symbol:
+    return clingo.Function(name, arguments, positive)
+
+
+def _read_simple(tokens: TokenStream) -> Union[clingo.Symbol, _Compound]:
+    """Read a term as far as the bracket that begins its arguments, if it has any."""
+    if tokens.next.kind == "string":
+        return clingo.String(_unescape(tokens.take().text[1:-1]))
+    if tokens.at(*_LIMITS):
+        return _LIMITS[tokens.take().text]
+    positive = not tokens.accept("-")
+    if tokens.next.kind == "number":
+        return clingo.Number(_number(tokens.take(), 1 if positive else -1))
+    if tokens.next.kind == "name" and not tokens.at("not"):
+        name = tokens.take().text
+        return _Compound(name, positive) if tokens.accept("(") else _function(name, [], positive)
+    if not positive:
+        tokens.fail("expected a number or a name behind '-'")
+    if not tokens.accept("("):
+        tokens.fail('expected a ground term: a name in lower case, an integer, a "string", f(terms) or a tuple')
+    return _Compound("")
+
+
+def _read_compound(tokens: TokenStream, outermost: _Compound) -> clingo.Symbol:
+    """Read the arguments of ``outermost`` and its end, without recursion in depth."""
+    stack = [outermost]
+    while True:
+        value: Optional[clingo.Symbol] = None
+        inner = stack[-1]
+        if not (tokens.at(")") and not inner.name and (inner.comma or not inner.arguments)):
+            place = tokens.next
+            read = _read_simple(tokens)
+            if isinstance(read, _Compound):
+                _check_depth(len(stack), place)
+                stack.append(read)
+                continue
+            value = read
+        while True:
+            if value is not None:
+                stack[-1].arguments.append(value)
+            if not tokens.accept(")"):
+                break
+            value = stack.pop().value()
+            if not stack:
+                return value
+        tokens.expect(",", "or ')' behind an argument")
+        stack[-1].comma = True
+
+
+def _check_depth(depth: int, token: Token) -> None:
+    if depth >= MAX_DEPTH:
+        raise ProgressionError(token.line, token.column, f"term nested deeper than {MAX_DEPTH} levels")
+
+
+def _number(token: Token, sign: int) -> int:
+    # the length is looked at first: int() refuses or labours on texts of thousands of digits
+    value = sign * int(token.text) if len(token.text.lstrip("0")) <= 10 else None
+    if value is None or not _LOWEST <= value <= _HIGHEST:
+        text = token.text if len(token.text) <= 20 else token.text[:20] + "..."
+        limits = f"numbers go from {_LOWEST} to {_HIGHEST}"
+        raise ProgressionError(token.line, token.column, f"number {text} does not fit in 32 bits; {limits}")
+    return value
+
+
+def _unescape(text: str) -> str:
+    if "\\" not in text:
+        return text
+    parts, index = [], 0
+    while index < len(text):
+        pair = text[index : index + 2]
+        parts.append(_ESCAPES.get(pair, text[index]))
+        index += 2 if pair in _ESCAPES else 1
+    return "".join(parts)
+
+
+def _expect_end(tokens: TokenStream) -> None:
+    if tokens.next.kind != "end":
+        tokens.fail("expected one ground term or atom and nothing behind it")

@@ -1,0 +1,1 @@
+"""The reactive solver in a process of its own."""

@@ -1,0 +1,101 @@
+"""A worker process as seen from its parent: started, spoken to, ended."""
+
+import os
+import selectors
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import IO, List, Optional
+
+from rosoclingo.oclingo.remote.wire import Lines, Message, encode
+
+_CHUNK = 1 << 20
+
+
+class WorkerLostError(Exception):
+    """The worker process has ended; the text says how."""
+
+
+class WorkerProcess:
+    """One child process that runs :mod:`rosoclingo.oclingo.remote.solver_worker`.
+
+    It has a session of its own, so that a Ctrl-C in the terminal does not reach it, and ends with its parent.
+    """
+
+    def __init__(self) -> None:
+        """Start the child; raises OSError where that can't be done."""
+        reading, writing = os.pipe()
+        self._lifeline: IO[bytes] = os.fdopen(writing, "wb", buffering=0)
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "rosoclingo.oclingo.remote.solver_worker", str(reading)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                bufsize=0,
+                pass_fds=[reading],
+                start_new_session=True,
+                env=dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path))),
+            )
+        finally:
+            os.close(reading)
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._commands: IO[bytes] = self._process.stdin
+        self._replies: IO[bytes] = self._process.stdout
+        self._lines = Lines()
+        self._messages: List[Message] = []
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._replies, selectors.EVENT_READ)
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    @property
+    def memory(self) -> int:
+        """Bytes of main memory that the child holds; 0 where that cannot be read."""
+        try:
+            pages = int(Path(f"/proc/{self.pid}/statm").read_text(encoding="ascii").split()[1])
+        except OSError:
+            return 0
+        return pages * os.sysconf("SC_PAGE_SIZE")
+
+    @property
+    def alive(self) -> bool:
+        """Whether the child still runs."""
+        return self._process.poll() is None
+
+    def send(self, message: Message) -> None:
+        """Send ``message``; raises WorkerLostError where the child has ended."""
+        data = memoryview(encode(message))
+        try:
+            while data:
+                data = data[self._commands.write(data) :]
+        except BrokenPipeError:
+            self._lost()
+
+    def receive(self, timeout: float) -> Optional[Message]:
+        """Wait up to ``timeout`` seconds for a reply, None for none; raises WorkerLostError where the child is gone."""
+        if not self._messages and self._selector.select(timeout):
+            data = os.read(self._replies.fileno(), _CHUNK)
+            if not data:
+                self._lost()
+            self._messages.extend(self._lines.feed(data))
+        return self._messages.pop(0) if self._messages else None
+
+    def kill(self) -> None:
+        """End the child, whatever it does, and leave nothing of it."""
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+        self._selector.close()
+        for pipe in (self._commands, self._replies, self._lifeline):
+            pipe.close()
+
+    def _lost(self) -> None:
+        self.kill()
+        code = self._process.returncode
+        how = f"with exit code {code}" if code >= 0 else f"by signal {signal.Signals(-code).name}"
+        raise WorkerLostError(f"the solver process ended {how}")

@@ -1,0 +1,269 @@
+"""Reactive solvers in a process of their own, so that they can be ended whatever they do.
+
+clingo can't be interrupted while it grounds, and a program may need more memory than there is. The solvers of a
+:class:`SolverProcess` answer as a ``ReactiveSolver`` does; where their process does
+not heed a stop, or crashes, it is replaced by one that takes their states, without searching.
+"""
+
+import time
+import weakref
+from collections import deque
+from contextlib import suppress
+from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Sequence, Type
+
+from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.remote.child import WorkerLostError, WorkerProcess
+from rosoclingo.oclingo.remote.process_solver import Place, ProcessSolver
+from rosoclingo.oclingo.remote.wire import Message, faults_from_message, program_to_message
+
+POLL = 0.02
+"""Seconds of wall time between two looks at the stop request."""
+
+GRACE = 1.0
+"""Seconds of wall time that a grounding may go on after a stop request before it is dropped between two pieces."""
+
+PATIENCE = 2.0
+"""Seconds of wall time that the process is given to heed a stop request before it is killed."""
+
+GROWTH = 32 * 2**20
+"""Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
+
+Stopped = Callable[[], bool]
+
+
+class SolverProcess:
+    """A child process with solvers of one reactive logic program.
+
+    Not thread-safe. A child is running from the start on; :meth:`close` or the end of this process ends it.
+
+    A stop request ends a search with outcome INTERRUPTED, the update stays in force. A short grounding comes to its
+    end before; one that takes more than ``grace`` seconds is dropped between two pieces, and where the child heeds
+    nothing, as clingo can't be interrupted in a piece, it is killed after ``patience`` seconds. Then the update is
+    dropped as a whole and DroppedError raised. The same holds where the child crashes. Another child then takes the
+    states; a stop meanwhile raises NotReadyError and lets it go on with that.
+
+    With ``spare`` that other child is kept ready: once an answer is there it is started, has the program loaded and
+    waits. One at a time is started so.
+    """
+
+    def __init__(
+        self,
+        program: ReactiveProgram,
+        models: int = 1,
+        patience: float = PATIENCE,
+        grace: float = GRACE,
+        spare: bool = False,
+        **options: Any,
+    ) -> None:
+        """Start a child for ``program``; it is ready some tenths of a second later, :meth:`start` waits for that.
+
+        Args:
+            program: the reactive logic program.
+            models: how many answers to compute for an update, 0 for all.
+            patience: seconds of wall time that the child has to heed a stop request.
+            grace: those of them in which a grounding may come to its end.
+            spare: whether to keep another child ready.
+            options: what else :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` takes; plain values.
+
+        """
+        self._patience, self._grace = patience, grace
+        self._keeps_spare = spare
+        self._program: Message = {
+            "do": "load",
+            "program": program_to_message(program),
+            "options": dict(options, models=models),
+        }
+        self._numbers: Iterator[int] = iter(range(2**62))
+        self._left: List[int] = []
+        self._taken: Dict[int, int] = {}  # how much of each solver's log the child has taken, or will have
+        self._owed: Deque[Optional[int]] = deque()  # what the child is preparing: the program (None) or a solver
+        self._child: Optional[WorkerProcess] = None
+        self._spare: Optional[WorkerProcess] = None
+        self._closed = False
+        self._first_memory: Optional[int] = None  # that of the child when its log was shortened first
+        self._respawn()
+
+    @property
+    def pid(self) -> Optional[int]:
+        """Process id of the child, None where there is none."""
+        return None if self._child is None else self._child.pid
+
+    @property
+    def spare_pid(self) -> Optional[int]:
+        """Process id of the child that is kept ready, None where there is none."""
+        return None if self._spare is None else self._spare.pid
+
+    def __enter__(self) -> "SolverProcess":
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]], *rest: object) -> None:
+        self.close()
+
+    def start(self, stopped: Optional[Stopped] = None) -> None:
+        """Wait until the child can solve; raises NotReadyError where ``stopped`` came first, else as a search does."""
+        self._guarded(lambda: self._prepare(stopped), ())
+
+    def solver(self) -> ProcessSolver:
+        """Return a solver to which nothing has been fed; the child forgets it when it is no longer referred to."""
+        return ProcessSolver(self)
+
+    def close(self) -> None:
+        """End the child; nothing can be asked any more."""
+        self._closed = True
+        self._discard()
+        self._discard_spare()
+
+    def place(self) -> Place:
+        """Return a place for a solver in the child, free again when it is no longer referred to."""
+        place = Place(next(self._numbers))
+        weakref.finalize(place, self._left.append, place.number).atexit = False
+        return place
+
+    def ask(self, place: Place, log: Sequence[Message], command: Message, stopped: Optional[Stopped]) -> Message:
+        """Have the solver at ``place``, whose state is that after ``log``, do a command; return the child's reply."""
+
+        def ask() -> Message:
+            """Tell the child what it has not been told of the log yet, and the command."""
+            self._prepare(stopped, place.number, log)
+            assert self._child is not None
+            missing = list(log[self._taken[place.number] :])
+            self._child.send(dict(command, solver=place.number, log=missing, left=self._take_left()))
+            return self._wait(stopped)
+
+        reply = self._guarded(ask, (place.number, log))
+        if "refused" in reply:
+            self._taken[place.number] = len(log)
+            raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
+        self._taken[place.number] = len(log) + 1
+        self._have_spare()
+        return reply
+
+    def shorten(self, place: Place, length: int) -> None:
+        """Note that a log of ``length`` entries now leads to the state of the solver at ``place``."""
+        self._taken[place.number] = length
+
+    def renew(self, place: Place, log: Sequence[Message]) -> None:
+        """Replace a child that has grown by one that takes the short ``log``, while nothing is asked.
+
+        clingo never forgets a term: every step of a stream leaves some behind, in the process as a whole.
+        """
+        memory = 0 if self._child is None else self._child.memory
+        if self._first_memory is None:
+            self._first_memory = memory
+        elif memory > self._first_memory + max(GROWTH, self._first_memory // 2):
+            self._respawn(place.number, log)
+
+    def _guarded(self, action: Callable[[], Message], rebuilt: Sequence[Any]) -> Message:
+        """Do ``action``; where the child is lost have another one under way, which takes what it is to know again."""
+        if self._closed:
+            raise SolverError("the solver process has been closed")
+        try:
+            return action()
+        except WorkerLostError as error:
+            self._respawn(*rebuilt)
+            raise DroppedError(f"{error}; what it was asked for was dropped") from None
+        except SolverError:
+            raise
+        except BaseException:  # a reply may still be on its way
+            self._discard()
+            raise
+
+    def _prepare(self, stopped: Optional[Stopped], number: int = -1, log: Sequence[Message] = ()) -> Message:
+        """Wait until the child has the program, and the solver ``number`` in the state after ``log``."""
+        if self._child is None or not self._child.alive:
+            self._discard()
+            self._spawn()
+        if number >= 0 and number not in self._taken:
+            self._rebuild(number, log)
+        reply: Message = {}
+        while self._owed:
+            reply = self._wait(stopped, kills=False)
+            prepared = self._owed.popleft()
+            if "faults" in reply:
+                raise ProgramError(faults_from_message(reply))
+            if "refused" in reply and prepared is not None:
+                del self._taken[prepared]
+                if prepared == number:
+                    raise SolverError(f"the solver can't be rebuilt: {reply['refused']}")
+        return reply
+
+    def _rebuild(self, number: int, log: Sequence[Message]) -> None:
+        assert self._child is not None
+        self._child.send({"do": "rebuild", "solver": number, "log": list(log), "left": self._take_left()})
+        self._taken[number] = len(log)
+        self._owed.append(number)
+
+    def _take_left(self) -> List[int]:
+        left: List[int] = []
+        while self._left:
+            left.append(self._left.pop())
+            self._taken.pop(left[-1], None)
+        return left
+
+    def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:
+        """Wait for the child's reply; on a stop ask it to heed that, and after some patience give it up."""
+        assert self._child is not None
+        begin: Optional[float] = None
+        dropped = False
+        while True:
+            reply = self._child.receive(POLL)
+            if reply is not None:
+                return reply
+            if begin is None:
+                if stopped is None or not stopped():
+                    continue
+                if not kills:
+                    raise NotReadyError("the solver still takes again what led here; ask again")
+                begin = time.monotonic()
+                self._child.send({"do": "interrupt"})
+            if time.monotonic() - begin >= self._grace and not dropped:
+                dropped = True
+                self._child.send({"do": "drop"})
+            if time.monotonic() - begin > self._patience:
+                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
+
+    def _spawn(self) -> None:
+        """Have a child, the one that was kept ready if there is one; it answers once it has the program."""
+        self._first_memory = None
+        self._taken.clear()
+        self._owed.clear()
+        self._child, self._spare = self._spare, None
+        if self._child is None or not self._child.alive:
+            self._discard()
+            self._child = self._new_child()
+        self._owed.append(None)
+
+    def _new_child(self) -> WorkerProcess:
+        try:
+            child = WorkerProcess()
+        except OSError as error:
+            raise WorkerLostError(f"no solver process can be started: {error}") from None
+        child.send(self._program)
+        return child
+
+    def _have_spare(self) -> None:
+        """Start a child to be kept ready; it loads the program while the caller goes on."""
+        if not self._keeps_spare or (self._spare is not None and self._spare.alive):
+            return
+        self._discard_spare()
+        with suppress(WorkerLostError):  # there is none then, until the next answer
+            self._spare = self._new_child()
+
+    def _respawn(self, number: int = -1, log: Sequence[Message] = ()) -> None:
+        """Have another child under way for the next call; where that fails, the next call tries again."""
+        self._discard()
+        with suppress(WorkerLostError):
+            self._spawn()
+            if number >= 0:
+                self._rebuild(number, log)
+
+    def _discard(self) -> None:
+        child, self._child = self._child, None
+        if child is not None:
+            child.kill()
+
+    def _discard_spare(self) -> None:
+        spare, self._spare = self._spare, None
+        if spare is not None:
+            spare.kill()

@@ -1,0 +1,103 @@
+"""What a ``SolverProcess`` and its worker say to each other: JSON, one message a line.
+
+Symbols travel as text. The atoms of an answer are read back with one call of clingo's own term reader, as the
+arguments of one tuple; reading them one by one takes twice the time.
+"""
+
+import json
+from pathlib import Path
+from typing import Any, Dict, FrozenSet, Iterable, List
+
+import clingo
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
+
+Message = Dict[str, Any]
+
+
+def encode(message: Message) -> bytes:
+    """Return ``message`` as one line."""
+    return json.dumps(message, separators=(",", ":")).encode("ascii") + b"\n"
+
+
+class Lines:
+    """Puts lines together that come in pieces."""
+
+    def __init__(self) -> None:
+        self._pieces: List[bytes] = []
+
+    def feed(self, data: bytes) -> List[Message]:
+        """Take ``data`` and return the messages that are complete by now."""
+        *complete, rest = data.split(b"\n")
+        if complete:
+            complete[0] = b"".join([*self._pieces, complete[0]])
+            self._pieces.clear()
+        if rest:
+            self._pieces.append(rest)
+        return [json.loads(line) for line in complete]
+
+
+def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
+    """Return ``symbols``, separated by commas."""
+    return ",".join(map(str, symbols))
+
+
+def symbol_list(text: str) -> List[clingo.Symbol]:
+    """Return the symbols that :func:`symbols_to_text` printed, in order."""
+    return list(clingo.parse_term(f"({text},)").arguments) if text else []
+
+
+def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
+    """Return the set of the symbols that :func:`symbols_to_text` printed."""
+    return frozenset(symbol_list(text))
+
+
+def program_to_message(program: ReactiveProgram) -> Message:
+    """Return the texts and constants of ``program``."""
+    sources = [[one.name, one.text, None if one.folder is None else str(one.folder)] for one in program.sources]
+    return {"sources": sources, "constants": {name: str(value) for name, value in program.constants.items()}}
+
+
+def program_from_message(message: Message) -> ReactiveProgram:
+    """Return the program of :func:`program_to_message`; raises ProgramError as that program did."""
+    sources = [Source(name, text, folder and Path(folder)) for name, text, folder in message["sources"]]
+    return ReactiveProgram(sources, message["constants"])
+
+
+def result_to_message(result: SolveResult) -> Message:
+    """Return ``result`` for :func:`result_from_message`."""
+    return {
+        "outcome": result.outcome.value,
+        "answers": [symbols_to_text(answer) for answer in result.answers],
+        "horizon": result.horizon,
+        "step": result.step,
+        "warnings": result.warnings,
+        "permanent": result.permanent,
+        "statistics": result.statistics,
+    }
+
+
+def result_from_message(message: Message) -> SolveResult:
+    """Return the result that :func:`result_to_message` took."""
+    return SolveResult(
+        outcome=SolveOutcome(message["outcome"]),
+        answers=tuple(symbols_from_text(text) for text in message["answers"]),
+        horizon=message["horizon"],
+        step=message["step"],
+        warnings=tuple(message["warnings"]),
+        permanent=message["permanent"],
+        statistics=message["statistics"],
+    )
+
+
+def faults_to_message(faults: Iterable[Fault]) -> Message:
+    """Return ``faults`` for :func:`faults_from_message`."""
+    return {"faults": [[one.file, one.line, one.column, one.message, one.mend] for one in faults]}
+
+
+def faults_from_message(message: Message) -> List[Fault]:
+    """Return the faults that :func:`faults_to_message` took."""
+    return [Fault(*one) for one in message["faults"]]

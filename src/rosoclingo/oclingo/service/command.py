@@ -1,0 +1,235 @@
+"""The command ``oclingo``: serves a reactive logic program by TCP, plays a stream to it, or asks at a prompt."""
+
+import argparse
+import io
+import os
+import re
+import shutil
+import signal
+import sys
+from pathlib import Path
+from typing import Any, Dict, List, NoReturn, Optional, Sequence, Tuple
+
+from rosoclingo.oclingo.errors import Fault, ProgramError, SolverError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
+from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
+from rosoclingo.oclingo.service.server import Service, listen
+from rosoclingo.oclingo.service.session import Output, Session
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
+
+DEFAULT_HOST = "127.0.0.1"
+
+_DESCRIPTION = """\
+A reactive ASP solver: takes a reactive logic program, then stream updates, and answers each. Without --stream or
+--interactive it is a service that speaks oClingo's protocol: clients connect, send updates and receive answers, until
+one sends "#stop."."""
+
+_EPILOG = """\
+An update is "#step K : M." (": M" bounds the horizon at K+M), facts and rules, "#endstep.". Programs may be written in
+gringo 3's language. Exit code: 0; 1 for faults in program, stream or updates; 2 for a wrong command line."""
+
+_REMAPPING = re.compile(r"[\w~/]+:=")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(prog="oclingo", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument(
+        "words",
+        nargs="*",
+        metavar="FILE | MODELS",
+        help="program files, read in order (- or none: standard input); a number that is no file is MODELS, how many "
+        "answers to compute for an update (0: all, default: 1)",
+    )
+    parser.add_argument(
+        "-c",
+        "--const",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="replace the constant NAME of the program by a term; may be repeated",
+    )
+    parser.add_argument("--imax", type=_positive, metavar="N", help="ground no step beyond N (default: no limit)")
+    parser.add_argument(
+        "--shortest",
+        action="store_true",
+        help="answer as rosoclingo's core does, whose stream (topic ~updates) gives the same plans then: plans are "
+        "shortest at any time, and strings of updates equal those of the program",
+    )
+    parser.add_argument(
+        "--time-limit",
+        type=_seconds,
+        metavar="SECONDS",
+        help="end the search for an update after that time; the update stays in force (default: no limit)",
+    )
+    mode = parser.add_mutually_exclusive_group()
+    mode.add_argument(
+        "--stream", metavar="FILE", help="play the updates of FILE (- is standard input), print answers as tables"
+    )
+    mode.add_argument(
+        "--interactive",
+        action="store_true",
+        help="ask for updates at a prompt; Ctrl-C ends a search, Ctrl-D the session",
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="with --stream or --interactive: print one JSON object for each update"
+    )
+    parser.add_argument("--host", help=f"address to listen on (default: {DEFAULT_HOST}, this machine only)")
+    parser.add_argument(
+        "--port", type=_port, metavar="N", help=f"port to listen on, 0 for any free one (default: {DEFAULT_PORT})"
+    )
+    return parser
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+    words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]
+    parser = make_parser()
+    options = parser.parse_intermixed_args(words)
+    files, models = _files_and_models(options.words)
+    _check(parser, options, files)
+    signal.signal(signal.SIGTERM, _terminate)
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8", errors="replace")
+    try:
+        constants = _constants(options.const)
+        program = ReactiveProgram([_source(file) for file in files], constants)
+        for text in program.warnings:
+            _say(f"warning: {text}")
+        ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest}
+        with SolverProcess(program, models, horizon_limit=options.imax, **ways) as process:
+            process.start()
+            return _run(process.solver(), options)
+    except (ProgramError, SolverError) as error:
+        _say(str(error))
+        return 1
+    except BrokenPipeError:  # who read the output has gone; nothing may be left to flush
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        _say(f"error: {error}")
+        return 1
+    except KeyboardInterrupt:
+        return 130
+
+
+def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
+    if options.stream is None and not options.interactive:
+        return _serve(solver, options)
+    session = Session(solver, _output(options), options.time_limit)
+    if options.interactive:
+        _prepare_terminal()
+        session.ask()
+        return 0
+    if options.stream == "-":
+        session.play(sys.stdin, "<stdin>")
+    else:
+        text = Source.from_file(Path(options.stream)).text
+        session.play(io.StringIO(text), options.stream)
+    return int(session.failed)
+
+
+def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
+    host = DEFAULT_HOST if options.host is None else options.host
+    port = DEFAULT_PORT if options.port is None else options.port
+    try:
+        listener = listen(host, port)
+    except OSError as error:
+        why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror or error
+        raise OSError(f"can't listen on {host}:{port}: {why}; choose another --port or --host") from None
+    host, port = listener.getsockname()[:2]
+    sys.stdout.write(f"Listening on {host}:{port}\n")
+    sys.stdout.flush()
+    try:
+        Service(solver, listener, options.time_limit).run()
+    except KeyboardInterrupt:
+        _say("stopped")
+    return 0
+
+
+def _output(options: argparse.Namespace) -> Output:
+    if options.json:
+        return JsonOutput(sys.stdout)
+    echo = not (options.interactive and sys.stdin.isatty())  # it has just been typed
+    return TextOutput(sys.stdout, max(shutil.get_terminal_size((100, 24)).columns, 60), echo)
+
+
+def _prepare_terminal() -> None:
+    """Let lines be edited and recalled, where the system can."""
+    try:
+        import readline  # noqa: F401, PLC0415
+    except ImportError:
+        return
+
+
+def _files_and_models(words: Sequence[str]) -> Tuple[List[str], int]:
+    """Part the positional arguments; empty ones count for nothing, the last number is the number of models."""
+    numbers = [word for word in words if word.isdigit() and word.isascii() and not Path(word).exists()]
+    files = [word for word in words if word and word not in numbers]
+    return files or ["-"], int(numbers[-1]) if numbers else 1
+
+
+def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: Sequence[str]) -> None:
+    """Refuse options that don't go together."""
+    serves = options.stream is None and not options.interactive
+    if options.json and serves:
+        parser.error("--json needs --stream or --interactive")
+    if not serves and (options.port is not None or options.host is not None):
+        parser.error("--host and --port are the service's, they don't go with --stream or --interactive")
+    if "-" in files and (options.stream == "-" or options.interactive):
+        parser.error("standard input holds updates: name a program file")
+    if files.count("-") > 1:
+        parser.error("standard input can be read once only")
+
+
+def _constants(words: Sequence[str]) -> Dict[str, str]:
+    faults = [
+        Fault(f"-c {word}", 0, 0, "no constant", "write NAME=VALUE") for word in words if not word.partition("=")[1]
+    ]
+    if faults:
+        raise ProgramError(faults)
+    return {word.partition("=")[0]: word.partition("=")[2] for word in words}
+
+
+def _source(file: str) -> Source:
+    if file != "-":
+        return Source.from_file(Path(file))
+    if sys.stdin.isatty():
+        _say("reading the program from standard input, end it with Ctrl-D")
+    return Source("<stdin>", sys.stdin.read(), Path())
+
+
+def _terminate(number: int, frame: Any) -> NoReturn:
+    raise SystemExit(0)
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(text + "\n")
+    sys.stderr.flush()
+
+
+def _positive(text: str) -> int:
+    return _number(text, 1, 2**31 - 1)
+
+
+def _port(text: str) -> int:
+    return _number(text, 0, 65535)
+
+
+def _number(text: str, lowest: int, highest: int) -> int:
+    if text.isascii() and text.isdigit() and len(text) <= 10 and lowest <= int(text) <= highest:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is no number from {lowest} to {highest}")
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+    return value

@@ -1,0 +1,86 @@
+"""What the command prints: text with tables for people, or one JSON object a line for programs."""
+
+import json
+from typing import IO, Any
+
+from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.service.table import format_answer
+from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
+
+
+class TextOutput:
+    """Prints updates as they were sent, and answers as tables over time."""
+
+    def __init__(self, stream: IO[str], width: int, echo: bool = True) -> None:
+        """Print to ``stream``, tables ``width`` characters wide; without ``echo`` updates are not printed."""
+        self._stream, self._width, self._echo = stream, width, echo
+
+    def sent(self, update: StreamUpdate) -> None:
+        """Print an update."""
+        if self._echo:
+            self._write(str(update))
+
+    def result(self, update: StreamUpdate, result: SolveResult) -> None:
+        """Print what came of the update."""
+        for warning in result.warnings:
+            self._write(f"Warning: {warning}\n")
+        for number, answer in enumerate(result.answers, 1):
+            self._write(f"Answer {number}, horizon {result.horizon}\n")
+            self._write(format_answer(answer, result.horizon + 1, self._width) or "(no atom)\n")
+        if result.outcome is SolveOutcome.UNSATISFIABLE:
+            ever = ", for good" if result.permanent else ""
+            self._write(f"UNSAT at step {result.horizon}{ever}\n")
+        elif result.outcome is SolveOutcome.INTERRUPTED:
+            self._write(f"Interrupted at horizon {result.horizon}; the update stays in force\n")
+        self._write("\n")
+
+    def refused(self, update: StreamUpdate, text: str) -> None:
+        """Print why an update was not taken."""
+        self._write(f"Error: {text}\n\n")
+
+    def fault(self, place: str, text: str) -> None:
+        """Print what is wrong with the text of an update; ``place`` is file, line and column."""
+        self._write(f"{place}: {text}\n\n")
+
+    def _write(self, text: str) -> None:
+        self._stream.write(text)
+        self._stream.flush()
+
+
+class JsonOutput:
+    """Prints a JSON object for each update, on a line of its own.
+
+    Its members: ``update`` (text), ``step``, ``horizon``, ``outcome``, ``answers`` (lists of atoms, sorted),
+    ``warnings``, ``permanent``, ``statistics`` (seconds); or ``update`` and ``error``; or ``place`` and ``error``.
+    """
+
+    def __init__(self, stream: IO[str]) -> None:
+        self._stream = stream
+
+    def sent(self, update: StreamUpdate) -> None:
+        """Print nothing, the update comes with its result."""
+
+    def result(self, update: StreamUpdate, result: SolveResult) -> None:
+        """Print an update with what came of it."""
+        self._write(
+            update=str(update),
+            step=result.step,
+            horizon=result.horizon,
+            outcome=result.outcome.value,
+            answers=[sorted(map(str, answer)) for answer in result.answers],
+            warnings=list(result.warnings),
+            permanent=result.permanent,
+            statistics=result.statistics,
+        )
+
+    def refused(self, update: StreamUpdate, text: str) -> None:
+        """Print an update that was not taken, and why."""
+        self._write(update=str(update), error=text)
+
+    def fault(self, place: str, text: str) -> None:
+        """Print what is wrong with the text of an update."""
+        self._write(place=place, error=text)
+
+    def _write(self, **members: Any) -> None:
+        self._stream.write(json.dumps(members) + "\n")
+        self._stream.flush()

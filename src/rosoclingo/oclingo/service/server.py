@@ -1,0 +1,232 @@
+"""oClingo's TCP service: one reactive solver, asked by any number of clients, in one loop without threads.
+
+The solver looks at the stop request every few hundredths of a second; that is when the sockets are served while it
+works. Clients are served in turn, one update each; all see the one stream that results.
+"""
+
+import selectors
+import socket
+import time
+from contextlib import suppress
+from typing import Callable, Dict, List, Optional
+
+from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
+from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.service import protocol
+from rosoclingo.oclingo.service.connection import Client
+from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
+
+GRACE = 0.5
+"""Seconds that a search without bound has before an update that waits ends it."""
+
+GRACE_BOUNDED = 5.0
+"""The same for a search with a bound: it has an end, though it may be far."""
+
+GRACE_ORPHANED = 10.0
+"""The same for a search whose client has hung up, when no update waits."""
+
+CLIENT_LIMIT = 100
+"""Connections at a time; more have to wait until one is closed."""
+
+_FAREWELL = 2.0  # seconds for the clients to take what they were sent before the last connections are closed
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens at ``host`` and ``port`` (0: any free one); raises OSError."""
+    found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    found.sort(key=lambda one: one[0] != socket.AF_INET)  # oClingo's client knows no other
+    return socket.create_server(found[0][4][:2], family=found[0][0], backlog=CLIENT_LIMIT)
+
+
+class Service:
+    """Answers clients until one of them sends ``#stop.``"""
+
+    def __init__(
+        self,
+        solver: StreamSolver,
+        listener: socket.socket,
+        time_limit: Optional[float] = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Make a service of ``solver``.
+
+        Args:
+            solver: the solver that all clients share.
+            listener: socket that listens; the service closes it.
+            time_limit: seconds after which a search is ended, None for no limit.
+            clock: returns seconds; all times are its own.
+
+        """
+        self._solver = solver
+        self._listener = listener
+        self._time_limit = time_limit
+        self._clock = clock
+        self._clients: List[Client] = []
+        self._selector = selectors.DefaultSelector()
+        self._events: Dict[socket.socket, int] = {}
+        self._stopped = False
+        self._bounded = False
+        self._served: Optional[Client] = None
+
+    def run(self) -> None:
+        """Serve until ``#stop.``; connections are closed however this ends."""
+        self._listener.setblocking(False)
+        try:
+            while not self._stopped:
+                client = self._next_client()
+                self._pump(None if client is None else 0)
+                if client is not None:
+                    self._serve(client)
+            self._say_farewell()
+        finally:
+            for client in self._clients:
+                client.close()
+            self._listener.close()
+            self._selector.close()
+
+    def _next_client(self) -> Optional[Client]:
+        """Return a client that waits and put it last, so that each has its turn."""
+        for client in self._clients:
+            if client.waits:
+                self._clients.remove(client)
+                self._clients.append(client)
+                return client
+        return None
+
+    def _pump(self, timeout: Optional[float]) -> None:
+        """Read and write what can be, accept who comes, close what is done; wait up to ``timeout`` for any of it."""
+        for client in list(self._clients):
+            if client.done and client is not self._served:
+                self._drop(client)
+            else:
+                self._watch_client(client, client.reads)
+        self._watch(self._listener, selectors.EVENT_READ if len(self._clients) < CLIENT_LIMIT else 0, None)
+        for key, events in self._selector.select(timeout):
+            if key.data is None:
+                self._accept()
+                continue
+            if events & selectors.EVENT_READ:
+                key.data.read()
+            if events & selectors.EVENT_WRITE:
+                key.data.write()
+
+    def _watch_client(self, client: Client, reads: bool) -> None:
+        events = selectors.EVENT_READ * reads | selectors.EVENT_WRITE * client.writes
+        self._watch(client.connection, events, client)
+
+    def _watch(self, connection: socket.socket, events: int, client: Optional[Client]) -> None:
+        before = self._events.get(connection, 0)
+        if events == before:
+            return
+        self._events[connection] = events
+        if not events:
+            self._selector.unregister(connection)
+        elif before:
+            self._selector.modify(connection, events, client)
+        else:
+            self._selector.register(connection, events, client)
+
+    def _accept(self) -> None:
+        with suppress(OSError):  # it may have gone by now
+            self._clients.append(Client(self._listener.accept()[0]))
+
+    def _drop(self, client: Client) -> None:
+        self._watch(client.connection, 0, client)
+        del self._events[client.connection]
+        self._clients.remove(client)
+        client.close()
+
+    def _serve(self, client: Client) -> None:
+        """Do what ``client`` asks for next."""
+        request = client.take()
+        if isinstance(request, ProgressionError):
+            client.send(protocol.error(str(request)))
+        elif request.stops:
+            self._stopped = True
+        else:
+            client.send(protocol.INPUT)
+            self._served = client
+            self._solve(client, request)
+            self._served = None
+
+    def _solve(self, client: Client, update: StreamUpdate) -> None:
+        bounded = self._bounded if update.step is None else update.bound is not None
+        search = SearchWatch(self._clock(), bounded, self._time_limit)
+        try:
+            result = self._search(client, update, search)
+        except SolverError as error:
+            why = f" ({search.ended_by})" if search.ended_by else ""
+            client.send(protocol.error(f"{error}{why}"))
+            return
+        self._bounded = bounded
+        if result.outcome is SolveOutcome.INTERRUPTED:
+            why = search.ended_by or "it was interrupted"
+            text = f"The search for step {result.step} ended at horizon {result.horizon} without an answer: {why}. "
+            client.send(protocol.warning(text + "The update stays in force."))
+        for data in protocol.reply(result):
+            client.send(data)
+
+    def _search(self, client: Client, update: StreamUpdate, search: "SearchWatch") -> SolveResult:
+        def stopped() -> bool:
+            self._pump(0)
+            return search.must_end(self._clock(), any(one.waits for one in self._clients), client.hung_up)
+
+        while True:
+            try:
+                return self._solver.update(update, stopped)
+            except NotReadyError:
+                search.begin(self._clock())
+
+    def _say_farewell(self) -> None:
+        """Send what is left, and wait for the clients to hang up, so that nothing sent is lost on the way."""
+        self._watch(self._listener, 0, None)
+        self._listener.close()
+        deadline = self._clock() + _FAREWELL
+        ended: List[Client] = []
+        while self._clients and self._clock() < deadline:
+            for client in list(self._clients):
+                if not client.writes and client not in ended:
+                    client.end_output()
+                    ended.append(client)
+                if client.hung_up and not client.writes:
+                    self._drop(client)
+                else:
+                    self._watch_client(client, not client.hung_up)
+            for key, events in self._selector.select(0.1) if self._clients else ():
+                if events & selectors.EVENT_READ:
+                    key.data.discard()
+                if events & selectors.EVENT_WRITE:
+                    key.data.write()
+
+
+class SearchWatch:
+    """Decides when a search must end.
+
+    Attributes:
+        ended_by: why it must, empty while it need not.
+
+    """
+
+    def __init__(self, start: float, bounded: bool, time_limit: Optional[float]) -> None:
+        self._time_limit = time_limit
+        self._grace = GRACE_BOUNDED if bounded else GRACE
+        self.begin(start)
+
+    def begin(self, start: float) -> None:
+        """Let the time begin at ``start``."""
+        self._start = start
+        self.ended_by = ""
+
+    def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:
+        """Tell whether it must end ``now``, an update ``waiting`` or its client having hung up or not."""
+        elapsed = now - self._start
+        if self.ended_by:
+            return True
+        if self._time_limit is not None and elapsed >= self._time_limit:
+            self.ended_by = f"the time limit of {self._time_limit:g} s was reached"
+        elif waiting and elapsed >= self._grace:
+            self.ended_by = "another update waits"
+        elif orphaned and elapsed >= GRACE_ORPHANED:
+            self.ended_by = "its client has hung up"
+        return bool(self.ended_by)

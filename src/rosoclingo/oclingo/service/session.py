@@ -1,0 +1,163 @@
+"""Playing updates to a solver: from a stream file, or from somebody who types them."""
+
+import re
+import signal
+import sys
+import time
+from contextlib import contextmanager
+from functools import partial
+from typing import Iterable, Iterator, List, Optional, Union
+
+from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
+from rosoclingo.oclingo.progression.parser import iterate_updates
+from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
+from rosoclingo.oclingo.service.protocol import Request
+from rosoclingo.oclingo.solving.solver import SolveResult
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
+
+_MAY_END = re.compile(r"#(end|stop)")
+_ENDS = re.compile(r"#(end|stop)[^.]*\.")
+_PROMPT, _PROMPT_MORE = "oclingo> ", "    ...> "
+
+Output = Union[TextOutput, JsonOutput]
+
+
+class Assembler:
+    """Puts updates together from lines, each update as soon as it is complete."""
+
+    def __init__(self) -> None:
+        self._pending: List[str] = []
+        self._before = 0
+        self._may_end = False
+
+    @property
+    def pending(self) -> bool:
+        """Whether an update has begun and is not complete."""
+        return any(line.strip() for line in self._pending)
+
+    def feed(self, line: str) -> List[Request]:
+        """Take a line and return the updates that are complete by now.
+
+        Where there is a fault, it comes last, its line counted from the first line of all; what is pending behind it
+        is forgotten.
+        """
+        self._pending.append(line)
+        self._may_end = self._may_end or _MAY_END.search(line) is not None
+        ends = self._may_end and "." in line and _ENDS.search("".join(self._pending))
+        return self._parse(last=False) if ends else []
+
+    def finish(self) -> List[Request]:
+        """Return what is left at the end of the text; an update without end is a fault."""
+        return self._parse(last=True)
+
+    def forget(self) -> None:
+        """Forget what is pending."""
+        self._before += len(self._pending)
+        self._pending.clear()
+        self._may_end = False
+
+    def _parse(self, last: bool) -> List[Request]:
+        text = "".join(self._pending)
+        found: List[Request] = []
+        try:
+            found.extend(iterate_updates(text))
+        except ProgressionError as error:
+            end = (text.count("\n") + 1, len(text) - text.rfind("\n"))
+            if not last and (error.line, error.column) == end:
+                return []  # it goes on
+            found.append(ProgressionError(self._before + error.line, error.column, error.message))
+        self.forget()
+        return found
+
+
+class Session:
+    """A stream of updates to one solver, and what is printed of it.
+
+    Attributes:
+        failed: whether something was no update, or refused.
+
+    """
+
+    def __init__(self, solver: StreamSolver, output: Output, time_limit: Optional[float] = None) -> None:
+        """Play to ``solver``; a search ends after ``time_limit`` seconds."""
+        self._solver, self._output, self._time_limit = solver, output, time_limit
+        self._interrupted = False
+        self.failed = False
+
+    def play(self, lines: Iterable[str], name: str) -> None:
+        """Play the updates of the text ``name`` until ``#stop.`` or its end; faults are printed and passed over."""
+        assembler = Assembler()
+        for line in lines:
+            if not self._take(assembler.feed(line), name):
+                return
+        self._take(assembler.finish(), name)
+
+    def ask(self, name: str = "<input>") -> None:
+        """Ask for updates at a prompt until ``#stop.`` or the end of the input (Ctrl-D).
+
+        Ctrl-C ends a search; at the prompt it forgets what was typed of an update.
+        """
+        assembler, prompts = Assembler(), sys.stdin.isatty()
+        while True:
+            try:
+                line = input((_PROMPT_MORE if assembler.pending else _PROMPT) if prompts else "") + "\n"
+            except EOFError:
+                self._take(assembler.finish(), name)
+                return
+            except KeyboardInterrupt:
+                assembler.forget()
+                sys.stdout.write("\n")
+                continue
+            with self._interruptible():
+                if not self._take(assembler.feed(line), name):
+                    return
+
+    def _take(self, requests: Iterable[Request], name: str) -> bool:
+        """Play the updates among ``requests`` and print the faults; False where ``#stop.`` was among them."""
+        for request in requests:
+            if isinstance(request, ProgressionError):
+                self.failed = True
+                self._output.fault(f"{name}:{request.line}:{request.column}", request.message)
+            elif request.stops:
+                return False
+            else:
+                self._play(request)
+        return True
+
+    def _play(self, update: StreamUpdate) -> None:
+        self._interrupted = False
+        self._output.sent(update)
+        try:
+            result = self._search(update)
+        except SolverError as error:
+            self.failed = True
+            self._output.refused(update, str(error))
+        else:
+            self._output.result(update, result)
+
+    def _search(self, update: StreamUpdate) -> SolveResult:
+        while True:
+            try:
+                return self._solver.update(update, partial(self._must_end, time.monotonic()))
+            except NotReadyError:
+                if self._interrupted:
+                    raise
+
+    def _must_end(self, start: float) -> bool:
+        """Whether a search that began at ``start`` must end."""
+        late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
+        return late or self._interrupted
+
+    @contextmanager
+    def _interruptible(self) -> Iterator[None]:
+        """Let Ctrl-C end the search, and only that."""
+
+        def interrupt(number: int, frame: object) -> None:
+            self._interrupted = True
+
+        before = signal.signal(signal.SIGINT, interrupt)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)

@@ -1,0 +1,1 @@
+"""The reactive solver: updates in, answers out, growing the horizon."""

@@ -1,0 +1,196 @@
+"""What a grounding knows of its atoms: which externals may still be defined, by which literal, and what defines them.
+
+An external that gets a lapsing definition stays open behind it: the definition goes to its literal together with a
+rule by which a fresh external, its next *cell*, defines it as well.
+"""
+
+from typing import Container, Dict, Iterable, Iterator, List, Optional, Set, Tuple
+
+import clingo
+
+from rosoclingo.oclingo.program.signatures import Signature, signature_of
+from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.oclingo.solving.backend_session import Editor
+
+
+class AtomTable:
+    """Atoms of one control, seen as what updates may say of them.
+
+    Attributes:
+        stepless: the atoms of open signatures that no step declares.
+
+    """
+
+    def __init__(
+        self, control: clingo.Control, editor: Editor, declared: Container[int], heads: Container[Signature]
+    ) -> None:
+        """Take the control, its editor, the literals of declared externals, and the predicates that rules define."""
+        self._control, self._editor, self._declared, self._heads = control, editor, declared, heads
+        self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
+        self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
+        self._closed: Set[clingo.Symbol] = set()
+        self._facts: Set[clingo.Symbol] = set()
+        self.stepless: Set[clingo.Symbol] = set()
+        self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
+
+    def knows(self, atom: clingo.Symbol) -> bool:
+        """Tell whether some grounded rule or external mentions ``atom`` as possible."""
+        return atom in self._control.symbolic_atoms
+
+    def is_true(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` is known as a fact."""
+        known = self._control.symbolic_atoms[atom]
+        return atom in self._facts or (known is not None and bool(known.is_fact))
+
+    def is_open(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` is an external that a rule may define now."""
+        if atom in self._cells or atom in self._defining:
+            return True
+        if atom in self._closed:
+            return False
+        known = self._control.symbolic_atoms[atom]
+        if known is None:
+            return False
+        # clingo itself no longer keeps track of externals once the program can never be satisfied
+        return bool(known.is_external) or (known.literal in self._declared and signature_of(atom) not in self._heads)
+
+    def is_closed(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` is an external that was closed, or defined for good."""
+        return atom in self._closed
+
+    def add(self, statement: Statement, guard: Optional[int]) -> None:
+        """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""
+        body = [self._body_literal(literal) for literal in statement.body] + ([] if guard is None else [guard])
+        head = [] if statement.head is None else [self._head(statement.head, guard)]
+        self._editor.backend.add_rule(head, body)
+        if statement.head is not None and not body:
+            self._facts.add(statement.head)
+
+    def close(self, atom: clingo.Symbol) -> None:
+        """Let the open external ``atom`` be false for good."""
+        self._closed.add(atom)
+        cell = self._cells.pop(atom, None)
+        if cell is None:
+            known = self._control.symbolic_atoms[atom]
+            cell = None if known is None else known.literal
+        if cell is not None:
+            self._editor.release(cell)
+
+    def end_definitions(self) -> None:
+        """Take what was defined up to now as defined: to be called before a search."""
+        self._defining.clear()
+
+    def resolve_absent(self) -> None:
+        """Tie body atoms of updates that came before their step to the atoms that are grounded by now."""
+        for atom in [one for one in self._absent if self.knows(one)]:
+            backend = self._editor.backend
+            backend.add_rule([self._absent.pop(atom)], [backend.add_atom(atom)])
+
+    def _head(self, atom: clingo.Symbol, guard: Optional[int]) -> int:
+        """Return the literal to define for ``atom``."""
+        if atom not in self._defining:
+            cell = self._cells.pop(atom, None)
+            self._defining[atom] = cell if cell is not None else self._new_or_known(atom)
+        literal = self._defining[atom]
+        if guard is None:
+            self._closed.add(atom)
+            if atom in self._cells:
+                self._editor.release(self._cells.pop(atom))
+        elif atom not in self._closed and atom not in self._cells:
+            following = self._cells[atom] = self._editor.new_external()
+            self._editor.backend.add_rule([literal], [following])
+        return literal
+
+    def _new_or_known(self, atom: clingo.Symbol) -> int:
+        backend = self._editor.backend
+        fresh = not self.knows(atom)
+        literal = backend.add_atom(atom)
+        if fresh:
+            opposite = self._control.symbolic_atoms[clingo.Function(atom.name, atom.arguments, not atom.positive)]
+            if opposite is not None:
+                backend.add_rule([], [literal, opposite.literal])
+            if atom in self._absent:
+                backend.add_rule([self._absent.pop(atom)], [literal])
+        return int(literal)
+
+    def _body_literal(self, literal: Literal) -> int:
+        atom = literal.atom
+        if self.knows(atom):
+            code = int(self._editor.backend.add_atom(atom))
+        else:
+            if atom not in self._absent:
+                self._absent[atom] = self._editor.new_external()
+            code = self._absent[atom]
+        return code if literal.positive else -code
+
+
+class AtomIndex:
+    """Atoms of some signatures, sorted by a number; looked through only when asked after something new was grounded."""
+
+    def __init__(self, control: clingo.Control, signatures: Iterable[Signature]) -> None:
+        self._control, self._signatures = control, sorted(signatures)
+        self._seen: Set[int] = set()
+        self._stale = True
+
+    def expire(self) -> None:
+        """Note that there may be new atoms."""
+        self._stale = True
+
+    def fresh(self) -> Iterator[Tuple[clingo.Symbol, int]]:
+        """Yield the atoms, with their literals, that have not been yielded before."""
+        if not self._stale:
+            return
+        self._stale = False
+        for signature in self._signatures:
+            for one in self._control.symbolic_atoms.by_signature(*signature):
+                literal = one.literal
+                if literal not in self._seen:
+                    self._seen.add(literal)
+                    yield one.symbol, literal
+
+
+class CycleIndex:
+    """The atoms of a keyword like ``_return/3``, sorted by the cycle that is their last argument."""
+
+    def __init__(self, control: clingo.Control, signature: Signature) -> None:
+        self._index = AtomIndex(control, [signature])
+        self._cycles: Dict[clingo.Symbol, List[Tuple[clingo.Symbol, int]]] = {}
+
+    def expire(self) -> None:
+        """Note that there may be new atoms."""
+        self._index.expire()
+
+    def pop_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:
+        """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
+        for atom, literal in self._index.fresh():
+            self._cycles.setdefault(atom.arguments[-1], []).append((atom, literal))
+        return self._cycles.pop(clingo.Number(cycle), [])
+
+
+class ActionIndex:
+    """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
+
+    def __init__(self, control: clingo.Control, editor: Editor, signature: Signature) -> None:
+        self._editor = editor
+        self._atoms = CycleIndex(control, signature)
+        self._closed: Dict[int, Set[clingo.Symbol]] = {}
+
+    def expire(self) -> None:
+        """Note that there may be new actions."""
+        self._atoms.expire()
+
+    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
+        """Forbid all actions of ``cycle`` but ``executed``, those that come later as well."""
+        self._closed[cycle] = set(executed)
+        self._forbid(cycle)
+
+    def forbid_late(self, step: int) -> None:
+        """Forbid actions of closed cycles that came with the grounding of ``step``."""
+        for cycle in (step - 1, step, step + 1):
+            if cycle in self._closed:
+                self._forbid(cycle)
+
+    def _forbid(self, cycle: int) -> None:
+        for atom, literal in self._atoms.pop_cycle(cycle):
+            if atom not in self._closed[cycle]:
+                self._editor.backend.add_rule([], [literal])

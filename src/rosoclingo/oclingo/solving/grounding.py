@@ -1,0 +1,310 @@
+"""One grounding of a reactive program in one :class:`clingo.Control`, grown step by step.
+
+The engine knows nothing of streams: the solver tells it what to ground, define, release and solve. It can be thrown
+away and built anew at any time from the solver's state.
+"""
+
+import re
+from typing import (
+    Any,
+    Callable,
+    Container,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
+
+import clingo
+from clingo.backend import Observer
+
+from rosoclingo.oclingo.errors import DroppedError
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.parts import guard_atom, open_part
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.solving.atom_table import ActionIndex, AtomIndex, AtomTable, CycleIndex
+from rosoclingo.oclingo.solving.backend_session import HOLDS, Editor
+from rosoclingo.oclingo.solving.fixed_atoms import BASE, Census, StepRecorder
+from rosoclingo.oclingo.solving.horizon import HorizonLiterals
+from rosoclingo.oclingo.solving.stream_state import Lifetime, Past, StreamState
+
+POLL = 0.02
+"""Seconds of wall time between two looks at the stop request while clingo searches."""
+
+
+class Search(NamedTuple):
+    """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last."""
+
+    satisfiable: Optional[bool]
+    answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
+    horizon: int = 0
+
+
+class _Externals(Observer):
+    """Notes which externals clingo declares."""
+
+    def __init__(self) -> None:
+        self.fresh: Set[int] = set()
+
+    def external(self, atom: int, value: clingo.TruthValue) -> None:
+        """An external."""
+        self.fresh.add(atom)
+
+
+class Engine:
+    """A control with base and the steps first..:attr:`horizon` grounded.
+
+    Attributes:
+        horizon: the last grounded step; first step - 1 while only base is grounded.
+        atoms: what updates may say of the atoms, and how.
+        messages: what clingo said since they were last cleared.
+        shown: the shown atoms of the last answer.
+        satisfied: whether the last search had an answer.
+        tried: before which step it was tried last to retire steps.
+
+    """
+
+    def __init__(
+        self,
+        program: ReactiveProgram,
+        open_atoms: Iterable[clingo.Symbol],
+        facts: Set[clingo.Symbol],
+        shortest: bool = False,
+        past: Optional[Past] = None,
+    ) -> None:
+        """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
+
+        With ``shortest`` no answer holds an action of a cycle beyond its horizon. Steps that ``past`` tells of are not
+        ground. Raises RuntimeError as clingo does.
+        """
+        self.program = program
+        self._shortest = shortest
+        self.messages = Messages()
+        self._control = clingo.Control(program.arguments(), logger=self.messages.log)
+        self._editor = Editor(self._control)
+        self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
+        self.atoms = AtomTable(self._control, self._editor, self._declared, program.head_signatures)
+        self._actions = ActionIndex(self._control, self._editor, ACTION)
+        self._returns = CycleIndex(self._control, RETURN)
+        self._externals = AtomIndex(self._control, program.external_signatures)
+        self._observer = _Externals()
+        self._control.register_observer(self._observer)
+        self._recorder = StepRecorder()
+        if shortest:
+            self._control.register_observer(self._recorder)
+        program.load_into(self._control)
+        self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
+        self._hidden: Set[clingo.Symbol] = set()
+        self.shown: FrozenSet[clingo.Symbol] = frozenset()
+        self.satisfied = False
+        self.tried = 0
+        self._past = past or Past(program.first_step, frozenset())
+        self._retired = frozenset(atom for _, atom in self._past.shown)
+        self.horizon = self._past.first - 1
+        self._ends = HorizonLiterals(self._control, self._editor, self.horizon)
+        self.declare(open_atoms, facts)
+        self._recorder.begin(range(BASE, BASE + 1))
+        self._ground([("base", [])], 1)
+        self._recorder.end()
+        self._of_base = frozenset(self._declared)
+        self._base_externals: Set[clingo.Symbol] = set()
+        self._tell(self._past.facts)
+
+    def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
+        """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
+        declared = list(atoms)
+        self.atoms.stepless.update(declared)
+        self._ground([open_part(atom, atom in facts) for atom in declared], 1)
+
+    def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
+        """Make ``facts`` known to the steps."""
+        text = "".join(f"{atom}.\n" for atom in facts)
+        if text:
+            self._control.add("__oclingo_past", [], text)
+            self._ground([("__oclingo_past", [])], self._past.first - 1)
+
+    def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
+        self._editor.close()
+        self._control.ground(parts)
+        for literal in self._observer.fresh:
+            self._declared.setdefault(literal, step)
+        self._observer.fresh.clear()
+        self._externals.expire()
+        self._returns.expire()
+        self._actions.expire()
+
+    def ground_to(self, last: int) -> None:
+        """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
+        steps = range(self.horizon + 1, last + 1)
+        parts = [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")]
+        self.horizon = last
+        self._recorder.begin(steps)
+        self._ground(parts, steps[0])
+        self._recorder.end()
+        for step in steps:
+            self._bound(step)
+        self.atoms.resolve_absent()
+
+    def _bound(self, step: int) -> None:
+        """Tie what holds at ``step`` to the horizon and to the cycles that have been closed."""
+        for window in self.program.windows:
+            guard = self._control.symbolic_atoms[guard_atom(window, step)]
+            if guard is not None and window > 0:
+                self._ends.define_window(guard.literal, step, window)
+                self._hidden.add(guard.symbol)
+        if self._shortest:
+            self._ends.forbid_beyond(step)
+        self._actions.forbid_late(step)
+
+    def new_guard(self) -> int:
+        """Return a literal that holds until it is released."""
+        return self._editor.new_external(HOLDS)
+
+    def release(self, guards: Iterable[int]) -> None:
+        """Make ``guards`` false for good."""
+        for guard in guards:
+            self._editor.release(guard)
+
+    def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
+        """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
+        for atom, literal in self._externals.fresh():
+            if literal in self._declared and atom not in self.atoms.stepless:
+                block = self._recorder.blocks.get(self._declared[literal], range(1, 2))
+                step = self.program.declaring_step(atom, block) if len(block) > 1 else self._declared[literal]
+                self._declarations.setdefault(step, []).append(atom)
+                if literal in self._of_base:
+                    self._base_externals.add(atom)
+        steps = [step for step in self._declarations if first <= step <= last]
+        found = [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
+        return found if base else [one for one in found if one not in self._base_externals]
+
+    def census(self, start: int, before: int) -> Census:
+        """Tell what is fixed for good, looking at the steps from ``start`` to before ``before``."""
+        census = Census(self._recorder, start, before)
+        self._control.register_propagator(census)
+        free = self._editor.backend.add_atom()
+        self._editor.backend.add_rule([free], choice=True)
+        self._editor.close()
+        self._control.solve(assumptions=[free, -free])  # ends at once, but reads the program
+        return census
+
+    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
+        """Fix the actions of ``cycle`` to ``executed``."""
+        self._actions.close_cycle(cycle, executed)
+
+    def close_returns(self, cycle: int) -> None:
+        """Close the returns of ``cycle`` that never came: what can't come any more needs no thought."""
+        for atom, _ in self._returns.pop_cycle(cycle):
+            if self.atoms.is_open(atom):
+                self.atoms.close(atom)
+
+    def settle(self, step: int) -> None:
+        """Say that no search will ask for a horizon before ``step`` any more."""
+        self._ends.settle(step)
+
+    @property
+    def conflicting(self) -> bool:
+        """Whether what has been added can never be satisfied, whatever externals and further steps bring."""
+        return bool(self._control.is_conflicting)
+
+    def search(self, models: int, stopped: Callable[[], bool], first: int, last: int) -> Search:
+        """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
+
+        Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the
+        answers' horizons are free within the range.
+        """
+        self.atoms.end_definitions()
+        assumptions = self._ends.range(first, last)
+        self._editor.close()
+        answers: List[FrozenSet[clingo.Symbol]] = []
+        horizons = [last]
+        best = self.program.optimizes
+        options: Any = self._control.configuration.solve
+        options.models = str(models)
+        if best:
+            options.opt_mode = "optN"
+
+        def keep(model: clingo.Model) -> None:
+            """Take a model for an answer; where there is something to optimize, only one that is proven best."""
+            if not best or not model.cost or model.optimality_proven:
+                self.shown = frozenset(model.symbols(shown=True)) - self._hidden
+                answers.append(self.shown | self._retired)
+                horizons.append(self._ends.horizon_of(model, first, last))
+
+        with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
+            while not handle.wait(POLL):
+                if stopped():
+                    handle.cancel()
+            result = handle.get()
+        self.satisfied = bool(result.satisfiable)
+        if result.interrupted:
+            return Search(None)
+        return Search(bool(result.satisfiable), tuple(answers), horizons[-1])
+
+
+def explain(error: RuntimeError, engine: Optional[Engine], program: ReactiveProgram) -> str:
+    """Return what clingo's ``error`` means for the update that was fed to ``engine``."""
+    redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
+    if redefined is not None:
+        faults = program.redefinition_of(redefined.group("atom"))
+    elif engine is not None:
+        faults = engine.messages.faults(error, program.parameter_at)
+    else:
+        return f"the update was refused: {error}"
+    return "the update was refused: " + "\n".join(map(str, faults))
+
+
+BLOCK = 64
+"""Steps that are grounded at once."""
+
+
+def _block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
+    """Yield the last steps of the blocks from ``first`` to the horizon; one ends where steps may be retired."""
+    while first <= state.horizon:
+        last = min(first + block - 1, state.horizon)
+        if first < state.keep_from <= last:
+            last = state.keep_from - 1
+        yield last
+        first = last + 1
+
+
+def build_engine(
+    program: ReactiveProgram, state: StreamState, shortest: bool, dropped: Callable[[], bool] = lambda: False
+) -> Tuple[Engine, Dict[Lifetime, int]]:
+    """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
+
+    Returns the engine and the guards of what will lapse. Nothing is searched in between, so that clingo sees all rules
+    together: loops over several steps and several rules for one head are what they are in a program of one piece.
+    Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
+    """
+    facts = {one.head for one in state.permanent if one.head is not None and not one.body}
+    guards: Dict[Lifetime, int] = {}
+    engine = Engine(program, state.open_atoms, facts, shortest, state.past)
+    for last in _block_ends(state, engine.horizon + 1, BLOCK if shortest else 1):
+        if dropped():
+            raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
+        engine.ground_to(last)
+    for atom in state.forgotten:
+        engine.atoms.close(atom)
+    for cycle, executed in state.closed_cycles.items():
+        engine.close_cycle(cycle, executed)
+    given = set(state.open_atoms) & facts
+    for statement in state.permanent:
+        if statement.body or statement.head not in given:
+            engine.atoms.add(statement, None)
+    for entry in state.lapsing:
+        if entry.lifetime not in guards:
+            guards[entry.lifetime] = engine.new_guard()
+        entry.guard = guards[entry.lifetime]
+        engine.atoms.add(entry.statement, entry.guard)
+    for cycle in sorted(state.closed_cycles)[:-1]:
+        engine.close_returns(cycle)
+    engine.atoms.end_definitions()
+    return engine, guards

@@ -1,0 +1,133 @@
+"""What the solver knows of its stream: enough to build the grounding anew at any time."""
+
+from dataclasses import dataclass, field, replace
+from typing import Dict, FrozenSet, Iterator, List, Optional, Set, Tuple, Union
+
+import clingo
+
+from rosoclingo.oclingo.program.return_failures import with_their_failures
+from rosoclingo.oclingo.progression.updates import Assert, Cumulative, Section, Statement, Volatile
+
+
+@dataclass(frozen=True)
+class Term:
+    """Lifetime of asserted statements: until ``term`` is retracted."""
+
+    term: clingo.Symbol
+
+
+FOREVER, UPDATE = "forever", "update"
+Lifetime = Union[str, int, Term]
+"""FOREVER, UPDATE (until the next update), the last horizon at which a statement holds, or a Term."""
+
+
+def lifetime_of(section: Section, step: int) -> Lifetime:
+    """Return how long a statement of ``section`` holds in an update of step ``step``."""
+    if isinstance(section, Cumulative):
+        return FOREVER
+    if isinstance(section, Assert):
+        return Term(section.term)
+    assert isinstance(section, Volatile)
+    return step + section.window - 1 if section.window else UPDATE  # a window of 0 is none
+
+
+@dataclass
+class Entry:
+    """A statement that will lapse, or that waits until its head is declared.
+
+    Attributes:
+        statement: the rule.
+        lifetime: how long it holds.
+        guard: the literal under which the engine holds it; None while it waits.
+
+    """
+
+    statement: Statement
+    lifetime: Lifetime
+    guard: Optional[int] = None
+
+
+@dataclass(frozen=True)
+class Past:
+    """The steps of a stream that are over and no longer ground (see :mod:`~rosoclingo.oclingo.solving.compaction`).
+
+    Attributes:
+        first: the first step that is still ground.
+        facts: what later steps may see of what those before define.
+        shown: what answers show of those steps, each with its step.
+
+    """
+
+    first: int
+    facts: FrozenSet[clingo.Symbol]
+    shown: Tuple[Tuple[int, clingo.Symbol], ...] = ()
+
+
+@dataclass
+class StreamState:
+    """State of a stream between two updates.
+
+    Attributes:
+        step: k, the step of the last update.
+        bound: B, the greatest horizon to search, None for no bound.
+        horizon: N, the last grounded step.
+        permanent: statements that hold for ever, in order.
+        lapsing: statements in force that will lapse.
+        waiting: statements whose head is an external that only a later step declares.
+        open_atoms: atoms of open signatures seen so far, in order.
+        forgotten: externals closed by ``#forget``.
+        forgets_done: last step at which the program's own ``#forget`` was carried out.
+        closed_cycles: the actions that were executed in each cycle that has been closed.
+        keep_from: steps before it may be retired.
+        past: the steps that have been retired, None for none.
+        cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for
+            each search, since clingo looks for loops only among the rules that come between two searches.
+
+    """
+
+    step: int
+    horizon: int
+    bound: Optional[int] = None
+    permanent: List[Statement] = field(default_factory=list)
+    lapsing: List[Entry] = field(default_factory=list)
+    waiting: List[Entry] = field(default_factory=list)
+    open_atoms: List[clingo.Symbol] = field(default_factory=list)
+    forgotten: Set[clingo.Symbol] = field(default_factory=set)
+    forgets_done: int = 0
+    closed_cycles: Dict[int, FrozenSet[clingo.Symbol]] = field(default_factory=dict)
+    keep_from: int = 0
+    past: Optional[Past] = None
+    cyclic: bool = False
+
+    def rules(self) -> Iterator[Statement]:
+        """Yield the statements in force that have a head and a body."""
+        for statement in [*self.permanent, *(entry.statement for entry in self.lapsing)]:
+            if statement.head is not None and statement.body:
+                yield statement
+
+    def copy(self) -> "StreamState":
+        """Return a copy that shares nothing that changes."""
+        return replace(
+            self,
+            permanent=list(self.permanent),
+            lapsing=[replace(entry) for entry in self.lapsing],
+            waiting=[replace(entry) for entry in self.waiting],
+            open_atoms=list(self.open_atoms),
+            forgotten=set(self.forgotten),
+            closed_cycles=dict(self.closed_cycles),
+        )
+
+    def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
+        """Return the state that would be, had none of ``facts`` been told; an action in it was not executed.
+
+        What has followed from them in retired steps stays.
+        """
+        less, facts = self.copy(), with_their_failures(facts)
+        if less.past is not None:
+            less.past = replace(less.past, facts=less.past.facts - facts)
+        less.permanent = [statement for statement in less.permanent if not statement.concerns(facts)]
+        less.lapsing = [entry for entry in less.lapsing if not entry.statement.concerns(facts)]
+        less.waiting = [entry for entry in less.waiting if not entry.statement.concerns(facts)]
+        less.open_atoms = [atom for atom in less.open_atoms if atom not in facts]
+        less.closed_cycles = {cycle: executed - facts for cycle, executed in less.closed_cycles.items()}
+        return less

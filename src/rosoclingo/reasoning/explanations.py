@@ -1,0 +1,72 @@
+"""Reasons in words: a program's terms as text, its ``_explain(What,Text,C)`` atoms, and why a goal is given up."""
+
+from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+
+from clingo import Symbol, SymbolType
+
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.keywords import EXPLAIN, is_keyword, name_of
+from rosoclingo.reasoning.observations import Observation
+
+
+def text_of(term: Symbol) -> str:
+    """A term as text: the content of a string, the pieces of a tuple joined, else the term as it is written."""
+    if term.type is SymbolType.Function and not term.name:
+        return "".join(text_of(piece) for piece in term.arguments)
+    return name_of(term)
+
+
+class Explanations:
+    """All explanations of an answer; ``faults`` holds what was none."""
+
+    def __init__(self, answer: FrozenSet[Symbol] = frozenset()) -> None:
+        self.faults: List[str] = []
+        self._texts: Dict[Symbol, Tuple[int, str]] = {}
+        for atom in sorted((atom for atom in answer if is_keyword(atom, EXPLAIN)), key=str):
+            self._enter(atom)
+
+    def of(self, what: Symbol) -> Optional[str]:
+        """What is said of a goal, by its identifier, or of an observation; of several the one of the latest cycle."""
+        return self._texts[what][1] if what in self._texts else None
+
+    def _enter(self, atom: Symbol) -> None:
+        if len(atom.arguments) != 3 or atom.arguments[2].type is not SymbolType.Number:
+            self.faults.append(f"'{atom}' is no explanation: write _explain(What,Text,C)")
+            return
+        what, text, cycle = atom.arguments
+        if what not in self._texts or self._texts[what][0] <= cycle.number:
+            self._texts[what] = cycle.number, text_of(text)
+
+
+T = TypeVar("T")
+
+
+class Loss(NamedTuple):
+    """``goal`` and the goals ``together`` cannot be met after ``observations``.
+
+    ``sure`` tells that this is so, and would not be with any of them left out.
+    """
+
+    goal: Goal
+    together: Tuple[Goal, ...] = ()
+    observations: Tuple[Observation, ...] = ()
+    sure: bool = True
+
+    def text(self, explanations: Explanations, why: str) -> str:
+        """The loss in words, the program's where it has some; ``why`` is told where nothing else is known."""
+        others = _joined(self.together, str)
+        seen = _joined(self.observations, lambda one: explanations.of(one.atom) or str(one))
+        reason = explanations.of(self.goal.identifier) or ("" if seen or others else why)
+        perhaps = "" if self.sure else "perhaps "
+        parts = [
+            f"{self.goal} {perhaps}cannot be met",
+            f" together with {others}" if others else "",
+            f": {reason}" if reason else "",
+            f" {perhaps}since {seen}" if seen else "",
+        ]
+        return "".join(parts)
+
+
+def _joined(things: Sequence[T], words: Callable[[T], str]) -> str:
+    texts: List[str] = list(dict.fromkeys(words(thing) for thing in things))
+    return " and ".join(texts)

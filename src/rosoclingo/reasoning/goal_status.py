@@ -1,0 +1,123 @@
+"""What has become of goals: what a program says of them, the ``_status(Id,S,C)`` atoms of an answer, and what it means.
+
+``S`` is accepted, rejected, succeeded, canceled or aborted, or one of these words around a reason,
+``rejected(unknown_office)``, ``aborted(("package ",3," is not at ",office2))``.
+"""
+
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+
+from clingo import Symbol, SymbolType
+
+from rosoclingo.reasoning.action_extractor import TaskPlan
+from rosoclingo.reasoning.explanations import text_of
+from rosoclingo.reasoning.goals import Goal, Outcome
+from rosoclingo.reasoning.keywords import STATUS, is_keyword
+
+#: The words of ``_status``, worst first, and how they end a goal (None: it goes on).
+WORDS: Dict[str, Optional[Outcome]] = {
+    "aborted": Outcome.ABORTED,
+    "rejected": Outcome.REJECTED,
+    "canceled": Outcome.CANCELED,
+    "succeeded": Outcome.SUCCEEDED,
+    "accepted": None,
+}
+
+
+class Status(NamedTuple):
+    """One word about one goal, with the program's reason (empty when it gives none)."""
+
+    word: str
+    reason: str = ""
+
+    @property
+    def outcome(self) -> Optional[Outcome]:
+        """How the word ends a goal; None for accepted."""
+        return WORDS[self.word]
+
+
+class Statuses:
+    """The statuses of an answer from the cycle ``since`` on; ``faults`` holds what was no status."""
+
+    def __init__(self, answer: FrozenSet[Symbol], since: int = 0) -> None:
+        self._since = since
+        self.faults: List[str] = []
+        self._table: Dict[Tuple[Symbol, int], List[Symbol]] = {}
+        for atom in answer:
+            if is_keyword(atom, STATUS):
+                self._enter(atom)
+        self.faults.sort()
+
+    def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
+        """The goal's status in a cycle; of several the worst. None when the program says nothing."""
+        found = map(_status_of, self._table.get((identifier, cycle), []))
+        return min(found, key=lambda status: (list(WORDS).index(status.word), status.reason), default=None)
+
+    def _enter(self, atom: Symbol) -> None:
+        arguments = atom.arguments
+        identifier, word, cycle = arguments if len(arguments) == 3 else (atom, atom, atom)
+        number = cycle.number if cycle.type is SymbolType.Number else None
+        if number is not None and number < self._since:
+            return
+        if number is not None and word.type is SymbolType.Function and word.name in WORDS:
+            self._table.setdefault((identifier, number), []).append(word)
+        else:
+            self.faults.append("'{}' is no status: write _status(Id,S,C), S one of {}".format(atom, ", ".join(WORDS)))
+
+
+def _status_of(word: Symbol) -> Status:
+    return Status(word.name, ", ".join(text_of(argument) for argument in word.arguments))
+
+
+_TEXTS = {
+    Outcome.SUCCEEDED: "{} is met",
+    Outcome.CANCELED: "{} is cancelled",
+    Outcome.REJECTED: "the program rejects {}",
+    Outcome.ABORTED: "the program gives {} up",
+}
+
+
+def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: int, speaks: bool) -> None:
+    """Bring a fed, live goal to the state that the answer of ``cycle`` gives it.
+
+    The program's ``_status`` of the cycle decides. Where it says nothing of a goal, the goal is accepted, and met (or
+    its cancellation done) as soon as no action is left in the plan; but a program that ``speaks`` of its goals, as it
+    has rules for ``_status``, and has never said a word of this one does not know it, and the goal is rejected. Before
+    the request's own cycle a program may say nothing yet: then acceptance and rejection are read at that cycle, as all
+    else would be a prediction.
+    """
+    first = goal.request_cycle or cycle
+    status = statuses.read(goal.identifier, cycle)
+    if status is not None:
+        goal.known = True
+        _obey(goal, status)
+    elif first > cycle:
+        _judge_early(goal, statuses.read(goal.identifier, first), horizon >= first and not speaks)
+    elif speaks and not goal.known:
+        _end(goal, Outcome.REJECTED, "it has no word for it")
+    else:
+        goal.accept()
+        if not plan.remaining(cycle):
+            _end(goal, Outcome.CANCELED if goal.cancelling else Outcome.SUCCEEDED)
+
+
+def _judge_early(goal: Goal, status: Optional[Status], seen: bool) -> None:
+    if status is None:
+        if seen:
+            goal.accept()
+    elif status.outcome is Outcome.REJECTED:
+        _obey(goal, status)
+    elif status.outcome in (None, Outcome.SUCCEEDED):
+        goal.accept()
+
+
+def _obey(goal: Goal, status: Status) -> None:
+    if status.outcome is None:
+        goal.accept()
+    else:
+        goal.refused = status.outcome is Outcome.REJECTED
+        _end(goal, status.outcome, status.reason)
+
+
+def _end(goal: Goal, outcome: Outcome, reason: str = "") -> None:
+    text = _TEXTS[outcome].format(goal)
+    goal.end(outcome, f"{text}: {reason}" if reason else text)

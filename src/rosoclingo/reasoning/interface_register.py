@@ -1,0 +1,68 @@
+"""Which interfaces there are, and which actions wait for one that is not there."""
+
+from typing import AbstractSet, Dict, List, NamedTuple, Sequence, Set
+
+from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.texts import shortened
+
+#: Seconds for which an action may wait for its interface to appear before that is told.
+GRACE = 2.0
+
+
+class Missing(NamedTuple):
+    """An action that waits for an interface that is not there, in words; ``new`` the first time that it is told."""
+
+    action: Action
+    text: str
+    new: bool
+
+
+class InterfaceRegister:
+    """Knows interfaces by what their nodes announce, and those of nodes that announce nothing by what they answer.
+
+    Nodes are known by name. ``now`` is in seconds of a clock that only goes forward.
+    """
+
+    def __init__(self) -> None:
+        self._announced: Dict[str, Set[str]] = {}  # node -> its interfaces
+        self._answered: Set[str] = set()
+        self._since: Dict[Action, float] = {}
+        self._told: Set[Action] = set()
+
+    @property
+    def names(self) -> List[str]:
+        """The interfaces that were announced, sorted."""
+        return sorted(set().union(*self._announced.values()))
+
+    def announce(self, node: str, interface: str) -> None:
+        """A node says that it serves an interface."""
+        self._announced.setdefault(node, set()).add(interface)
+
+    def answered(self, interface: str) -> None:
+        """A return of an interface was taken."""
+        self._answered.add(interface)
+
+    def look(
+        self, awaited: Sequence[Action], listening: AbstractSet[str], speaking: AbstractSet[str], now: float
+    ) -> List[Missing]:
+        """The actions that have waited for long for an interface that is not there.
+
+        ``listening`` are the nodes that hear the actions, ``speaking`` those that may send returns.
+        """
+        self._announced = {node: names for node, names in self._announced.items() if node in speaking}
+        self._since = {action: self._since.get(action, now) for action in awaited}
+        self._told &= set(awaited)
+        silent = sorted(node for node in listening & speaking if node not in self._announced)
+        there = set().union(*(names for node, names in self._announced.items() if node in listening))
+        there |= self._answered if silent else set()
+        late = [action for action, since in self._since.items() if now - since >= GRACE]
+        missing = [action for action in late if action.interface_name not in there]
+        found = [Missing(one, self._text(one, silent, bool(listening)), one not in self._told) for one in missing]
+        self._told.update(missing)
+        return found
+
+    def _text(self, action: Action, silent: Sequence[str], heard: bool) -> str:
+        wanted, known = shortened(action.interface_name), ", ".join(self.names) or "none"
+        perhaps = f", and {', '.join(silent)} may have others" if silent else ""
+        there = f"the interfaces are {known}{perhaps}" if heard else "nobody listens on out_rosoclingo"
+        return f"no interface '{wanted}' for {shortened(str(action.atom))}: {there}"

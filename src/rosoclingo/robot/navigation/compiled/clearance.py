@@ -1,0 +1,145 @@
+"""Loops over grid cells that numba compiles: clearance, distances, ray casting, what costmaps show.
+
+All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (metres - origin) / resolution; cell
+(row, column) is the square [column, column + 1] x [row, row + 1].
+"""
+
+import math
+
+import numpy as np
+
+from rosoclingo.robot.navigation.compiled.jit import jit
+
+__all__ = ["cast_rays", "inflate", "square_distance", "update_clearance"]
+
+
+@jit
+def update_clearance(occupied, reach, row0, row1, column0, column1, out) -> None:
+    """Write into ``out[row0:row1, column0:column1]`` each cell centre's distance to the nearest occupied square.
+
+    ``occupied``: uint8 (H, W), non-zero is occupied; ``reach``: distances are cut off there; ``out``: float32
+    (H, W). Exact up to ``reach``; an occupied cell has -0.5.
+    """
+    height, _width = occupied.shape
+    span = math.ceil(reach) + 1
+    top = max(0, row0 - span)
+    rows = min(height, row1 + span) - top
+    columns = column1 - column0
+    gaps = np.full((rows, columns), reach * reach, dtype=np.float32)
+    for r in range(rows):
+        _row_gaps(occupied[top + r], reach, span, column0, column1, gaps[r])
+    for r in range(row0, row1):
+        for c in range(columns):
+            if occupied[r, column0 + c]:
+                out[r, column0 + c] = -0.5
+                continue
+            best = gaps[r - top, c]
+            for d in range(1, span + 1):
+                down = (d - 0.5) * (d - 0.5)
+                if down >= best:
+                    break
+                if r - d >= top:
+                    best = min(best, gaps[r - d - top, c] + down)
+                if r + d < top + rows:
+                    best = min(best, gaps[r + d - top, c] + down)
+            out[r, column0 + c] = math.sqrt(best)
+
+
+@jit
+def _row_gaps(row, reach, span, column0, column1, out) -> None:
+    """Write the squared gaps, within one row, between cell centres and the nearest occupied cell's edge."""
+    width = row.shape[0]
+    limit = reach * reach
+    last = -1000000
+    for c in range(max(0, column0 - span), column1):
+        if row[c]:
+            last = c
+        if c >= column0:
+            gap = max(c - last - 0.5, 0.0)
+            out[c - column0] = min(limit, gap * gap)
+    last = 1000000
+    for c in range(min(width, column1 + span) - 1, column0 - 1, -1):
+        if row[c]:
+            last = c
+        if c < column1:
+            gap = max(last - c - 0.5, 0.0)
+            out[c - column0] = min(out[c - column0], np.float32(gap * gap))
+
+
+@jit
+def cast_rays(occupied, x, y, angles, reach, out) -> None:
+    """Write into ``out`` (float64, n) how far each ray from (x, y) runs before it enters an occupied cell.
+
+    ``angles`` in rad; a ray that meets nothing, or leaves the grid for good, has ``reach``; one that starts in an
+    occupied cell has 0. Walks every cell that the ray crosses (Amanatides and Woo 1987), so the ranges are exact.
+    """
+    height, width = occupied.shape
+    for i in range(angles.shape[0]):
+        dx, dy = math.cos(angles[i]), math.sin(angles[i])
+        column, row = math.floor(x), math.floor(y)
+        step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+        per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
+        per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
+        next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
+        next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
+        at = 0.0
+        while at < reach:
+            if 0 <= row < height and 0 <= column < width:
+                if occupied[row, column]:
+                    break
+            elif _leaves(column, step_c, width) or _leaves(row, step_r, height):
+                at = reach
+                break
+            if next_c < next_r:
+                at, next_c, column = next_c, next_c + per_c, column + step_c
+            else:
+                at, next_r, row = next_r, next_r + per_r, row + step_r
+        out[i] = min(at, reach)
+
+
+@jit
+def _leaves(index, step, size):
+    """Tell whether a walk at ``index`` with this ``step`` is outside of 0 .. size - 1 and will not come back."""
+    return (index < 0 and step < 0) or (index >= size and step > 0)
+
+
+@jit
+def square_distance(occupied, x, y, reach):
+    """Return the distance (cells) of a point from the nearest occupied square, ``reach`` if none is nearer."""
+    height, width = occupied.shape
+    best = reach * reach
+    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
+        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
+            if occupied[row, column]:
+                dx = max(0.0, max(column - x, x - column - 1.0))
+                dy = max(0.0, max(row - y, y - row - 1.0))
+                best = min(best, dx * dx + dy * dy)
+    return math.sqrt(best)
+
+
+@jit
+def inflate(clearance, occupied, closed, x, y, yaw, radius, reach, factor, out) -> None:
+    """Write into ``out`` (int8 H, W) occupancy as costmap_2d shows it: 100 lethal, 99 inscribed, .. 0 free, -1.
+
+    The first cell of ``out`` is centred at (x, y), its rows along ``yaw`` (rad). ``closed``: bool, what is unknown; off
+    the grid everything is. From ``radius`` to ``reach`` costs go down by exp(-``factor``), per cell.
+    """
+    height, width = clearance.shape
+    c, s = math.cos(yaw), math.sin(yaw)
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            column, row = int(math.floor(x + c * j - s * i + 1e-6)), int(math.floor(y + s * j + c * i + 1e-6))
+            if not (0 <= row < height and 0 <= column < width):
+                out[i, j] = -1
+                continue
+            room = clearance[row, column]
+            if occupied[row, column]:
+                out[i, j] = 100
+            elif closed[row, column]:
+                out[i, j] = -1
+            elif room < radius:
+                out[i, j] = 99
+            elif room <= reach:
+                out[i, j] = max(1, int(98.0 * math.exp(-factor * (room - radius))))
+            else:
+                out[i, j] = 0

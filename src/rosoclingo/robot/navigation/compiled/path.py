@@ -1,0 +1,137 @@
+"""The compiled look at a path: where the robot is on it, whether it is clear, how far ahead a straight line leads."""
+
+import math
+
+import numpy as np
+
+from rosoclingo.robot.navigation.compiled.clearance import square_distance
+from rosoclingo.robot.navigation.compiled.jit import jit
+from rosoclingo.robot.navigation.compiled.places import line_is_clear
+
+__all__ = [
+    "first_block",
+    "furthest_clear",
+    "least_along",
+    "least_at",
+    "place_on",
+    "point_clearance",
+    "points_at",
+]
+
+
+@jit
+def point_clearance(clearance, x, y):
+    """Return the clearance at a point (cells), between the four nearest cell centres; -1 off the grid."""
+    height, width = clearance.shape
+    fx, fy = x - 0.5, y - 0.5
+    column, row = math.floor(fx), math.floor(fy)
+    if not (0 <= row < height - 1 and 0 <= column < width - 1):
+        return -1.0
+    px, py = fx - column, fy - row
+    low = clearance[row, column] * (1.0 - px) + clearance[row, column + 1] * px
+    high = clearance[row + 1, column] * (1.0 - px) + clearance[row + 1, column + 1] * px
+    return low * (1.0 - py) + high * py
+
+
+@jit
+def least_along(clearance, x0, y0, x1, y1):
+    """Return the least clearance (cells) along a segment, looked at every third of a cell."""
+    count = int(3.0 * math.hypot(x1 - x0, y1 - y0)) + 1
+    least = np.inf
+    for i in range(count + 1):
+        part = i / count
+        least = min(least, point_clearance(clearance, x0 + (x1 - x0) * part, y0 + (y1 - y0) * part))
+    return least
+
+
+@jit
+def first_block(ground, points, x, y, radius, bare):
+    """Return where (x, y) a disc of ``radius`` (cells) cannot go on along points (float64 n, 2), NaN for nowhere.
+
+    At their end one of ``bare``. What is behind the robot at (x, y) does not matter, and near to it a way may be as
+    tight as it is there.
+    """
+    near = 2.0 * radius + 3.0
+    last = points[points.shape[0] - 1]
+    best, start = np.inf, 0
+    for i in range(points.shape[0]):
+        away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
+        if away < best:
+            best, start = away, i
+    here = min(radius, square_distance(ground.occupied, x, y, radius + 0.5) - 1e-3)
+    for i in range(start, points.shape[0] - 1):
+        x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
+        least = here if math.hypot(x0 - x, y0 - y) < near else radius
+        if radius > bare and math.hypot(x1 - last[0], y1 - last[1]) < near:
+            least = min(bare, least)
+        if not line_is_clear(ground, x0, y0, x1, y1, least):
+            part = 0.0
+            while part < 0.95 and line_is_clear(ground, x0, y0, x0 + part * (x1 - x0), y0 + part * (y1 - y0), least):
+                part += 0.1
+            return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+    return np.nan, np.nan
+
+
+@jit
+def place_on(points, along, start, reach, x, y):
+    """Return (index, place) of the path's place nearest to (x, y): the segment it is on, and how far along it is.
+
+    Looks from ``points[start]`` (float64 n, 2; at ``along``) to ``reach`` further on.
+    """
+    best, best_i, best_place = np.inf, start, along[start]
+    for i in range(start, points.shape[0] - 1):
+        if along[i] > along[start] + reach:
+            break
+        dx, dy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+        square = dx * dx + dy * dy
+        t = 0.0
+        if square > 0.0:
+            t = min(1.0, max(0.0, ((x - points[i, 0]) * dx + (y - points[i, 1]) * dy) / square))
+        away = (points[i, 0] + t * dx - x) ** 2 + (points[i, 1] + t * dy - y) ** 2
+        if away < best:
+            best, best_i, best_place = away, i, along[i] + t * math.sqrt(square)
+    return best_i, best_place
+
+
+@jit
+def points_at(points, along, start, places):
+    """Return the points (n, 2) at ``places``, ascending, from ``points[start]`` on; ``along``: where each point is."""
+    found = np.empty((places.shape[0], 2))
+    i, last = start, points.shape[0] - 1
+    for k in range(places.shape[0]):
+        place = min(places[k], along[last])
+        while i < last and along[i + 1] < place:
+            i += 1
+        step = along[min(i + 1, last)] - along[i]
+        part = (place - along[i]) / step if step > 0.0 else 0.0
+        for axis in range(2):
+            found[k, axis] = points[i, axis] + part * (points[min(i + 1, last), axis] - points[i, axis])
+    return found
+
+
+@jit
+def furthest_clear(clearance, x, y, points, least_away, floors):
+    """Return the index of the last of ``points`` (cells) that a straight line from (x, y) leads to; -1 for none.
+
+    The line keeps the first of ``floors`` (cells of clearance) that is possible at all; points nearer than
+    ``least_away`` are left out.
+    """
+    spare = np.empty(points.shape[0])
+    for i in range(points.shape[0]):
+        spare[i] = least_along(clearance, x, y, points[i, 0], points[i, 1])
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) < least_away:
+            spare[i] = -np.inf
+    for floor in floors:
+        for i in range(points.shape[0] - 1, -1, -1):
+            if spare[i] >= floor:
+                return i
+    return -1
+
+
+@jit
+def least_at(clearance, points):
+    """Return the least clearance (cells) at points (float64 n, 2; cells)."""
+    least = np.inf
+    for i in range(points.shape[0]):
+        least = min(least, point_clearance(clearance, points[i, 0], points[i, 1]))
+    return least

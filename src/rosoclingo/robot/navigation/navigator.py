@@ -1,0 +1,259 @@
+"""Driving to a goal: the state machine of move_base, without ROS."""
+
+import math
+from typing import Callable, Dict, List, Optional, Tuple
+
+import numpy as np
+
+from rosoclingo.robot.navigation.brake import braked
+from rosoclingo.robot.navigation.compiled.path import first_block
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.navigation.grid_planner import GlobalPlanner, Plan, PlanOutcome
+from rosoclingo.robot.navigation.local_planner import FollowOutcome, LocalPlanner, Velocity
+from rosoclingo.robot.navigation.navigation_types import (
+    TRANSITIONS,
+    NavigationError,
+    NavigatorLimits,
+    Outcome,
+    Result,
+    State,
+    Tick,
+    Trigger,
+)
+from rosoclingo.robot.navigation.progress import Progress
+from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
+
+__all__ = ["Navigator"]
+
+
+# The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
+MOMENT = 0.25
+# For so long (s) a way must seem to be blocked to be left, by how many were left before without any progress since:
+# what the laser just touches is marked in some scans only, and must not draw the robot to and fro.
+SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+# A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals. The factor
+# counts once more for each detour and each way left: what seems to be open and closed in turns must not draw it to and
+# fro.
+WORTHWHILE = 0.9
+
+
+class Navigator:
+    """Takes goals and, once a control period, what is known of the robot; gives velocities and results.
+
+    ``costmap`` may be exchanged when a new map comes. Observers: ``on_plan(points)``, ``on_recovery(behavior, number,
+    total, pose)``, ``on_log(text)``; all optional attributes.
+    """
+
+    def __init__(
+        self,
+        costmap: Costmap,
+        planner: GlobalPlanner,
+        follower: LocalPlanner,
+        recoveries: List[RecoveryBehavior],
+        limits: Optional[NavigatorLimits] = None,
+    ) -> None:
+        self.costmap, self.planner, self.follower = costmap, planner, follower
+        self.recoveries = recoveries
+        self.limits = limits or NavigatorLimits()
+        self.state = State.IDLE
+        self.goal = Pose2D(0.0, 0.0)
+        self.plan: Plan = Plan(PlanOutcome.NO_PATH, np.empty((0, 2)))
+        self.on_plan: Callable[[np.ndarray], None] = lambda points: None
+        self.on_recovery: Callable[[RecoveryBehavior, int, int, Pose2D], None] = lambda *event: None
+        self.on_log: Callable[[str], None] = lambda text: None
+        self._now = 0.0
+        self._changed = False
+        self._blind_since: Optional[float] = None
+        self._start(0.0)
+        self._handlers: Dict[State, Callable[[float, Pose2D, Velocity, float], Tick]] = {
+            State.PLANNING: self._planning,
+            State.CONTROLLING: self._controlling,
+            State.CLEARING: self._clearing,
+        }
+
+    @property
+    def active(self) -> bool:
+        """Whether there is a goal to drive to."""
+        return self.state is not State.IDLE
+
+    def set_goal(self, now: float, goal: Pose2D) -> None:
+        """Drive to a pose (m, rad; the map's frame) from now (s) on, instead of to any other."""
+        self.goal = goal
+        self._start(now)
+        if self.state is State.CONTROLLING or self.state is State.CLEARING or self.state is State.IDLE:
+            self._go(State.PLANNING)
+
+    def cancel(self) -> None:
+        """Give the goal up."""
+        if self.active:
+            self._go(State.IDLE)
+
+    def obstacles_changed(self) -> None:
+        """Tell that the costmap has changed: the way ahead is looked at again."""
+        self._changed = True
+
+    def tick(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Go on for one control period (s) and return what to drive. Raises NavigationError when idle."""
+        if not self.active:
+            raise NavigationError("tick without a goal")
+        if now < self._now:
+            self.on_log(f"Time went back by {self._now - now:.1f} s: patience starts anew")
+            self._start(now)
+        self._now, self._blind_since = now, None
+        tick = self._handlers[self.state](now, pose, velocity, period)
+        if tick.result is not None:
+            self._go(State.IDLE)
+        follower = self.follower
+        slow = braked(tick.velocity, pose, self.costmap.unmarked, follower.radius, follower.footprint)
+        return tick._replace(velocity=slow)
+
+    def blind(self, now: float, outcome: Outcome, reason: str) -> Tick:
+        """Stand still for a control period in which pose or obstacles are not known; give up after some patience."""
+        if now < self._now:
+            self._start(now)
+        if self._blind_since is None or now < self._blind_since:
+            self._blind_since = now
+        self._now = now
+        if now - self._blind_since <= self.limits.controller_patience:
+            return Tick()
+        self._go(State.IDLE)
+        return Tick(result=Result(outcome, reason))
+
+    def _start(self, now: float) -> None:
+        """Set the clocks and counts of a fresh goal."""
+        self._now = self._last_plan = self._last_control = now
+        self._progress = Progress(self.limits, now)
+        self._block: Optional[Tuple[float, float]] = None
+        self.costmap.unbar()
+        self._planned_at = self._good_until = -math.inf
+        self._tries = self._recovery = self._left = 0
+        self._running: Optional[RecoveryBehavior] = None
+        self._reason = ""
+        self._blind_since = None
+
+    def _go(self, state: State) -> None:
+        if state not in TRANSITIONS[self.state]:
+            raise NavigationError(f"no transition from {self.state.value} to {state.value}")
+        self.state = state
+
+    def _planning(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Look for a path; while there is none, wait for planner_patience."""
+        if self._make_plan(now, pose):
+            self._last_control = now
+            self._go(State.CONTROLLING)
+            return self._controlling(now, pose, velocity, period)
+        self._tries += 1
+        self._reason = self.plan.outcome.value
+        if self.plan.outcome.on_map:
+            return Tick(result=Result(Outcome.NO_PLAN, f"Failed to find a valid plan: {self._reason}."))
+        patient = now - self._last_plan <= self.limits.planner_patience
+        if patient and not 0 <= self.limits.max_planning_retries < self._tries:
+            return Tick()
+        return self._recover(now, pose, Trigger.PLANNING)
+
+    def _controlling(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Follow the path; plan again in time and when it is blocked."""
+        if not self._replan(now, pose):
+            self._last_plan = max(self._last_plan, now)
+            self._go(State.PLANNING)
+            return Tick()
+        if self._progress.see(now, self.follower.length_left(pose)):
+            self._left, self._recovery = 0, 0
+            self.costmap.unbar()
+        for trigger, reason in (
+            (Trigger.OSCILLATION, self._progress.oscillates(now, pose)),
+            (Trigger.STUCK, self._progress.stuck(now)),
+        ):
+            if reason:
+                self._reason = reason
+                return self._recover(now, pose, trigger)
+        command = self.follower.compute(self.costmap, pose, velocity, period)
+        if command.outcome is FollowOutcome.REACHED:
+            return Tick(result=Result(Outcome.REACHED, "Goal reached."))
+        if command.outcome is FollowOutcome.DRIVING:
+            self._last_control = now
+            return Tick(command.velocity)
+        self._reason = command.outcome.value
+        if now - self._last_control > self.limits.controller_patience:
+            return self._recover(now, pose, Trigger.CONTROLLING)
+        if command.at is not None:
+            self.costmap.bar(*command.at)
+        self._changed = True  # plan again, in case the robot has left its path
+        return Tick()
+
+    def _clearing(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
+        """Go on with the recovery behaviour, then plan again."""
+        if self._running is not None:
+            step = self._running.step(now, pose, self.costmap, self.follower)
+            if not step.done:
+                return Tick(step.velocity)
+        self._running = None
+        self._last_plan = self._last_control = now
+        self._progress.renew(now)
+        self.costmap.unbar()
+        self._tries = 0
+        self._go(State.PLANNING)
+        return Tick()
+
+    def _recover(self, now: float, pose: Pose2D, trigger: Trigger) -> Tick:
+        """Start the next recovery behaviour, or give up when there is none left."""
+        outcome, words = trigger.value
+        if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
+            return Tick(result=Result(outcome, f"{words}: {self._reason or outcome.name.lower()}."))
+        self._running = self.recoveries[self._recovery]
+        self._recovery += 1
+        self.on_log(f"{self._reason or trigger.name.lower()}: recovery behavior {self._running.name}")
+        self.on_recovery(self._running, self._recovery - 1, len(self.recoveries), pose)
+        self._running.start(now, pose)
+        self._go(State.CLEARING)
+        return Tick()
+
+    def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> bool:
+        """Plan; tell whether there is a path to follow. ``keep``: the old one may stay, if the new one is no better."""
+        if keep and self._block is not None and self._left > 0 and not self._seems_good(now):
+            self.costmap.bar(*self._block)
+        plan = self.planner.plan(self.costmap, pose, self.goal)
+        if plan.outcome is not PlanOutcome.FOUND and self.costmap.unbar():
+            plan = self.planner.plan(self.costmap, pose, self.goal)
+        self._planned_at, self._changed = now, False
+        if plan.outcome is not PlanOutcome.FOUND:
+            self.plan = plan
+            return False
+        self._last_plan, self._tries = now, 0
+        left = self.follower.length_left(pose)
+        good = self._seems_good(now)
+        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._progress.detours + self._left):
+            return True
+        self._left += keep and not good
+        self.plan, self._good_until = plan, now
+        self.follower.set_plan(self.plan.points, self.goal)
+        self.on_plan(self.plan.points)
+        self._progress.take_way(now, plan.length)
+        return True
+
+    def _replan(self, now: float, pose: Pose2D) -> bool:
+        """Plan again where it is time to; tell whether there is a path to follow."""
+        self._block = self._first_block(pose)
+        if self._block is None:
+            self._good_until = now
+        if not self._changed:
+            return True
+        since = now - self._planned_at
+        due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
+        if due or (since >= MOMENT and not self._seems_good(now)):
+            return self._make_plan(now, pose, keep=True)
+        return True
+
+    def _seems_good(self, now: float) -> bool:
+        return now - self._good_until <= SEEMS[min(self._left, len(SEEMS) - 1)]
+
+    def _first_block(self, pose: Pose2D) -> Optional[Tuple[float, float]]:
+        """Return the point (m) of the way at which it is blocked, None where it is not."""
+        costmap = self.costmap
+        cells = costmap.all_to_cells(self.plan.points)
+        x, y = costmap.to_cells(pose.x, pose.y)
+        bare = self.follower.radius / costmap.resolution
+        radius = max(bare, self.plan.radius / costmap.resolution)
+        block = first_block(costmap.grounds[0], cells, x, y, radius, bare)
+        return None if math.isnan(block[0]) else costmap.to_metres(*block)

@@ -1,0 +1,93 @@
+"""Compiling everything once, before anybody waits for it, and telling so.
+
+Run by the build: ``python3 -m rosoclingo.robot.nodes.compiling FOLDER`` compiles all and puts a copy into a folder.
+"""
+
+import contextlib
+import fcntl
+import importlib
+import json
+import os
+import platform
+import shutil
+import sys
+from pathlib import Path
+from typing import Callable, Iterator, Sequence
+
+import llvmlite.binding
+import numba
+
+from rosoclingo.robot.navigation.compiled.jit import FOLDER, FUNCTIONS
+
+__all__ = ["PARTS", "compile_once"]
+
+_REHEARSALS = {"navigation": "drive_rehearsal", "simulation": "simulation_rehearsal"}
+
+#: The packages with compiled functions; a module of each rehearses all of them.
+PARTS = tuple(_REHEARSALS)
+
+
+def compile_once(part: str, say: Callable[[str], None]) -> None:
+    """Have all functions of one of PARTS ready to be called; ``say`` so first where they have to be compiled.
+
+    Another process that compiles the same is waited for.
+    """
+    rehearsal = importlib.import_module(f"rosoclingo.robot.{part}.{_REHEARSALS[part]}")
+    mark = Path(FOLDER, f"{part}.json")
+    stamp = _stamp(f"rosoclingo.robot.{part}.")
+    with _alone(part):
+        known = _read(mark) == stamp
+        if not known:
+            say(f"compiling {part} once, which takes up to a minute; what was compiled is kept in {FOLDER}")
+        rehearsal.rehearse()
+        if not known:
+            with contextlib.suppress(OSError):  # without a folder it is compiled every time
+                mark.write_text(stamp, encoding="utf-8")
+
+
+def _stamp(package: str) -> str:
+    """All that numba looks at to tell whether what it has kept is still good."""
+    files = {numba.__file__} | {
+        one.py_func.__code__.co_filename for one in FUNCTIONS if one.py_func.__module__.startswith(package)
+    }
+    state = [(name, os.stat(name).st_mtime_ns, os.stat(name).st_size) for name in sorted(files)]
+    return json.dumps([platform.python_version(), llvmlite.binding.get_host_cpu_name(), state])
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError:
+        return ""
+
+
+@contextlib.contextmanager
+def _alone(part: str) -> Iterator[None]:
+    """Be the only process that compiles a part; without a folder there is nothing to share."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            file = stack.enter_context(Path(FOLDER, f"{part}.lock").open("w"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Compile all parts and put a copy into each folder that is given; what goes wrong costs time at a start only."""
+    try:
+        for part in PARTS:
+            compile_once(part, _say)
+        for folder in arguments:
+            target = Path(folder, os.path.basename(FOLDER))
+            shutil.rmtree(str(target), ignore_errors=True)
+            shutil.copytree(FOLDER, str(target))
+    except (ImportError, OSError) as error:
+        _say(f"not compiled now, but at the first start: {error}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,116 @@
+"""A map server, as the package map_server has it."""
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import rospkg
+import rospy
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapRequest, LoadMapResponse
+from rospy.numpy_msg import numpy_msg
+
+from rosoclingo.common.parameters import parameter
+from rosoclingo.common.worker import Worker
+from rosoclingo.robot.navigation import grid
+from rosoclingo.robot.nodes.sendable import sendable
+
+# Answers whose maps are written from arrays: of a large map, to write it number by number takes seconds.
+MAP_ANSWER, CHANGE_ANSWER = numpy_msg(GetMapResponse), numpy_msg(LoadMapResponse)
+
+
+def grid_message(occupancy: grid.OccupancyGrid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
+    """Return a grid as a message."""
+    message = numpy_msg(OccupancyGrid)()
+    message.header.frame_id, message.header.stamp = frame, stamp
+    message.info.map_load_time = stamp
+    message.info.resolution = occupancy.resolution
+    message.info.height, message.info.width = occupancy.shape
+    message.info.origin.position.x, message.info.origin.position.y = occupancy.origin_x, occupancy.origin_y
+    message.info.origin.orientation.w = 1.0
+    message.data = sendable(occupancy.cells.ravel())
+    return message
+
+
+def grid_from_message(message: OccupancyGrid) -> grid.OccupancyGrid:
+    """Return a message as a grid. Raises MapError for one that contradicts itself, and for a turned one."""
+    info, rotation = message.info, message.info.origin.orientation
+    if abs(rotation.z) > 1e-6:
+        raise grid.MapError("its origin is turned against its frame (yaw), which is not supported")
+    numbers = (info.resolution, info.origin.position.x, info.origin.position.y)
+    if not all(map(math.isfinite, numbers)) or info.resolution <= 0.0:
+        raise grid.MapError(f"resolution and origin must be finite, the resolution more than 0; they are {numbers}")
+    if not len(message.data) or info.width * info.height != len(message.data):
+        raise grid.MapError(f"it has {len(message.data)} cells for {info.width} x {info.height}")
+    cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
+    return grid.OccupancyGrid(cells, info.resolution, info.origin.position.x, info.origin.position.y)
+
+
+class MapServerNode:
+    """Publishes a map from a file.
+
+    Parameters
+    ----------
+        ~frame_id (string, "map"): the frame of the map.
+        ~map (string): the map's YAML file, unless it is given on the command line.
+    Publishes:
+        map (nav_msgs/OccupancyGrid, latched), map_metadata (nav_msgs/MapMetaData, latched)
+    Services:
+        static_map (nav_msgs/GetMap), change_map (nav_msgs/LoadMap)
+
+    """
+
+    def __init__(self, path: str = "") -> None:
+        self._frame = parameter("~frame_id", str, "map")
+        self._map = rospy.Publisher("map", numpy_msg(OccupancyGrid), latch=True, queue_size=1)
+        self._metadata = rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1)
+        self._show(path or parameter("~map", str))
+        self._worker = Worker(settle=lambda: None)
+        self._worker.start()
+        self._services = (
+            rospy.Service("static_map", GetMap, lambda _: self._worker.ask(lambda: MAP_ANSWER(map=self._message))),
+            rospy.Service("change_map", LoadMap, lambda request: self._worker.ask(lambda: self._change(request))),
+        )
+        rospy.on_shutdown(lambda: self._worker.stop(2.0))
+
+    def _show(self, path: str) -> None:
+        """Load a map and publish it. Raises MapError."""
+        self._message = grid_message(grid.load_map(path), self._frame, rospy.Time.now())
+        self._map.publish(self._message)
+        self._metadata.publish(self._message.info)
+        info = self._message.info
+        rospy.loginfo("map %s: %d x %d cells of %.3f m", path, info.width, info.height, info.resolution)
+
+    def _change(self, request: LoadMapRequest) -> LoadMapResponse:
+        try:
+            path = local_path(request.map_url)
+            if not os.path.isfile(str(path)):  # of a path that cannot be, pathlib's own would raise
+                return self._refused(f"there is no file {path}", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
+            grid.read_map_info(path)
+        except grid.MapError as error:
+            return self._refused(str(error), LoadMapResponse.RESULT_INVALID_MAP_METADATA)
+        try:
+            self._show(str(path))
+        except grid.MapError as error:
+            return self._refused(str(error), LoadMapResponse.RESULT_INVALID_MAP_DATA)
+        return CHANGE_ANSWER(map=self._message, result=LoadMapResponse.RESULT_SUCCESS)
+
+    def _refused(self, reason: str, result: int) -> LoadMapResponse:
+        """Answer that a map is not taken; the old one stays."""
+        rospy.logerr("change_map: %s", reason)
+        return CHANGE_ANSWER(map=self._message, result=result)
+
+
+def local_path(url: str) -> Path:
+    """Return the file that a URL names: a path, file:///PATH or package://PACKAGE/PATH. Raises MapError."""
+    kind, found, rest = url.partition("://")
+    if not found or kind == "file":
+        return Path(rest if found else url)
+    package, _, inside = rest.partition("/")
+    if kind != "package" or not package:
+        raise grid.MapError(f"map {url}: must be a path, file:///PATH or package://PACKAGE/PATH")
+    try:
+        return Path(rospkg.RosPack().get_path(package)) / inside
+    except rospkg.ResourceNotFound as error:
+        raise grid.MapError(f"map {url}: there is no package {package!r}") from error

@@ -1,0 +1,1 @@
+"""Navigation as a node, as move_base."""

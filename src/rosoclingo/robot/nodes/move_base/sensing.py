@@ -1,0 +1,162 @@
+"""What the move_base node learns from tf, laser and odometry."""
+
+import math
+from typing import Any, NamedTuple, Optional, Tuple
+
+import numpy as np
+import rospy
+import tf2_ros
+from nav_msgs.msg import Odometry
+from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan
+
+from rosoclingo.common.worker import Worker
+from rosoclingo.robot.navigation import Costmap, Pose2D, Velocity
+from rosoclingo.robot.nodes.localization import from_transform
+from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
+
+# A time stamp is that much (s) ahead of this node's clock at most; else time has gone back.
+ON_ITS_WAY = 0.3
+NEWEST = rospy.Time(0)
+
+
+class Located(NamedTuple):
+    """Where the robot is; ``fault``: why that is not known (``pose`` None), or too old to drive by."""
+
+    pose: Optional[Pose2D]
+    fault: str = ""
+
+
+class Sensing:
+    """Keeps the newest scan and odometry, and looks poses up.
+
+    The way map -> base is looked up in two parts, map -> odom (which changes slowly) at its newest and odom -> base at
+    the time that matters, so that a localisation that lags a little does no harm.
+    """
+
+    def __init__(self, frames: Frames, worker: Worker, obstacles: bool) -> None:
+        self._frames = frames
+        self.map_frame = frames.map
+        self._worker = worker
+        self._buffer = tf2_ros.Buffer()
+        self._listener = tf2_ros.TransformListener(self._buffer)
+        self._odom_frame = "odom"
+        self._odom_in_map: Optional[Pose2D] = None  # as of the last look at where the robot is
+        self._scan: Optional[Any] = None
+        self._angles: Tuple[Tuple[float, float, int], np.ndarray] = ((0.0, 0.0, 0), np.empty(0))
+        self.velocity = Velocity()
+        self.scanned_at = -math.inf
+        self._since = rospy.get_time()
+        self._stamped = 0.0
+        self._subscribers = [
+            rospy.Subscriber("odom", Odometry, self._on_odom, queue_size=1, tcp_nodelay=True, buff_size=1 << 17)
+        ]
+        if obstacles:
+            self._subscribers.append(
+                rospy.Subscriber(
+                    frames.scan_topic, numpy_msg(LaserScan), self._on_scan, queue_size=1, tcp_nodelay=True,
+                    buff_size=1 << 17,
+                )
+            )  # fmt: skip
+
+    def _on_odom(self, message: Odometry) -> None:
+        self._worker.put(lambda: self._take_odom(message))
+
+    def _on_scan(self, message: LaserScan) -> None:
+        self._worker.put(lambda: self._take_scan(message))
+
+    def _take_odom(self, message: Odometry) -> None:
+        self._odom_frame = message.header.frame_id.lstrip("/") or self._odom_frame
+        self._stamped = message.header.stamp.to_sec()
+        velocity = Velocity(message.twist.twist.linear.x, message.twist.twist.angular.z)
+        self.velocity = velocity if all(map(math.isfinite, velocity)) else Velocity()
+
+    def _take_scan(self, message: LaserScan) -> None:
+        if not (
+            math.isfinite(message.angle_min) and math.isfinite(message.angle_increment) and message.range_max > 0.0
+        ):
+            rospy.logwarn_throttle(10.0, "a scan is left out: its angles or its range_max are no numbers")
+            return
+        self._scan = message
+        self.scanned_at = message.header.stamp.to_sec()
+
+    def now(self) -> float:
+        """Return the time (s): the newest odometry's where its clock message is still on its way in another thread.
+
+        Without that a free running simulator would wait for a command that waits for the clock.
+        """
+        clock = rospy.get_time()
+        return self._stamped if clock < self._stamped < clock + ON_ITS_WAY else clock
+
+    def locate(self, now: float) -> Located:
+        """Return where the robot is in the map, now (s)."""
+        pose, late = Pose2D(0.0, 0.0), ""
+        for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
+            found = self._newest(parent, child)
+            if found is None:
+                self._odom_in_map = None
+                return Located(None, f"there is no transform from {parent} to {child}")
+            part, stamp = found
+            if child == self._odom_frame:
+                self._odom_in_map = part
+            pose = pose.compose(part)
+            if not late and stamp > 0.0 and now - stamp > self._frames.tolerance:
+                late = f"the transform from {parent} to {child} is {now - stamp:.1f} s old"
+        return Located(pose, late)
+
+    def laser_age(self, now: float) -> float:
+        """Return the age (s) of the newest scan."""
+        return now - max(self.scanned_at, self._since)
+
+    def time_went_back(self, now: float) -> None:
+        """Forget what is dated in a future that has not come yet."""
+        self._buffer.clear()
+        self._scan, self.scanned_at, self._since = None, -math.inf, now
+
+    def observe(self, costmap: Costmap) -> bool:
+        """Enter a new scan into the costmap; tell whether that changed it."""
+        scan = self._scan
+        if scan is None:
+            return False
+        in_odom = self._lookup(self._odom_frame, scan.header.frame_id.lstrip("/"), scan.header.stamp)
+        if in_odom is None or self._odom_in_map is None:  # odometry of that time may still come
+            return False
+        pose = self._odom_in_map.compose(in_odom)
+        self._scan = None
+        ranges = np.asarray(scan.ranges, dtype=np.float64)
+        ranges = np.where(ranges < scan.range_min, np.nan, ranges)
+        return costmap.observe(pose, self._beam_angles(scan), ranges, scan.range_max)
+
+    def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
+        """Return the pose of a frame in the map, None where tf does not know it; an empty name is the map itself."""
+        frame = frame.lstrip("/")
+        if frame in ("", self._frames.map):
+            return Pose2D(0.0, 0.0, 0.0)
+        return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, rospy.Time(0))
+
+    def local_frame(self, name: str) -> Tuple[str, Pose2D]:
+        """Return a frame (empty: odometry's) and its pose in the map; the map itself while that is unknown."""
+        frame = name or self._odom_frame
+        known = self._odom_in_map if frame == self._odom_frame else None
+        pose = known or self._lookup(self._frames.map, frame, rospy.Time(0))
+        return (frame, pose) if pose else (self._frames.map, Pose2D(0.0, 0.0, 0.0))
+
+    def _beam_angles(self, scan: LaserScan) -> np.ndarray:
+        key = (scan.angle_min, scan.angle_increment, len(scan.ranges))
+        if self._angles[0] != key:
+            self._angles = (key, scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges)))
+        return self._angles[1]
+
+    def _lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Pose2D]:
+        try:
+            return from_transform(self._buffer.lookup_transform_core(parent, child, stamp).transform)
+        except tf2_ros.TransformException:
+            return None
+
+    def _newest(self, parent: str, child: str) -> Optional[Tuple[Pose2D, float]]:
+        """Return the newest transform and its time (s), 0 for one that always holds."""
+        try:
+            found = self._buffer.lookup_transform_core(parent, child, NEWEST)
+        except tf2_ros.TransformException:
+            return None
+        return from_transform(found.transform), found.header.stamp.to_sec()

@@ -1,0 +1,190 @@
+"""The office of the case study: actionlib servers that let the simulated robot pick up and put down packages."""
+
+import functools
+from collections import deque
+from typing import Any, Callable, Deque, NamedTuple, Optional, Tuple
+
+import rospy
+from actionlib.action_server import ActionServer
+from actionlib_msgs.msg import GoalStatus
+
+from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.labels import LabelTable
+from rosoclingo.common.parameters import not_negative, parameter
+from rosoclingo.common.robot_pose import RobotPose
+from rosoclingo.common.worker import Worker
+from rosoclingo.msg import (
+    DeliverAction,
+    DeliverFeedback,
+    DeliverResult,
+    PackageState,
+    PackageStates,
+    PickupAction,
+    PickupFeedback,
+    PickupResult,
+)
+from rosoclingo.robot.simulation.office_packages import (
+    DEFAULT_CAPACITY,
+    PREEMPTED,
+    HandlingResult,
+    PackageError,
+    PackageOffice,
+    words_for,
+)
+from rosoclingo.srv import PutPackage, PutPackageResponse
+
+
+class _Kind(NamedTuple):
+    """One of the two actions: what it does to the office, its message types, the words for what it is doing."""
+
+    handle: Callable[[PackageOffice, str, Optional[str]], HandlingResult]
+    result: type
+    feedback: type
+    doing: str
+
+
+_PICKUP = _Kind(PackageOffice.pickup, PickupResult, PickupFeedback, "picking up")
+_DELIVER = _Kind(PackageOffice.deliver, DeliverResult, DeliverFeedback, "putting down")
+
+
+class _Job:
+    """One goal that was accepted or waits for the robot's arm."""
+
+    def __init__(self, kind: _Kind, goal_handle: Any) -> None:
+        self.kind = kind
+        self.goal_handle = goal_handle
+        self.package = goal_handle.get_goal().package
+        self.since: Optional[float] = None  # ROS time in seconds at which the arm began
+
+    @property
+    def cancelled(self) -> bool:
+        """True if a client wants the goal no more."""
+        return self.goal_handle.get_goal_status().status in (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
+
+    def end(self, result: HandlingResult) -> None:
+        """Give the goal its terminal status."""
+        message = self.kind.result(outcome=result.outcome, message=result.message, location=result.location)
+        if result.outcome == PREEMPTED:
+            self.goal_handle.set_canceled(message, result.message)
+        elif result.succeeded:
+            self.goal_handle.set_succeeded(message, result.message)
+        else:
+            self.goal_handle.set_aborted(message, result.message)
+
+
+class OfficeNode:
+    """The world's side of `pickup` and `deliver`: a robot arm that handles one package after the other.
+
+    A goal succeeds only if robot and package are where they have to be when the arm is done; otherwise it is aborted
+    with an outcome code and the reason in words, and nothing has moved.  Goals that arrive while the arm is busy wait.
+
+    Parameters
+    ----------
+        ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
+        ~packages (mapping, {}): which packages lie where at the start, `{office3: [1, 2]}`.
+        ~appear (bool, false): a package never heard of is found where the robot first tries to pick it up.
+        ~capacity (int, 3): how many packages the robot can carry.
+        ~duration (float, 3.0): seconds of ROS time that the arm takes.
+        ~tolerance (float, 0.5): metres within which the robot counts as at a label.
+        ~map_frame (string, "map"), ~base_frame (string, "base_link"): tf frames between which the robot is looked up.
+        ~pose_max_age (float, 5.0): seconds of ROS time after which a pose is too old to be believed.
+    Publishes:
+        packages (rosoclingo/PackageStates, latched): where each package is.
+    Subscribes:
+        /tf, /tf_static
+    Services:
+        ~put_package (rosoclingo/PutPackage): put a package at a label, or take it out of the office.
+    Actions served:
+        pickup (rosoclingo/PickupAction), deliver (rosoclingo/DeliverAction)
+
+    """
+
+    def __init__(self) -> None:
+        self._pose = RobotPose()
+        self._labels = LabelTable.from_mapping(parameter("~labels", dict), self._pose.map_frame)
+        self._office = PackageOffice.from_mapping(
+            parameter("~packages", dict, {}),
+            tuple(label.name for label in self._labels),
+            parameter("~capacity", int, DEFAULT_CAPACITY),
+            parameter("~appear", bool, False),
+        )
+        self._duration = not_negative("~duration", 3.0)
+        self._tolerance = not_negative("~tolerance", 0.5)
+        self._jobs: Deque[_Job] = deque()
+        self._servers: Tuple[ActionServer, ...] = ()
+        self._last_time = 0.0
+        self._worker = Worker(settle=self._tick, period=0.02)
+        self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
+        self._publish()
+        self._worker.start()
+        self._servers = (self._serve("pickup", PickupAction, _PICKUP), self._serve("deliver", DeliverAction, _DELIVER))
+        self._service = rospy.Service("~put_package", PutPackage, self._on_put)
+        rospy.on_shutdown(lambda: self._worker.stop(2.0))
+
+    def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
+        server = ActionServer(name, action, functools.partial(self._on_goal, kind), self._on_cancel, auto_start=False)
+        start_server(server)
+        return server
+
+    # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
+
+    def _on_goal(self, kind: _Kind, goal_handle: Any) -> None:
+        self._worker.put(lambda: self._jobs.append(_Job(kind, goal_handle)))
+
+    def _on_cancel(self, goal_handle: Any) -> None:
+        self._worker.put(lambda: None)  # the goal's own status tells; the worker only has to look
+
+    def _on_put(self, request: Any) -> PutPackageResponse:
+        return self._worker.ask(lambda: self._put(request.package, request.location))
+
+    # ---- the arm --------------------------------------------------------------------------------------------------
+
+    def _tick(self) -> None:
+        now = rospy.get_time()
+        if now < self._last_time:
+            for server in self._servers:
+                forget_cancels(server)
+        self._last_time = now
+        for job in [job for job in self._jobs if job.cancelled]:
+            self._jobs.remove(job)
+            job.end(HandlingResult(PREEMPTED, f"cancelled before {words_for(job.package)} was moved"))
+        if self._jobs:
+            self._work(self._jobs[0], now)
+
+    def _work(self, job: _Job, now: float) -> None:
+        if job.since is None:
+            job.goal_handle.set_accepted(f"{job.kind.doing} {words_for(job.package)}")
+            job.goal_handle.publish_feedback(job.kind.feedback(state=job.kind.doing))
+        if job.since is None or now < job.since:  # begun just now, or simulated time was reset
+            job.since = now
+        if now - job.since >= self._duration:
+            self._jobs.popleft()
+            result = job.kind.handle(self._office, job.package, self._robot_at())
+            self._publish()
+            job.end(result)
+            rospy.loginfo("%s", result.message)
+
+    def _robot_at(self) -> Optional[str]:
+        position = self._pose.look_up()
+        label = self._labels.nearest(position[0], position[1], self._tolerance) if position is not None else None
+        return label.name if label is not None else None
+
+    # ---- packages -------------------------------------------------------------------------------------------------
+
+    def _put(self, package: str, location: str) -> PutPackageResponse:
+        try:
+            if location:
+                self._office.put(package, location)
+            else:
+                self._office.remove(package)
+        except PackageError as error:
+            return PutPackageResponse(success=False, message=str(error))
+        self._publish()
+        done = f"is at {location}" if location else "is gone"
+        return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
+
+    def _publish(self) -> None:
+        message = PackageStates()
+        message.header.stamp = rospy.get_rostime()
+        message.packages = [PackageState(*place) for place in self._office.places]
+        self._states.publish(message)

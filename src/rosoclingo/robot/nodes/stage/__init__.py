@@ -1,0 +1,1 @@
+"""The simulator as a node, as stage_ros."""

@@ -1,0 +1,150 @@
+"""What the simulator publishes for one robot, as stage_ros does."""
+
+import math
+from typing import Callable, List, Sequence, Tuple
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Pose, Quaternion, TransformStamped, Twist
+from nav_msgs.msg import Odometry
+from rosgraph.names import is_legal_name
+from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan
+
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.robot.navigation.geometry import Pose2D, yaw_to_quaternion
+from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
+from rosoclingo.robot.nodes.sendable import sendable
+from rosoclingo.robot.simulation import Laser, Robot
+
+# stage_ros mounts the laser there; a planar world has no use for it.
+LASER_HEIGHT = 0.25
+
+
+class RobotTopics:
+    """Publishers and the command subscriber of one robot; messages are built only for those who listen.
+
+    ``prefix`` is put before topics and frames: empty for the only robot, else ``robot_0/`` and so on.
+    """
+
+    def __init__(self, robot: Robot, prefix: str, on_command: Callable[[float, float], None]) -> None:
+        self._robot = robot
+        self._odom = prompt_publisher(prefix + "odom", Odometry)
+        self._truth = prompt_publisher(prefix + "base_pose_ground_truth", Odometry)
+        self._odom_message = _odometry(prefix + "odom", prefix + "base_footprint")
+        self._truth_message = _odometry(prefix + "odom", "")
+        self._frames = _frames(prefix)
+        # As stage_ros: the topics and frames of several lasers are counted.
+        endings = [f"_{i}" for i in range(len(robot.lasers))] if len(robot.lasers) > 1 else [""]
+        self._scans = [_ScanTopic(prefix, ending, laser) for ending, laser in zip(endings, robot.lasers)]
+        self._frames += [scans.frame for scans in self._scans]
+        self._command = rospy.Subscriber(
+            prefix + "cmd_vel", Twist, lambda twist: on_command(twist.linear.x, twist.angular.z), tcp_nodelay=True
+        )
+
+    def frames(self, stamp: rospy.Time) -> List[TransformStamped]:
+        """Return the robot's transforms at a time: odom to base_footprint to base_link to base_laser_link."""
+        _set_transform(self._frames[0], self._robot.odometry)
+        for frame in self._frames:
+            frame.header.stamp = stamp
+        return self._frames
+
+    def publish(self, stamp: rospy.Time, now: float, scan: Callable[[int], np.ndarray]) -> None:
+        """Publish odometry, truth and, at each laser's rate, what ``scan`` returns for its number."""
+        robot = self._robot
+        for publisher, message, pose, axes in (
+            (self._odom, self._odom_message, robot.odometry, 0.0),
+            (self._truth, self._truth_message, robot.pose, robot.pose.yaw),  # stage_ros: along the world's axes
+        ):
+            if publisher.get_num_connections():
+                message.header.stamp = stamp
+                _set_pose(message.pose.pose, pose)
+                twist = message.twist.twist
+                twist.linear.x, twist.linear.y = robot.v * math.cos(axes), robot.v * math.sin(axes)
+                twist.angular.z = robot.w
+                publisher.publish(message)
+        for i, scans in enumerate(self._scans):
+            if scans.due(now):
+                scans.publish(stamp, scan(i))
+
+
+class _ScanTopic:
+    """One laser's topic and frame."""
+
+    def __init__(self, prefix: str, ending: str, laser: Laser) -> None:
+        self._spec = laser.spec
+        self.frame = _transform(prefix + "base_link", prefix + "base_laser_link" + ending)
+        _set_transform(self.frame, laser.spec.pose)
+        self.frame.transform.translation.z = LASER_HEIGHT
+        self._message = _scan(self.frame.child_frame_id, laser)
+        self._publisher = prompt_publisher(prefix + "base_scan" + ending, numpy_msg(LaserScan))
+        self._next = 0.0
+
+    def due(self, now: float) -> bool:
+        """Tell whether a scan is due at a time (s), and anybody listens."""
+        if now < self._next - 1e-6:
+            return False
+        self._next = max(now, self._next + 1.0 / self._spec.rate)
+        return bool(self._publisher.get_num_connections())
+
+    def publish(self, stamp: rospy.Time, ranges: np.ndarray) -> None:
+        """Publish a scan; as in Stage its intensities are 1 where a beam has hit something, else 0."""
+        self._message.header.stamp = stamp
+        self._message.ranges = sendable(ranges)
+        self._message.intensities = sendable((ranges < self._spec.range).astype(np.float32))
+        self._publisher.publish(self._message)
+
+
+def _frames(prefix: str) -> List[TransformStamped]:
+    return [
+        _transform(prefix + "odom", prefix + "base_footprint"),
+        _transform(prefix + "base_footprint", prefix + "base_link"),
+    ]
+
+
+def _transform(parent: str, child: str) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id = parent, child
+    message.transform.rotation.w = 1.0
+    return message
+
+
+def _odometry(frame: str, child: str) -> Odometry:
+    message = Odometry()
+    message.header.frame_id, message.child_frame_id = frame, child
+    return message
+
+
+def _scan(frame: str, laser: Laser) -> LaserScan:
+    message = numpy_msg(LaserScan)()
+    message.angle_min, message.angle_max = float(laser.angles[0]), float(laser.angles[-1])
+    message.angle_increment = math.radians(laser.spec.angle) / (laser.spec.beams - 1)
+    message.range_min, message.range_max = laser.spec.min_range, laser.spec.range
+    message.header.frame_id = frame
+    return message
+
+
+def _set_transform(message: TransformStamped, pose: Pose2D) -> None:
+    message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
+    _, _, message.transform.rotation.z, message.transform.rotation.w = yaw_to_quaternion(pose.yaw)
+
+
+def _set_pose(message: Pose, pose: Pose2D) -> None:
+    message.position.x, message.position.y = pose.x, pose.y
+    message.orientation = Quaternion(*yaw_to_quaternion(pose.yaw))
+
+
+def prefixes(names: Sequence[str], use_names: bool) -> Tuple[str, ...]:
+    """Return what stage_ros puts before the topics of each robot: nothing for one, ``robot_0/`` .. for several.
+
+    Raises ParameterError for a robot's name that cannot be a topic's.
+    """
+    if len(names) == 1 and not use_names:
+        return ("",)
+    for name in names if use_names else ():
+        if not is_legal_name(name + "/odom") or name.startswith(("/", "~")):
+            raise ParameterError(
+                f"the robot's name {name!r} cannot begin the names of topics, as ~use_model_names has it: "
+                "only letters, digits, _ and /, beginning with a letter"
+            )
+    return tuple("{}/".format(name if use_names else f"robot_{i}") for i, name in enumerate(names))

@@ -1,0 +1,246 @@
+"""An account of a run for people: a line for each event, and a summary. Fed from public topics, live or from a bag."""
+
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+
+from clingo import Symbol
+
+from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_atom, parse_update
+from rosoclingo.reasoning.keywords import (
+    ACTION_LIB,
+    CANCEL_ACTION,
+    REQUEST,
+    RETURN,
+    KeywordError,
+    action_of,
+    is_keyword,
+    name_of,
+    return_of,
+)
+
+#: Words for actionlib's status numbers (actionlib_msgs/GoalStatus), as a summary uses them.
+STATUS_WORDS = (
+    "pending",
+    "active",
+    "canceled",
+    "succeeded",
+    "aborted",
+    "rejected",
+    "canceling",
+    "canceling",
+    "canceled",
+    "lost",
+)
+
+#: The words that end a goal.
+ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
+
+#: Seconds of the run's clock for which a line waits for one that belongs before it: topics overtake each other.
+PATIENCE = 1.0
+
+
+@dataclass
+class GoalAccount:
+    """What became of one goal."""
+
+    text: str
+    status: str = "pending"
+    message: str = ""
+
+
+@dataclass
+class Summary:
+    """What a run came to.
+
+    ``packages`` maps each package to its label or "carried"; ``seconds`` are of the run's clock.
+    """
+
+    goals: List[GoalAccount] = field(default_factory=list)
+    actions: List[str] = field(default_factory=list)
+    returns: List[str] = field(default_factory=list)
+    updates: List[str] = field(default_factory=list)
+    packages: Dict[str, str] = field(default_factory=dict)
+    robot: str = "unknown"
+    seconds: float = 0.0
+
+    def differences(self, expect: Mapping[str, Any]) -> List[str]:
+        """How the run differs from a scenario's ``expect``; empty when it does not."""
+        found: Dict[str, Any] = {
+            "goals": [goal.status for goal in self.goals],
+            "packages": {key: self.packages.get(key) for key in expect.get("packages", {})},
+            "robot": self.robot,
+            "actions": self.actions,
+        }
+        return [f"{key}: expected {expect[key]}, found {found[key]}" for key in expect if expect[key] != found[key]]
+
+    def lines(self) -> List[str]:
+        """The summary as text."""
+        goals = [f"{one.text}: {one.status}{_because(one)}" for one in self.goals]
+        places = sorted(set(self.packages.values()))
+        packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
+        actions = ", ".join(_action(text) for text in self.actions) or "none"
+        return [*goals, *packages, f"robot: {self.robot}", f"actions: {actions}"]
+
+    def _at(self, place: str) -> List[str]:
+        return sorted(key for key in self.packages if self.packages[key] == place)
+
+
+class _Line(NamedTuple):
+    time: float
+    kind: str
+    text: str
+    after: Set[str]
+    gives: str
+
+
+class Account:
+    """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._goals: Dict[str, GoalAccount] = {}
+        self._start: Optional[float] = None
+        self._cycle = 0
+        self._now = 0.0
+        self._held: List[_Line] = []
+        self._said: Set[str] = set()
+        self.summary = Summary()
+
+    def goal(self, time: float, key: str, text: str) -> None:
+        """A client sent a goal."""
+        self._goals[key] = GoalAccount(text)
+        self.summary.goals.append(self._goals[key])
+        self._line(time, "request", text, gives=text)
+
+    def cancel(self, time: float, key: str) -> None:
+        """A client cancelled a goal; an empty key stands for all of them."""
+        self._line(time, "cancel", self._goals[key].text if key in self._goals else "every goal")
+
+    def status(self, time: float, key: str, number: int, message: str) -> None:
+        """A goal's status, as often as it is published."""
+        goal = self._goals.get(key)
+        word = STATUS_WORDS[number]
+        if goal is None or goal.status == word or goal.status in ENDED:
+            return
+        goal.status, goal.message = word, message
+        self._line(time, "goal", f"{goal.text}: {word}{_because(goal)}")
+
+    def update(self, time: float, text: str) -> None:
+        """The core fed a stream update."""
+        self.summary.updates.append(text)
+        step, sources, plain = _read_update(text)
+        self._line(time, "update", " ".join(plain.split()), sources, f"update {step}")
+
+    def plan(self, time: float, cycle: int, actions: Sequence[str]) -> None:
+        """The plan of a cycle; what is past is left out of the line."""
+        ahead = ", ".join(_action(text) for text in actions if _cycle_of(text) >= cycle) or "nothing to do"
+        first = not self.summary.updates and not actions
+        after = set() if first else {f"update {cycle}"}
+        self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}")
+
+    def dispatched(self, time: float, facts: Sequence[str]) -> None:
+        """Actions on out_rosoclingo, and what ends them before their time."""
+        for text in facts:
+            if text.startswith(CANCEL_ACTION):
+                self._line(time, "preempt", _action(text.replace(CANCEL_ACTION, ACTION_LIB, 1)))
+            else:
+                self.summary.actions.append(text)
+                self._line(time, "action", _action(text), {f"plan {_cycle_of(text)}"})
+
+    def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
+        """Facts on in_rosoclingo."""
+        for text in facts:
+            answer = _return(text)
+            if answer is None:
+                self._line(time, "fact", f"{text} from {origin}", gives=text)
+            else:
+                self.summary.returns.append(text)
+                self._line(time, "return", answer, gives=text)
+
+    def packages(self, packages: Iterable[Tuple[str, str]]) -> None:
+        """Where all packages are."""
+        self.summary.packages = dict(packages)
+
+    def robot(self, place: str) -> None:
+        """Where the robot is."""
+        self.summary.robot = place
+
+    def note(self, time: float, text: str) -> None:
+        """Anything else worth a line."""
+        self._line(time, "note", text)
+
+    def finish(self) -> None:
+        """Say what is still held back."""
+        for line in self._held:
+            self._print(line)
+        self._held = []
+
+    def _line(self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "") -> None:
+        self._start = time if self._start is None else self._start
+        self.summary.seconds = max(self.summary.seconds, time - self._start)
+        self._held.append(_Line(time, kind, text, set(after), gives))
+        while self._release(time):
+            pass
+
+    def _release(self, now: float) -> bool:
+        for line in self._held:
+            if line.after <= self._said or now - line.time > PATIENCE:
+                self._held.remove(line)
+                self._said.add(line.gives)
+                self._print(line)
+                return True
+        return False
+
+    def _print(self, line: _Line) -> None:
+        if line.kind == "update":
+            self._cycle += 1
+        self._now = max(self._now, line.time - (self._start or 0.0))
+        self._say(f"{self._now:7.1f} s  cycle {max(1, self._cycle):<3d} {line.kind:8s} {line.text}")
+
+
+def _because(goal: GoalAccount) -> str:
+    """The reason of an end that went against the goal; success and cancellation speak for themselves."""
+    if goal.status not in ("aborted", "rejected", "lost"):
+        return ""
+    text = goal.message[len(goal.text) :] if goal.message.startswith(goal.text) else goal.message
+    return f" ({text.strip()})" if text else ""
+
+
+def _read_update(text: str) -> Tuple[int, Set[str], str]:
+    """An update's step, the requests and returns in it that were on other topics before, and what it says happened."""
+    try:
+        update = parse_update(text)
+    except OclingoError:
+        return 0, set(), text
+    heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
+    return update.step or 0, {_source(head) for head in heads} - {""}, str(update.plain)
+
+
+def _source(head: Symbol) -> str:
+    if is_keyword(head, REQUEST):
+        goal = head.arguments[0]
+        return "" if is_keyword(goal, "cancel") else str(goal)
+    return str(head) if is_keyword(head, RETURN) else ""
+
+
+def _action(text: str) -> str:
+    try:
+        action = action_of(parse_atom(text))
+    except (ProgressionError, KeywordError):
+        return text
+    return f"{action.interface_name} {name_of(action.parameter)}"
+
+
+def _cycle_of(text: str) -> int:
+    try:
+        return action_of(parse_atom(text)).cycle
+    except (ProgressionError, KeywordError):
+        return 0
+
+
+def _return(text: str) -> Optional[str]:
+    try:
+        answer = return_of(parse_atom(text))
+    except (ProgressionError, KeywordError):
+        return None
+    return f"{name_of(answer.interface)} {name_of(answer.value)}"

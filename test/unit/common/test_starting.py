@@ -1,0 +1,97 @@
+"""How the scripts start: their help, what they say of missing modules, and parameters that nobody reads."""
+
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.common.private_parameters import unread
+from rosoclingo.common.starting import missing, needed_modules
+
+SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
+PARAMETERS = {
+    "core": ["~program_files (list of str, required)", "~horizon_limit (int, default 100)"],
+    "interface": ["~interfaces (mapping)", "~server_timeout"],
+    "move_base_interface": ["~interfaces (mapping)"],
+    "record": ["~topics (list of strings)"],
+    "markers": ["~panel (list"],
+    "office": ["~duration (float, 3.0)"],
+    "map_server": ["~frame_id (string", "[MAP.yaml]"],
+    "fake_localization": ["~odom_frame_id"],
+    "simulator": ["~speed (float, 1.0)"],
+    "move_base": ["~controller_frequency", "doc/simulator_and_navigation.md"],
+}
+
+
+def run(script, *arguments, **environment):
+    return subprocess.run(
+        [sys.executable, str(SCRIPTS / script), *arguments],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+@pytest.mark.parametrize("script", sorted(PARAMETERS))
+def test_help_names_the_parameters_and_needs_no_master(script):
+    done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")
+    if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
+        pytest.skip("tf2_ros is compiled, and not for this Python")
+    assert done.returncode == 0, done.stderr
+    for words in [*PARAMETERS[script], f"rosrun rosoclingo {script} ", "_PARAMETER:=VALUE"]:
+        assert words in done.stdout
+
+
+def test_every_node_has_its_help_tested():
+    nodes = {path.name for path in SCRIPTS.iterdir() if "node_arguments(" in path.read_text()}
+    assert nodes < set(PARAMETERS)
+
+
+def test_arguments_that_nobody_reads_are_refused():
+    done = run("core", "program.lp", "_program_files:=[x.lp]", "__name:=y")
+    assert done.returncode == 2
+    assert "unrecognized arguments: program.lp" in done.stderr
+
+
+@pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
+def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
+    (tmp_path / "clingo.py").write_text("raise ModuleNotFoundError(\"No module named 'clingo'\", name='clingo')\n")
+    done = run(script, "--help", PYTHONPATH=os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]))
+    if script == "request":
+        assert done.returncode in (0, 1)
+    else:
+        assert done.returncode == 1
+        assert done.stderr.startswith(f"{script}: clingo is not installed for {sys.executable} (Python 3.")
+        assert f"{sys.executable} -m pip install " in done.stderr
+        assert done.stderr.rstrip().endswith("'clingo>=5.7'")
+    assert "Traceback" not in done.stderr
+
+
+def test_other_modules():
+    assert "build the workspace and source" in missing("rosoclingo.msg")
+    assert "numba is not installed for" in missing("numba.core")
+    with pytest.raises(SystemExit, match="nosuchmodule is not installed"), needed_modules():
+        import nosuchmodule  # noqa: F401
+
+
+@pytest.mark.parametrize(
+    ("values", "read", "found"),
+    [
+        ({}, {"a"}, []),
+        ({"labels": {"kitchen": {"x": 1}}, "speed": 1}, {"labels", "speed", "map"}, []),
+        ({"sped": 1, "zzz": 2}, {"speed"}, ["~sped (is ~speed meant?)", "~zzz"]),
+        (
+            {"global_costmap": {"footprnt": [], "inflation": {"radius": 1}, "other": {"x": 1, "y": 2}}},
+            {"global_costmap/footprint", "global_costmap/inflation/radius"},
+            ["~global_costmap/footprnt (is ~global_costmap/footprint meant?)", "~global_costmap/other"],
+        ),
+        ({"status_frequency": 5, "actionlib_server_pub_queue_size": 9}, set(), []),
+    ],
+)
+def test_parameters_that_nobody_reads(values, read, found):
+    assert unread(values, frozenset(read)) == found

@@ -1,0 +1,92 @@
+"""Whatever is told late, twice or falsely: each action and each end is right, and nothing on the robot is lost."""
+
+from pathlib import Path
+from random import Random
+
+import pytest
+from carrying_world import HOUSE, OFFICE, ROBOT, Play
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, GoalRefused, Halt, Problem
+
+ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
+FILES = {"office": ("mailbot.lp", "office.lp"), "house": ("house.lp", "home.lp")}
+DOMAINS = {"office": OFFICE, "house": HOUSE}
+PROGRAMS = {name: ReactiveProgram.from_files([ENCODINGS / file for file in files]) for name, files in FILES.items()}
+
+
+def some_attempts():
+    """A recovery makes so many attempts, whatever the machine's speed."""
+    left = iter(range(8))
+    return lambda: None if next(left, None) is not None else Halt("the test")
+
+
+class Stage:
+    """A core in this process, and a play around it."""
+
+    def __init__(self, name, seed, goals):
+        program = PROGRAMS[name]
+        self.play = Play(DOMAINS[name], self, Random(seed), goals)
+        self._commands, self._ends, self.problems = [], [], []
+        make = lambda: ReactiveSolver(program, shortest=True, oclingo_strings=False)  # noqa: E731
+        settings = CoreSettings(horizon_limit=40)
+        self.core = Core(program, make, self._note, settings, watch_recovery=some_attempts)
+        self.core.start()
+
+    def send(self, key, text):
+        self.core.add_goal(key, text)
+
+    def cancel(self, key):
+        self.core.cancel_goal(key)
+
+    def tell(self, facts):
+        self.core.receive("world", facts)
+
+    def _note(self, event):
+        if isinstance(event, ActionsDispatched):
+            self._commands += [str(action.atom) for action in event.actions]
+        elif isinstance(event, GoalChanged) and event.outcome is not None:
+            self._ends.append((event.key, event.outcome.name.lower(), event.message))
+        elif isinstance(event, GoalRefused):
+            self._ends.append((event.key, "rejected", event.reason))
+        elif isinstance(event, Problem) and not event.origin:
+            self.problems.append(f"cycle {event.cycle}: {event.message}")
+            self.play._say("problem " + event.message)
+
+    def run(self):
+        """Play until all goals have ended."""
+        for _ in range(100_000):
+            ends, self._ends = self._ends, []
+            for end in ends:
+                self.play.ended(*end)
+            if self._commands:
+                self.play.command(self._commands.pop())
+            elif not self.core.advance(0.0) and not self._ends and not self._commands:
+                if self.play.over:
+                    return
+                before = len(self.play.log)
+                self.play.stir()
+                assert len(self.play.log) > before or not self.play.live, "it has come to rest with goals"
+        raise AssertionError("the play does not end")
+
+
+def check(name, seed, goals):
+    stage = Stage(name, seed, goals)
+    stage.run()
+    for _ in range(20):
+        if not stage.play.ask_for_all_that_is_aboard():
+            break
+        stage.run()
+    assert ROBOT not in {one.place for one in stage.play.things.values()}, stage.play.log[-40:]
+    assert stage.play.faults == []
+    assert [one for one in stage.problems if "no answer, whatever" in one] == []
+    return stage
+
+
+@pytest.mark.slow
+@settings(max_examples=max(1, settings.default.max_examples // 25), deadline=None)
+@given(st.sampled_from(sorted(DOMAINS)), st.integers(0, 10**6))
+def test_nothing_is_lost_and_nothing_untrue(name, seed):
+    check(name, seed, goals=8)

@@ -1,0 +1,141 @@
+"""Entries of config/interfaces.yaml: what is read, and each fault with its place."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.interfaces.action_runs import Limits
+from rosoclingo.interfaces.config import ConfigError, read_limits, read_spec, read_specs, survey
+
+SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"
+TYPE = {"type": "actionlib/TestAction"}
+
+
+def test_the_shipped_configuration():
+    specs = read_specs(yaml.safe_load(SHIPPED.read_text()))
+    assert sorted(specs) == ["deliver", "move_base", "pickup"]
+    assert specs["move_base"].server == "move_base"
+    assert specs["pickup"].rules == specs["deliver"].rules
+
+
+def test_what_is_left_out():
+    spec = read_spec("arm(left)", TYPE)
+    assert spec.name == spec.server == "arm(left)"
+    assert spec.goal == {}
+    assert spec.rules == ()
+    assert spec.limits == Limits()
+
+
+def test_everything_given():
+    entry = {
+        "server": "/robot/arm",
+        "type": "actionlib/TestAction",
+        "goal": {"goal": "$1"},
+        "timeout": 3,
+        "server_timeout": 0.5,
+        "retries": 2,
+        "retry_on": ["failed"],
+        "returns": [
+            {"status": "aborted", "text": "(?i)stuck", "return": "blocked", "facts": ["stuck(${cycle})"]},
+            {"when": {"result": 3}},
+        ],
+    }
+    spec = read_spec("arm", entry)
+    assert spec.limits == Limits(3.0, 0.5, 2)
+    assert spec.retry_on == ("failed",)
+    assert spec.rules[0].text.search("It is STUCK")
+    assert spec.rules[1].returns == "failed"
+
+
+@pytest.mark.parametrize(
+    ("entry", "fault"),
+    [
+        ([], "arm: must be a mapping with type"),
+        ({}, "arm.type: is missing"),
+        ({"type": "Test"}, "arm.type: 'Test' is no action type"),
+        ({**TYPE, "sever": "x"}, "arm: unknown field 'sever'; fields are server, type"),
+        ({**TYPE, "server": ""}, "arm.server: must be a text"),
+        ({**TYPE, "goal": 3}, "arm.goal: must be a mapping"),
+        ({**TYPE, "goal": {"x": "$y"}}, r"arm: goal.x: no \$y"),
+        ({**TYPE, "timeout": -1}, "arm.timeout: must be a number from 0 on"),
+        ({**TYPE, "timeout": "soon"}, "arm.timeout: must be"),
+        ({**TYPE, "timeout": True}, "arm.timeout: must be"),
+        ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be above 0"),
+        ({**TYPE, "server_timeout": float("inf")}, "arm.server_timeout: must be"),
+        ({**TYPE, "pause": -1}, "arm.pause: must be a number from 0 on"),
+        ({**TYPE, "retries": 1.5}, "arm.retries: must be a whole number"),
+        ({**TYPE, "retry_on": "failed"}, "arm.retry_on: must be a list"),
+        ({**TYPE, "returns": {}}, "arm.returns: must be a list"),
+        ({**TYPE, "returns": [3]}, r"arm.returns\[0\]: must be a mapping"),
+        ({**TYPE, "returns": [{"status": "lost"}]}, r"arm.returns\[0\]: no status 'lost'; statuses are succeeded"),
+        ({**TYPE, "returns": [{"text": "("}]}, r"arm.returns\[0\]: text '\(' is no regular expression"),
+        ({**TYPE, "returns": [{"when": {"x": "/(/"}}]}, r"arm.returns\[0\].when.x: text '\(' is no regular expression"),
+        ({**TYPE, "returns": [{"when": 3}]}, r"arm.returns\[0\]: when must be a mapping"),
+        ({**TYPE, "returns": [{"facts": "a"}]}, r"arm.returns\[0\]: facts must be a list"),
+        ({**TYPE, "returns": [{"return": "$what"}]}, r"returns\[0\]\[0\]: no \$what"),
+    ],
+)
+def test_faults_are_named(entry, fault):
+    with pytest.raises(ConfigError, match=fault):
+        read_spec("arm", entry)
+
+
+def test_names_are_terms():
+    with pytest.raises(ConfigError, match="Left Arm: the name must be the ASP term"):
+        read_spec("Left Arm", TYPE)
+
+
+def test_all_faults_at_once():
+    with pytest.raises(ConfigError) as caught:
+        read_specs({"arm": {"timeout": -1}, "leg": 3})
+    assert [line.split(":")[0] for line in str(caught.value).splitlines()] == ["arm.type", "arm.timeout", "leg"]
+
+
+@pytest.mark.parametrize(
+    ("data", "fault"),
+    [(None, "must be a mapping of interface names"), ([1], "must be a mapping"), ({}, "has no entries; write one")],
+)
+def test_no_entries(data, fault):
+    with pytest.raises(ConfigError, match=fault):
+        read_specs(data)
+
+
+def test_what_is_usable_of_a_faulty_entry_is_there_to_be_checked_further():
+    specs, faults = survey(
+        {"arm": {**TYPE, "timeout": -1, "goal": {"x": "$y", "z": "$", "goal": 1}}, "leg": {"type": 3}}
+    )
+    assert faults == [
+        "arm: goal.x: no $y; known are $parameter, $cycle, $now, $1, $2 ...",
+        "arm: goal.z: '$': write $name alone, ${name} inside a text, $$ for a dollar sign",
+        "arm.timeout: must be a number from 0 on, not -1",
+        "leg.type: 3 is no action type; write package/NameAction",
+    ]
+    assert specs["arm"].type == "actionlib/TestAction"
+    assert specs["leg"].type == ""
+
+
+def test_limits_alone():
+    assert read_limits({"timeout": 7}, "~", Limits(1.0, 2.0, 3)) == Limits(7.0, 2.0, 3)
+    with pytest.raises(ConfigError, match=r"~\.retries"):
+        read_limits({"retries": -1}, "~")
+
+
+SCALARS = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("$parameter"))
+ANYTHING = st.recursive(
+    SCALARS,
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(SCALARS, inner, max_size=3)),
+    max_leaves=8,
+)
+FIELDS = ["server", "type", "goal", "timeout", "server_timeout", "pause", "retries", "retry_on", "returns", "other"]
+RULES = st.lists(st.dictionaries(st.sampled_from(["status", "text", "when", "return", "facts"]), ANYTHING), max_size=3)
+
+
+@given(st.dictionaries(st.sampled_from(FIELDS), st.one_of(ANYTHING, RULES)), SCALARS)
+def test_any_data_is_read_or_refused(entry, name):
+    try:
+        read_specs({name: entry})
+    except ConfigError as error:
+        assert str(error)  # noqa: PT017

@@ -1,0 +1,91 @@
+"""Facts between core and interfaces, and terms as plain values."""
+
+import contextlib
+
+import pytest
+from clingo import Function, Number, String
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.interfaces.facts import FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.values import TermError, as_boolean, as_integer, as_real, as_term, as_text
+from rosoclingo.reasoning.keywords import Action
+
+OFFICE2 = Function("office2")
+
+
+def test_an_action_is_read_and_answered():
+    command = parse_command("_action_lib(move_base,office2,1)", "move_base")
+    assert command == (Verb.RUN, Action(Function("move_base"), OFFICE2, 1))
+    assert return_text(command.action, OFFICE2) == "_return(move_base,office2,1)"
+    assert return_text(command.action, Function("failed")) == "_return(move_base,failed,1)"
+
+
+def test_a_cancellation_names_the_same_action():
+    run = parse_command("_action_lib(arm(left),pose(1,up),12).", "arm(left)")
+    cancel = parse_command("_cancel(arm(left), pose(1, up), 12)", "arm(left)")
+    assert cancel.verb is Verb.CANCEL
+    assert cancel.action == run.action
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("_action_lib(move_base,office2", "is no ground atom"),
+        ("_action_lib(move_base,X,1)", "is no ground atom"),
+        ("", "is no ground atom"),
+        ("_action_lib(move_base,office2)", "not of the form"),
+        ("_cancel(move_base,office2)", "not of the form"),
+        ("go(move_base,office2,1)", "not of the form"),
+        ("-_action_lib(move_base,office2,1)", "not of the form"),
+        ("_action_lib(move_base,office2,now)", "cycle 'now' is no positive integer"),
+        ("_action_lib(move_base,office2,-1)", "cycle '-1' is no positive integer"),
+        ("_action_lib(pickup,office2,1)", "is for pickup, but was sent to move_base"),
+    ],
+)
+def test_what_is_no_command_is_told(text, fault):
+    with pytest.raises(FactError, match=fault):
+        parse_command(text, "move_base")
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_a_command_or_a_fact_error(text):
+    with contextlib.suppress(FactError):
+        parse_command(text, "move_base")
+
+
+def test_values_of_terms():
+    assert as_text(String("two words")) == "two words"
+    assert as_text(Function("f", [Number(1), String("a")])) == 'f(1,"a")'
+    assert as_text(True) == "true"
+    assert as_integer(Number(-3)) == as_integer("-3") == as_integer(-3) == -3
+    assert as_real(String("0.25")) == as_real(0.25) == 0.25
+    assert as_real(Number(2)) == 2.0
+    assert as_boolean(Function("true")) is True
+    assert as_boolean(Number(0)) is False
+    assert as_boolean(False) is False
+
+
+@pytest.mark.parametrize(
+    ("convert", "value"),
+    [
+        (as_integer, Function("a")),
+        (as_integer, String("0.5")),
+        (as_integer, True),
+        (as_real, Function("a")),
+        (as_real, String("nan")),
+        (as_real, True),
+        (as_boolean, Number(2)),
+    ],
+)
+def test_values_that_do_not_fit_are_told(convert, value):
+    with pytest.raises(TermError):
+        convert(value)
+
+
+def test_terms_of_values():
+    assert as_term(OFFICE2) is OFFICE2
+    assert as_term(3) == Number(3)
+    assert as_term("at(office2,3)") == Function("at", [OFFICE2, Number(3)])
+    assert as_term("Office 3") == String("Office 3")
+    assert as_term(True) == Function("true")

@@ -1,0 +1,195 @@
+"""The life of one goal: every event in every phase, deadlines, odd clocks."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.interfaces.action_runs import (
+    START_TIME,
+    TRANSITIONS,
+    Effect,
+    Event,
+    IllegalEventError,
+    Instant,
+    Limits,
+    Phase,
+    Run,
+)
+
+LIMITS = Limits(timeout=10.0, server_timeout=5.0)
+START = Instant(100.0, 50.0)
+WAYS = {
+    Phase.WAITING: [],
+    Phase.SENT: [Event.SERVER_FOUND],
+    Phase.RUNNING: [Event.SERVER_FOUND, Event.ACKNOWLEDGED],
+    Phase.ENDING: [Event.SERVER_FOUND, Event.ACKNOWLEDGED, Event.CANCEL],
+    Phase.YIELDING: [Event.SERVER_FOUND, Event.ACKNOWLEDGED, Event.TAKEN],
+    Phase.DONE: [Event.CANCEL],
+}
+
+
+def run_in(phase, limits=LIMITS, now=START):
+    run = Run(limits, now)
+    for event in WAYS[phase]:
+        run.handle(event, now)
+    assert run.phase is phase
+    return run
+
+
+def later(ros=0.0, wall=0.0):
+    return Instant(START.ros + ros, START.wall + wall)
+
+
+@pytest.mark.parametrize("phase", list(Phase))
+@pytest.mark.parametrize("event", list(Event))
+def test_every_event_has_a_defined_effect_or_is_illegal(phase, event):
+    run = run_in(phase)
+    if event in TRANSITIONS[phase]:
+        expected_phase, expected_effect = TRANSITIONS[phase][event]
+        assert run.handle(event, START) is expected_effect
+        assert run.phase is expected_phase
+    else:
+        with pytest.raises(IllegalEventError):
+            run.handle(event, START)
+        assert run.phase is phase
+
+
+def test_only_what_cannot_happen_is_illegal():
+    illegal = {(phase, event) for phase in Phase for event in Event if event not in TRANSITIONS[phase]}
+    assert illegal == {
+        (Phase.WAITING, Event.ACKNOWLEDGED),
+        (Phase.WAITING, Event.ENDED),
+        (Phase.WAITING, Event.TAKEN),
+        (Phase.WAITING, Event.SERVER_LOST),
+        (Phase.SENT, Event.SERVER_FOUND),
+        (Phase.RUNNING, Event.SERVER_FOUND),
+        (Phase.ENDING, Event.SERVER_FOUND),
+        (Phase.YIELDING, Event.SERVER_FOUND),
+    }
+
+
+@pytest.mark.parametrize(
+    ("phase", "event", "verdict"),
+    [
+        (Phase.WAITING, Event.CANCEL, "preempted"),
+        (Phase.WAITING, Event.SHUTDOWN, "interface_lost"),
+        (Phase.SENT, Event.CANCEL, "preempted"),
+        (Phase.SENT, Event.SERVER_LOST, "server_lost"),
+        (Phase.RUNNING, Event.ENDED, None),
+        (Phase.RUNNING, Event.CANCEL, "preempted"),
+        (Phase.RUNNING, Event.SERVER_LOST, "server_lost"),
+        (Phase.RUNNING, Event.SHUTDOWN, "interface_lost"),
+        (Phase.ENDING, Event.ENDED, "preempted"),
+        (Phase.ENDING, Event.SERVER_LOST, "server_lost"),
+        (Phase.RUNNING, Event.TAKEN, None),
+        (Phase.YIELDING, Event.EXPIRED, None),
+        (Phase.YIELDING, Event.SERVER_LOST, "server_lost"),
+        (Phase.DONE, Event.SERVER_LOST, "preempted"),
+        (Phase.DONE, Event.SHUTDOWN, "preempted"),
+    ],
+)
+def test_verdicts(phase, event, verdict):
+    run = run_in(phase)
+    run.handle(event, START)
+    assert run.verdict == verdict
+
+
+def test_a_server_that_never_comes_is_lost_by_the_wall_clock():
+    run = run_in(Phase.WAITING)
+    assert run.tick(later(ros=1000.0, wall=4.9)) is Effect.NOTHING
+    assert run.tick(later(ros=0.0, wall=5.0)) is Effect.FINISH
+    assert run.verdict == "server_lost"
+
+
+@pytest.mark.parametrize("now", [later(ros=1000.0, wall=4.9), later(ros=4.9, wall=1000.0)])
+@pytest.mark.parametrize("phase", [Phase.SENT, Phase.ENDING])
+def test_a_connected_server_is_lost_by_both_clocks_only(phase, now):
+    assert run_in(phase).tick(now) is Effect.NOTHING
+
+
+def test_a_server_that_is_starting_is_waited_for_and_that_is_told_once():
+    run = run_in(Phase.WAITING)
+    told = [run.wait_on(later(wall=second)) for second in range(1, 100)]
+    assert told == [True] + [False] * 98
+    assert run.tick(later(wall=99.0 + 4.9)) is Effect.NOTHING
+    assert run.tick(later(wall=99.0 + 5.0)) is Effect.FINISH
+    assert run.verdict == "server_lost"
+
+
+def test_a_server_that_never_gets_started_is_lost_in_the_end():
+    run = run_in(Phase.WAITING)
+    for second in range(1, int(START_TIME) + 10):
+        run.wait_on(later(wall=second))
+        run.tick(later(wall=second))
+    assert run.verdict == "server_lost"
+
+
+def test_a_goal_that_is_not_acknowledged_is_given_up():
+    run = run_in(Phase.SENT)
+    assert run.tick(later(5.0, 5.0)) is Effect.ABANDON
+    assert run.verdict == "server_lost"
+
+
+def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
+    run = run_in(Phase.RUNNING)
+    assert run.tick(later(9.9, 1000.0)) is Effect.NOTHING
+    assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
+    assert run.tick(later(14.9, 6.1)) is Effect.NOTHING
+    assert run.tick(later(15.0, 6.1)) is Effect.FINISH
+    assert run.verdict == "timeout"
+    assert run.done
+
+
+def test_the_time_counts_from_sending_the_goal():
+    run = run_in(Phase.SENT)
+    run.handle(Event.ACKNOWLEDGED, later(9.0, 1.0))
+    assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
+
+
+@pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
+def test_a_server_that_somebody_else_has_taken_is_left_to_him_for_a_while(phase):
+    run = run_in(phase, LIMITS._replace(pause=2.0))
+    assert run.handle(Event.TAKEN, START) is Effect.NOTHING
+    assert run.tick(later(1.9, 1000.0)) is Effect.NOTHING
+    assert run.tick(later(2.0, 0.1)) is Effect.FINISH
+
+
+def test_nobody_waits_for_the_pause_of_an_action_that_is_not_wanted_any_more():
+    assert run_in(Phase.YIELDING).handle(Event.CANCEL, later(0.1)) is Effect.FINISH
+    assert run_in(Phase.ENDING).handle(Event.TAKEN, later(0.1)) is Effect.FINISH
+
+
+def test_no_limit():
+    assert run_in(Phase.RUNNING, LIMITS._replace(timeout=0.0)).tick(later(1e9, 1e9)) is Effect.NOTHING
+
+
+def test_the_clock_starts_with_the_first_clock_message():
+    run = run_in(Phase.RUNNING, now=Instant(0.0, 0.0))
+    assert run.tick(Instant(0.0, 1.0)) is Effect.NOTHING
+    assert run.tick(Instant(5000.0, 2.0)) is Effect.NOTHING
+    assert run.tick(Instant(5010.0, 3.0)) is Effect.CANCEL
+
+
+def test_time_that_is_reset_starts_the_deadline_anew():
+    run = run_in(Phase.RUNNING)
+    assert run.tick(Instant(1.0, 51.0)) is Effect.NOTHING
+    assert run.tick(Instant(10.9, 52.0)) is Effect.NOTHING
+    assert run.tick(Instant(11.0, 53.0)) is Effect.CANCEL
+
+
+@given(st.lists(st.one_of(st.sampled_from(list(Event)), st.tuples(st.floats(0, 20), st.floats(0, 20))), max_size=30))
+def test_every_run_ends_once_and_for_good(happenings):
+    run, now, finished = Run(LIMITS, START), START, 0
+    for happening in happenings:
+        if isinstance(happening, Event):
+            if happening not in TRANSITIONS[run.phase]:
+                continue
+            effect = run.handle(happening, now)
+        else:
+            now = Instant(now.ros + happening[0], now.wall + happening[1])
+            effect = run.tick(now)
+        finished += effect in (Effect.FINISH, Effect.ABANDON)
+        assert finished == (1 if run.done else 0)
+    run.tick(Instant(now.ros + 100, now.wall + 100))
+    run.tick(Instant(now.ros + 200, now.wall + 200))
+    assert run.done

@@ -1,0 +1,70 @@
+"""The bag while it is written: what it holds however often it is flushed, and wherever its writer dies."""
+
+import genpy
+import pytest
+import rosbag
+from std_msgs.msg import String
+
+from rosoclingo.nodes.recording import bag_file
+from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
+
+HEADER = {"type": String._type, "md5sum": String._md5sum, "message_definition": String._full_text, "latching": "1"}
+
+
+def write(bag, *texts):
+    for text in texts:
+        length = len(text).to_bytes(4, "little")
+        bag.write("/said", length + text.encode(), HEADER, genpy.Time(int(text)))
+
+
+def read(path):
+    with rosbag.Bag(str(path)) as bag:
+        return [message.data for _, message, _ in bag.read_messages(["/said"])]
+
+
+def test_the_index_that_is_let_go_now_and_then_is_whole_in_the_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(bag_file, "KEEP", 2)
+    bag = BagFile(tmp_path / "new" / "run.bag", "/notes")
+    for number in range(9):
+        write(bag, str(2 * number), str(2 * number + 1))
+        bag.flush()
+    bag.close()
+    assert read(bag.path) == [str(number) for number in range(18)]
+    assert not active(bag.path).exists()
+
+
+def test_before_time_begins_is_its_beginning(tmp_path):
+    bag = BagFile(tmp_path / "run.bag", "/notes")
+    write(bag, "0")
+    bag.close()
+    with rosbag.Bag(str(bag.path)) as read_bag:
+        assert [moment for _, _, moment in read_bag.read_messages()] == [genpy.Time(0, 1)]
+
+
+@pytest.mark.parametrize("lost", [0, 1, 100])
+def test_a_bag_is_mended_up_to_its_last_flush(tmp_path, lost):
+    bag = BagFile(tmp_path / "run.bag", "/notes")
+    write(bag, "1", "2")
+    bag.flush()
+    write(bag, *map(str, range(3, 3 + lost)))
+    bag._file.flush()
+    mend(bag.path, tmp_path / "other.bag", "/notes")
+    assert read(tmp_path / "other.bag") == ["1", "2"]
+    with rosbag.Bag(str(tmp_path / "other.bag")) as mended:
+        (note,) = [message.data for _, message, _ in mended.read_messages(["/notes"])]
+    assert note == "mended: who wrote this was killed; lacks what came after 2.000 s"
+
+
+def test_what_is_no_bag_is_not_mended(tmp_path):
+    path = tmp_path / "run.bag"
+    for content in (b"", b"#ROSBAG V2.0\n", b"something else"):
+        active(path).write_bytes(content)
+        with pytest.raises(BagError, match=r"run\.bag\.active holds no bag that can be mended"):
+            mend(path, path, "/notes")
+    assert not path.exists()
+
+
+def test_a_place_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BagError, match=r"file/run\.bag cannot be written"):
+        BagFile(tmp_path / "file" / "run.bag", "/notes")

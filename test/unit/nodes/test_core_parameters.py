@@ -1,0 +1,107 @@
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.nodes.core import loading as module
+from rosoclingo.nodes.core.loading import CoreParameters, core_parameters, load_program
+from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.reasoning import CoreSettings
+
+
+@pytest.fixture
+def program(tmp_path):
+    path = tmp_path / "program.lp"
+    path.write_text("#const n = 1.\n#program cumulative(t).\nat(n,t).\n")
+    return str(path)
+
+
+def test_defaults(program):
+    found = core_parameters({"program_files": [program]})
+    assert found == CoreParameters((program,), {}, (), CoreSettings())
+
+
+def test_all_parameters(program):
+    values = {
+        "program_files": program,
+        "constants": {"n": 4},
+        "labels": {"office1": {"x": 1.0, "y": 2.0}},
+        "horizon_limit": 7,
+        "action_timeout": 5,
+        "search_timeout": 0,
+        "recovery_timeout": 2,
+        "preempt": True,
+        "goals_at_once": 0,
+    }
+    found = core_parameters(values)
+    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 0), 0.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "mend"),
+    [
+        ("program_files", [], "give a list of paths"),
+        ("program_files", [3], "give a list of paths"),
+        ("program_files", ["/no/such/file.lp"], "there is no file '/no/such/file.lp'"),
+        ("constants", [1], "give a map"),
+        ("constants", {"n": "X"}, "no ASP term"),
+        ("labels", 3, "give a map"),
+        ("labels", {"Office One": {}}, "no ASP term"),
+        ("horizon_limit", 0, "whole number from 1"),
+        ("horizon_limit", 1.5, "whole number from 1"),
+        ("horizon_limit", True, "whole number from 1"),
+        ("action_timeout", -1, "give seconds"),
+        ("action_timeout", "long", "give seconds"),
+        ("search_timeout", float("inf"), "give seconds"),
+        ("recovery_timeout", -0.1, "give seconds"),
+        ("goals_at_once", -1, "whole number from 0"),
+        ("preempt", 1, "give true or false"),
+        ("preempt", "true", "give true or false"),
+    ],
+)
+def test_bad_parameters_name_themselves_and_the_mend(program, name, value, mend):
+    with pytest.raises(ParameterError, match=re.escape(mend)) as error:
+        core_parameters({"program_files": [program], name: value})
+    assert f"~{name}" in str(error.value)
+
+
+def test_no_program():
+    with pytest.raises(ParameterError, match="program_files"):
+        core_parameters({})
+
+
+def test_constants_and_labels_reach_the_program(program):
+    loaded, _ = load_program(
+        core_parameters({"program_files": [program], "constants": {"n": 3}, "labels": ["kitchen"]})
+    )
+    answer = {str(atom) for atom in ReactiveSolver(loaded).solve().answers[0]}
+    assert answer == {"at(3,1)", "label(kitchen)"}
+
+
+def test_constants_that_do_not_fit_the_program(program):
+    with pytest.raises(ParameterError) as error:
+        load_program(core_parameters({"program_files": [program], "constants": {"n": "one", "m": 2}}))
+    assert str(error.value).splitlines() == [
+        f"~constants: n is one, but the program's own value is 1 ({program}:1): give a number",
+        "~constants: the program has no #const m; its constants are n",
+    ]
+    _, odd = load_program(core_parameters({"program_files": [program], "constants": {"n": -1}}))
+    assert odd[-1].startswith("~constants: n is -1")
+
+
+def test_a_constant_with_which_the_program_cannot_be_loaded(tmp_path):
+    path = tmp_path / "program.lp"
+    path.write_text("#const w = 2.\n#volatile t : w.\n:- a(t).\n#program cumulative(t).\n{a(t)}.\n")
+    with pytest.raises(ParameterError, match=r"w is soon, but the program's own value is 2 \(.*:1\): give a number"):
+        load_program(core_parameters({"program_files": [str(path)], "constants": {"w": "soon"}}))
+
+
+def test_documented_defaults_are_the_real_ones():
+    node = Path(module.__file__).with_name("core_node.py").read_text()
+    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false)\)", node))
+    real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
+    real.update(search_timeout=CoreParameters.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
+    real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
+    assert {name: yaml.safe_load(value) for name, value in documented.items()} == real

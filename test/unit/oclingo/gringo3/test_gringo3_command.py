@@ -1,0 +1,73 @@
+"""The command gringo3to5, run as a program."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[4]
+SCRIPT = ROOT / "scripts" / "gringo3to5"
+
+
+def run(*arguments, stdin=b"", folder=None):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "utf-8"}
+    command = [sys.executable, str(SCRIPT), *map(str, arguments)]
+    done = subprocess.run(command, input=stdin, capture_output=True, cwd=folder, env=environment, timeout=60)
+    return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "one.lp").write_text("#domain f(X).\n{ p(X), q }.\n", encoding="utf-8")
+    (tmp_path / "two.lp").write_text("r(X) :- not s, t : u, v.", encoding="utf-8")
+    return tmp_path
+
+
+def test_prints_the_files_of_a_program_in_order(files):
+    code, out, err = run("one.lp", "two.lp", folder=files)
+    assert (code, err) == (0, "")
+    assert out == "\n{ p(X); q } :- f(X).\nr(X) :- not s, t : u; v, f(X).\n"
+
+
+def test_reads_standard_input_and_takes_it_for_gringo_3():
+    assert run("-", stdin=b":- a : b, c.\n") == (0, ":- a : b; c.\n", RECOGNISED)
+
+
+RECOGNISED = (
+    "warning: -:1:9: ',' after a condition means one thing in gringo 3 and another in clingo 5; "
+    "read as gringo 3 (say so by '% dialect: gringo 3')\n"
+)
+
+
+def test_writes_into_a_folder(files):
+    (files / "new").mkdir()
+    assert run("one.lp", "two.lp", "-o", "new", folder=files) == (0, "", "")
+    assert (files / "new" / "one.lp").read_text() == "\n{ p(X); q } :- f(X).\n"
+    code, _, err = run("one.lp", "-o", "two.lp", folder=files)
+    assert (code, "cannot be written" in err) == (1, True)
+
+
+def test_faults_go_to_standard_error_and_nothing_is_printed(files):
+    (files / "bad.lp").write_text("#hide.\np(@f(1)).\nq :- r", encoding="utf-8")
+    code, out, err = run("one.lp", "bad.lp", folder=files)
+    assert (code, out) == (1, "")
+    assert [line.split(": ")[0] for line in err.splitlines()] == ["bad.lp:2:3", "bad.lp:3:6"]
+
+
+def test_files_that_cannot_be_read(files):
+    code, out, err = run("no.lp", folder=files)
+    assert (code, out, err) == (1, "", "no.lp: cannot be read: No such file or directory\n")
+    (files / "bytes.lp").write_bytes(b"p.\xff")
+    code, _, err = run("bytes.lp", folder=files)
+    assert (code, "bytes.lp: no UTF-8 text" in err, "save the file as UTF-8" in err) == (1, True, True)
+
+
+def test_included_files_have_to_be_named_too(files):
+    (files / "main.lp").write_text('#include "one.lp".\n#include "more/other.lp".', encoding="utf-8")
+    code, _, err = run("main.lp", "one.lp", folder=files)
+    message = (
+        "warning: main.lp:2:1: the included file more/other.lp is not translated (name it on the command line, too)\n"
+    )
+    assert (code, err) == (0, message)

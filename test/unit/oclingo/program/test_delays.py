@@ -1,0 +1,91 @@
+"""After how many cycles facts bear on actions, and the cycle of facts of now."""
+
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.reasoning.clock import Clock
+
+ENCODINGS = Path(__file__).resolve().parents[4] / "encodings"
+RULES = """
+#external _request/2. #external low/1. #external far/1. #external fire/2. #external wet/2. #external quiet/1.
+#external mood/1. #external seen/2. #external base_told/2.
+#program base.
+told(X,C) :- base_told(X,C).
+#program cumulative(t).
+#external door(t).
+{{ do(X,t) : _request(X,t+1) }} :- {condition}.
+_action_lib(go,X,t) :- do(X,t).
+at(X,t) :- do(X,t).
+at(X,t) :- at(X,t-1), not do(a,t).
+{constraint}
+#program volatile(t).
+:- quiet(t), not at(home,t).
+"""
+
+
+#: A late fact makes what was done possible all the same; it counts from the next cycle on.
+DONE_WHEN_IT_RETURNED = """{ _action_lib(go,x,t) } :- late(x,t), _return(go,V,t).
+old(t) :- late(x,t-1). :- old(t), _action_lib(go,x,t)."""
+
+
+@pytest.mark.parametrize(
+    ("predicate", "condition", "constraint", "delay"),
+    [
+        ("low/1", "not low(t)", "", 0),
+        ("low/1", "not low(t-1)", "", 1),
+        ("low/1", "not low(t-2)", "", 1),
+        ("low/1", "#true", ":- do(X,t), low(t).", 0),
+        ("low/1", "#true", ":- do(X,t), low(t-1).", 1),
+        ("low/1", "#true", ":- _action_lib(go,X,t+1), low(t).", 1),
+        ("low/1", "#true", "weak(t) :- low(t). :- do(X,t), weak(t).", 0),
+        ("low/1", "#true", "weak(t) :- low(t-1). weak(t) :- weak(t-1), not door(t). :- do(X,t), weak(t).", 1),
+        ("fire/2", "#true", ":- fire(X,t), at(X,t).", 0),
+        ("wet/2", "#true", "wets(X,t) :- wet(X,t-1). :- wets(X,t), at(X,t).", 1),
+        ("far/1", "#true", "near(t) :- far(T), T < t. :- near(t), do(X,t).", 1),
+        ("far/1", "#true", "near(t) :- far(T), T <= t, t-T < 9. :- near(t), do(X,t).", 0),
+        ("base_told/2", "#true", ":- told(X,t), do(X,t).", 0),
+        ("base_told/2", "#true", ":- told(X,t-1), do(X,t).", 1),
+        ("door/1", "not door(t)", "", 0),
+        ("quiet/1", "#true", "", 0),
+        ("seen/2", "not low(t)", "looks(t) :- seen(X,t).", 0),
+        ("mood/1", "not mood(good)", "", None),
+        ("nothing/1", "#true", "", None),
+        (
+            "late/2",
+            "#true",
+            DONE_WHEN_IT_RETURNED,
+            1,
+        ),
+    ],
+)
+def test_delays(predicate, condition, constraint, delay):
+    program = ReactiveProgram.from_text(RULES.format(condition=condition, constraint=constraint))
+    name, arity = predicate.split("/")
+    assert program.delay_of(name, int(arity)) == delay
+
+
+@pytest.mark.parametrize("files", [("house.lp", "home.lp"), ("mailbot.lp", "office.lp")])
+def test_what_the_shipped_programs_observe_counts_from_the_next_cycle_on(files):
+    program = ReactiveProgram.from_files([ENCODINGS / file for file in files])
+    expected = {"_blocked": 1, "_opened": 1, "_seen": 1 if "house.lp" in files else None}
+    assert {name: program.delay_of(name, 3) for name in expected} == expected
+
+
+def test_the_clock():
+    clock = Clock(lambda name, arity: {"soon": 0, "later": 1}.get(name))
+    dated = [
+        str(clock.dated(parse_atom(text), 5)) for text in ("soon(a,now)", "later(now)", "odd(now)", "soon(a,3)", "now")
+    ]
+    assert dated == ["soon(a,5)", "later(4)", "odd(5)", "soon(a,3)", "now"]
+    assert str(clock.dated(parse_atom("later(now)"), 1)) == "later(1)"
+    early = [clock.is_too_early(parse_atom(text), 1) for text in ("soon(now)", "later(now)", "later(1)")]
+    assert early == [False, True, False]
+    assert [clock.cycle_of(parse_atom(text)) for text in ("soon(a,3)", "odd(3)", "soon(a,b)", "soon")] == [
+        3,
+        None,
+        None,
+        None,
+    ]
+    assert str(Clock(lambda name, arity: 1, first=0).dated(parse_atom("later(now)"), 1)) == "later(0)"

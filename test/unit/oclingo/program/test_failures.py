@@ -1,0 +1,53 @@
+"""Failures told as such: ``_failed(A,V,C)`` beside each return that is not what a committed action was about."""
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+
+PROGRAM = """
+#program cumulative(t).
+#external _return/3.
+#external _failed/3.
+1 { _action_lib(go,(a;b),t) } 1.
+bad(V,t) :- _failed(go,V,t), not _action_lib(go,V,t).
+#show bad/2.
+"""
+
+
+def answers(*updates, program=PROGRAM, models=1):
+    solver = ReactiveSolver(ReactiveProgram.from_text(program), models=models, shortest=True)
+    results = [solver.update(parse_update(text)) for text in updates]
+    return solver, [sorted(str(atom) for atom in answer) for answer in results[-1].answers]
+
+
+@pytest.mark.parametrize(
+    ("value", "found"), [("a", []), ("b", ["bad(b,1)"]), ("stuck(b)", ["bad(stuck(b),1)"]), ("7", ["bad(7,1)"])]
+)
+@pytest.mark.parametrize("order", ["{0} {1}", "{1} {0}"])
+def test_success_is_the_parameter_and_anything_else_a_reason(value, found, order):
+    items = order.format(":- not _action_lib(go,a,1).", f"_return(go,{value},1).")
+    assert answers(f"#step 2. {items} #endstep.")[1] == [found]
+
+
+def test_what_was_committed_before_counts():
+    commitment = "#step 2. :- not _action_lib(go,a,1). #endstep."
+    assert answers(commitment, "#step 3. _return(go,a,1). #endstep.")[1] == [[]]
+    assert answers(commitment, "#step 3. _return(go,b,1). #endstep.")[1] == [["bad(b,1)"]]
+
+
+def test_without_a_commitment_the_program_tells():
+    _, found = answers("#step 1. _return(go,a,1). #endstep.", models=0)
+    assert sorted(found) == [[], ["bad(a,1)"]]
+
+
+def test_a_program_that_declares_none_is_told_none():
+    text = PROGRAM.replace("#external _failed/3.", "")
+    assert answers("#step 2. :- not _action_lib(go,a,1). _return(go,b,1). #endstep.", program=text)[1] == [[]]
+
+
+def test_without_the_return_there_was_no_failure():
+    solver, found = answers("#step 2. :- not _action_lib(go,a,1). _return(go,b,1). #endstep.")
+    assert found == [["bad(b,1)"]]
+    state = solver.snapshot().less(frozenset([parse_atom("_return(go,b,1)")]))
+    solver.restore(state)
+    assert solver.solve().answers == (frozenset(),)

@@ -1,0 +1,98 @@
+"""At which steps a rule could see an atom: never fewer than clingo grounds, none beyond what comparisons allow."""
+
+import clingo
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+
+STEPS, VALUES = range(1, 9), [*map(str, range(-3, 12)), "a", '"text"', "f(3)", "#sup"]
+NUMBERS = st.integers(-4, 9)
+TERMS = st.recursive(
+    st.one_of(st.sampled_from(["t", "T", "n", "t", "T"]), NUMBERS.map(str)),
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from("+-*/"), inner).map(lambda one: "({}{}{})".format(*one)),
+        inner.map("-({})".format),
+    ),
+    max_leaves=4,
+)
+OPERATORS = st.sampled_from(["<", "<=", ">", ">=", "=", "!="])
+
+
+def seen(comparison):
+    """The steps at which clingo grounds a rule with the comparison, with the values of T."""
+    control = clingo.Control(["--warn=none", "-cn=3"], logger=lambda code, text: None)
+    control.add("base", [], " ".join(f"d({value})." for value in VALUES))
+    control.add("step", ["t"], f"hit(T,t) :- d(T), {comparison}.")
+    control.ground([("base", []), *(("step", [clingo.Number(step)]) for step in STEPS)])
+    return {tuple(one.symbol.arguments) for one in control.symbolic_atoms.by_signature("hit", 2)}
+
+
+def could_see(comparison):
+    """The same as the program tells it without grounding."""
+    text = f"#program cumulative(t).\n#external d/1.\nhit(T,t) :- d(T), {comparison}.\n#program volatile(t).\n"
+    program = ReactiveProgram.from_text(text, constants={"n": "3"})
+    atoms = [parse_atom(f"d({value})") for value in VALUES]
+    pairs = [(atom, step) for atom in atoms for step in STEPS if program.may_see(atom, step, step)]
+    return {(atom.arguments[0], clingo.Number(step)) for atom, step in pairs}
+
+
+@given(st.tuples(TERMS, OPERATORS, TERMS))
+def test_no_comparison_is_taken_for_another(sides):
+    text = " ".join(sides)
+    assert seen(text) <= could_see(text)
+
+
+@pytest.mark.parametrize(
+    ("comparison", "age"),
+    [
+        ("t-T < n", 2),
+        ("T > t-n", 2),
+        ("t <= T+n", 3),
+        ("0 <= t-T < n", 2),
+        ("2*t-1 < (T+n)*2", 3),
+        ("t-T = 2", 2),
+        ("-(T-t) <= 1", 1),
+        ("t < T+5, t < T+2", 1),
+    ],
+)
+def test_a_rule_looks_back_as_far_as_its_comparisons_say(comparison, age):
+    numbers = {pair for pair in could_see(comparison) if pair[0].type is clingo.SymbolType.Number}
+    assert numbers == {
+        (clingo.Number(value), clingo.Number(step)) for value in range(-3, 12) for step in STEPS if step - value <= age
+    }
+
+
+@pytest.mark.parametrize(
+    ("written", "atom", "steps"),
+    [
+        ("d(t)", "d(3)", {3}),
+        ("d(t)", "d(a)", set()),
+        ("d(t+2)", "d(5)", {3}),
+        ("d(T,t)", "d(x,2)", {2}),
+        ("d(f(t))", "d(f(3))", set(STEPS)),  # what is within a term is not looked at: any step will do
+        ("d(f(t+1))", "d(f(3))", set(STEPS)),
+        ("d(f(t))", "d(g(3))", set()),
+        ("d(f(1))", "d(f(1,2))", set()),
+        ("d(f(1,2))", "d(f(1))", set()),
+        ("d(f(1))", "d(f(2))", set()),
+        ("d(f(T))", "d(4)", set()),
+        ("d(-f(1))", "d(-f(1))", set(STEPS)),
+        ("d(-f(1))", "d(-f(2))", set()),
+        ("d(-f(1))", "d(-g(1))", set()),
+        ("d(-5)", "d(-5)", set(STEPS)),
+        ("d(-5)", "d(4)", set()),
+        ("d(n)", "d(3)", set(STEPS)),
+        ("d(n)", "d(n)", set()),
+    ],
+)
+def test_steps_at_which_a_rule_could_see_an_atom(written, atom, steps):
+    text = f"#program cumulative(t).\n#external d/1. #external d/2.\nhit(t) :- {written}.\n#program volatile(t).\n"
+    program = ReactiveProgram.from_text(text.replace("T", "_"), constants={"n": "3"})
+    assert {step for step in STEPS if program.may_see(parse_atom(atom), step, step)} == steps
+
+
+@pytest.mark.parametrize("comparison", ["not t-T >= n", "t-T != n", "t-T > n", "t*T < n", "t-2*T < n", "(t-T)/2 < n"])
+def test_what_bounds_no_look_back(comparison):
+    assert len(could_see(comparison)) == len(VALUES) * len(STEPS)

@@ -1,0 +1,151 @@
+"""Reactive programs: parts, directives, constants, and faults that name file, line and mend, all at once."""
+
+import pytest
+
+from rosoclingo.oclingo import ProgramError, ReactiveProgram, ReactiveSolver, parse_update
+
+STEPS = "#program cumulative(t).\n{ m(t) }.\n#program volatile(t).\n"
+
+
+def faults(text, **constants):
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram.from_text(text, "p.lp", constants)
+    return [(fault.file, fault.line, str(fault)) for fault in caught.value.faults]
+
+
+def answers(text, update="#step 1 : 0. #endstep.", constants=None):
+    result = ReactiveSolver(ReactiveProgram.from_text(text, constants=constants), models=0).update(parse_update(update))
+    return sorted(" ".join(sorted(map(str, answer))) for answer in result.answers)
+
+
+def test_both_forms_of_parts():
+    old = "a. #cumulative t. b(t). #volatile k. c(k). #base. d."
+    new = "a. #program cumulative(t). b(t). #program volatile(k). c(k). #program base. d."
+    assert answers(old) == answers(new) == ["a b(1) c(1) d"]
+
+
+def test_parts_may_repeat_with_other_parameters():
+    assert answers("#cumulative t. b(t). #base. a. #cumulative k. c(k+1).") == ["a b(1) c(2)"]
+
+
+def test_constants():
+    assert answers("#const n = 2. #cumulative t. a(n).", "#step 1 : 0. #endstep.", {"n": "f(x)"}) == ["a(f(x))"]
+    assert answers("#const n = 2. #cumulative t. #volatile t : n+1. b(t).", "#step 4 : 0. #endstep.") == [
+        "b(2) b(3) b(4)"
+    ]
+
+
+def test_first_step():
+    assert answers("#iinit -1. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(-1) b(0) b(1)"]
+    assert answers("#const w=3. #iinit 2-w. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(-1) b(0) b(1)"]
+    assert answers("#iinit 0. #iinit (2 - |-3|)/2 + 1. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(1)"]
+
+
+def test_directives_in_comments_and_strings_mean_nothing():
+    assert answers('a("#base. %*"). % #iinit 0.\n%* #volatile t. *% #cumulative t. b(t).') == ['a("#base. %*") b(1)']
+
+
+def test_strange_characters_in_comments_and_strings_are_nobodys_concern():
+    assert answers('%* § "%* x *% y § *% a("§"). % §\n#cumulative t. b(t).') == ['a("§") b(1)']
+
+
+def test_strange_characters_elsewhere_have_a_place():
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram.from_text("a.\n%* x\n*% b.\n  c § d.\n" + STEPS, "p.lp")
+    assert (caught.value.faults[0].line, caught.value.faults[0].column) == (4, 5)
+
+
+def test_includes(tmp_path):
+    (tmp_path / "main.lp").write_text('#include "world.lp".\n#cumulative t. b(t).\n', encoding="utf-8")
+    (tmp_path / "world.lp").write_text('a.\n#include "main.lp".\n', encoding="utf-8")
+    program = ReactiveProgram.from_files([tmp_path / "main.lp"])
+    result = ReactiveSolver(program).solve()
+    assert sorted(map(str, result.answers[0])) == ["a", "b(1)"]
+
+
+def test_externals_are_known():
+    program = ReactiveProgram.from_text("#external g/2. #cumulative t. #external e(X,t) : d(X). d(1).")
+    assert program.declares_external("g", 2)
+    assert program.declares_external("e", 2)
+    assert not program.declares_external("d", 1)
+
+
+def test_all_faults_at_once():
+    found = faults("a(X) :- b(Y).\n_request(x).\nc(X) :- not d(X).\n" + STEPS)
+    assert [line for _, line, _ in found] == [2, 1, 3]
+    assert "_request(Goal,C)" in found[0][2]
+    assert "unsafe variable X in a(X)" in found[1][2]
+    assert "domain" in found[2][2]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("a :- b(.\n" + STEPS, 1, "syntax error"),
+        ("#program foo(t).\n", 1, "unknown program part foo(t)"),
+        ("#program base(t).\n", 1, "unknown program part base(t)"),
+        ("#cumulative T.\n", 1, "write #cumulative t."),
+        ("#volatile t : w.\n", 1, "'w' is no number"),
+        ("#iinit x.\n", 1, "'x' is no number"),
+        ("#iinit 1-y.\n", 1, "'1-y' is no number"),
+        ("#iinit 1-.\n", 1, "'1-' is no term"),
+        ("#cumulative t.\n#forget t : x.\n", 2, "'x' is no number"),
+        (STEPS + "_action_lib(a,b) :- m(1).\n", 4, "_action_lib(Action,Parameter,C)"),
+        ("_action_lib(a,b,1).\n", 0, "no cumulative part"),
+        (STEPS + "#program cumulative(t).\nw :- m(t).\n", 5, "redefinition: w is defined by the rules of two steps"),
+        (STEPS + "#program cumulative(t).\np(t) :- m(t).\np(t-1) :- m(t).\n", 5, "redefinition: p("),
+        (
+            "#program cumulative(t).\n#external e(t).\n_status(1,accepted,t) :- e(t+1).\n#program volatile(t).\n",
+            3,
+            "write #external e(t+1).",
+        ),
+        (
+            "_status(1,accepted,1) :- e(1).\n#program cumulative(t).\n#external e(t).\n",
+            1,
+            "used in base but declared only step by step",
+        ),
+        ('#include "nowhere.lp".\n' + STEPS, 1, "nowhere.lp"),
+        ("a § b.\n" + STEPS, 1, "unexpected characters"),
+        ("#begin_lua\n#end_lua.\n" + STEPS, 1, "scripts"),
+        ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "lua support not available"),
+    ],
+)
+def test_faults_name_line_and_mend(text, line, words):
+    found = faults(text)
+    assert any(place == line and words in message for _, place, message in found), found
+
+
+def test_redefinitions_are_told_in_order_and_at_the_rule_of_the_step():
+    found = faults("v :- a.\n{ a }.\n" + STEPS + "#program cumulative(t).\nw :- m(t).\nv :- m(t).\nu :- m(t).\n")
+    told = [(line, text.split("redefinition: ")[1][0]) for _, line, text in found if "redefinition" in text]
+    assert told == [(9, "u"), (8, "v"), (7, "w")]
+
+
+def test_an_external_of_a_step_may_have_no_step():
+    text = "d(1..2). #cumulative t. #external e(X) : d(X), t = 1. c(t) :- e(t+1). #volatile t."
+    assert answers(text, "#step 1 : 0. e(2). #endstep.") == ["c(1) d(1) d(2) e(2)"]
+
+
+def test_odd_but_usable_programs_of_oclingo_are_warned_of():
+    program = ReactiveProgram.from_text("#cumulative t.\n#external e(t).\nc(t) :- e(t+1).\n", "p.lp")
+    assert [line.split(":")[1] for line in program.warnings if "late" in line] == ["3"]
+    assert any("volatile part" in line for line in program.warnings)
+
+
+def test_bad_constants():
+    assert "'N' is no name" in faults("a.", N="1")[0][2]
+    assert "no ground term" in faults("a.", n="X")[0][2]
+
+
+def test_bad_files(tmp_path):
+    (tmp_path / "bytes.lp").write_bytes(b"a.\xff")
+    with pytest.raises(ProgramError, match="no UTF-8 text"):
+        ReactiveProgram.from_files([tmp_path / "bytes.lp"])
+    with pytest.raises(ProgramError, match="can't be read"):
+        ReactiveProgram.from_files([tmp_path / "none.lp"])
+
+
+def test_a_trial_grounding_has_an_end():
+    """The look for redefinitions gives up what only a real grounding could tell."""
+    text = STEPS + "#program cumulative(t).\nn(0) :- t > 1.\nn(X+1) :- n(X), X < 2000000000.\n"
+    assert ReactiveProgram.from_text(text).parts

@@ -1,0 +1,112 @@
+"""What is odd is told once, with its place and a mend; programs are used all the same."""
+
+import pytest
+
+from rosoclingo.oclingo import ProgramError, ReactiveProgram, ReactiveSolver, SolverError, parse_update
+
+STEPS = "#program cumulative(t).\n#external e(t).\n#program volatile(t).\n"
+
+
+def remarks(text, constants=None):
+    return ReactiveProgram.from_text(text, "f.lp", constants).warnings
+
+
+@pytest.mark.parametrize(
+    ("text", "remark"),
+    [
+        (
+            "holds(a,1). b :- hold(X,1).\n",
+            "f.lp:1:13: no rule and no #external defines hold/2: it is never true (is holds/2",
+        ),
+        ("b.\n:- not holds.\n", "f.lp:2:1: no rule and no #external defines holds/0: it is never true (write a rule"),
+        ("a :- -b.\nb.\n", "f.lp:1:1: no rule and no #external defines -b/0"),
+        ("a :- 1 { b(X) : c(X) }.\nb(1).\n", "f.lp:1:1: no rule and no #external defines c/1"),
+        (
+            "#show place/2.\nplaced(1,2).\n",
+            "f.lp:1:1: no rule and no #external defines place/2: it is never true (is placed/2",
+        ),
+        ("a :- _return(b,c,1).\n", "f.lp:1:1: no rule and no #external defines _return/3"),
+    ],
+)
+def test_predicates_that_nothing_defines(text, remark):
+    (found,) = [one for one in remarks(text + STEPS) if "defines" in one]
+    assert found.startswith(remark)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "#defined hold/2.\nb :- hold(X,1).\n",
+        "a :- f.\n#external f.\n",
+        "#external f/1.\na :- f(1).\n#show.\n#show a/0.\n",
+        "{ a }. b :- not a. -c. d :- -c.\n",
+    ],
+)
+def test_nothing_is_said_of_what_something_defines(text):
+    assert remarks(text + STEPS) == []
+
+
+def test_operations_without_a_value_are_told_at_the_start_where_clingo_knows():
+    (found,) = remarks("q(a).\n" + STEPS + "#program cumulative(s).\np(s) :- q(X), X = s/0.\n")
+    assert found.startswith("f.lp:6:19: undefined operation (s/0): the instances that need it are left out")
+
+
+def test_operations_without_a_value_are_told_once_while_running():
+    text = "#program cumulative(s).\n#external e(X,s) : X = 0..1.\np(s) :- e(X,s), 1/X = s.\n#program volatile(s).\n"
+    program = ReactiveProgram.from_text(text, "f.lp")
+    assert program.warnings == []
+    solver = ReactiveSolver(program)
+    (told,) = solver.solve().warnings
+    assert told.startswith("f.lp:3:17: undefined operation (1/X)")
+    assert solver.update(parse_update("#step 3. #endstep.")).warnings == ()
+    assert ReactiveSolver(program).solve().warnings == ()
+
+
+def test_unsafe_variables_are_told_in_the_words_of_the_program():
+    text = (
+        "#program cumulative(s).\np(X,s) :- not q(X).\n#program volatile(k).\nr(k,X).\n:- not p(X,_), p(_,k).\nq(1).\n"
+    )
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram.from_text(text, "f.lp")
+    found = [fault.message for fault in caught.value.faults]
+    assert found == [
+        "unsafe variable X in p(X,s):- not q(X).",
+        "unsafe variable X in r(k,X).",
+        "unsafe variable X in :- p(_,k);not p(X,_).",
+    ]
+
+
+def test_constants_that_the_program_does_not_know():
+    text = "#const capacity = 3.\nroom(r1).\n" + STEPS
+    assert remarks(text, {"capacity": "4", "r1": "r2"}) == []
+    assert remarks(text, {"capcity": "4"}) == [
+        "constant capcity: the program has no #const capcity (is capacity meant?)",
+    ]
+    assert "(it has none)" in remarks(STEPS, {"x": "4"})[0]
+
+
+def play(solver, text):
+    return solver.update(parse_update(text + " #endstep.")).warnings
+
+
+def test_facts_that_nothing_depends_on_are_told_once():
+    solver = ReactiveSolver(ReactiveProgram.from_text("{ c }.\n" + STEPS))
+    (told,) = play(solver, "#step 1. ee(1). e(1).")
+    assert told.startswith("No rule and no #external of the program mentions ee/1")
+    assert told.endswith("(is e/1 meant?).")
+    assert play(solver, "#step 2. ee(2).") == ()
+    assert play(solver, "x(1). e(2) :- x(1). -c.") == ()
+    assert play(solver, "x(2).") == ()
+    assert len(play(solver, "zzz.")) == 1
+
+
+def test_a_redefinition_while_running_names_rules_and_mend():
+    text = "#program cumulative(s).\n{ m(s) }.\np(s/4) :- m(s), s > 3.\n:- p(9).\n#program volatile(s).\n"
+    solver = ReactiveSolver(ReactiveProgram.from_text(text, "f.lp"))
+    play(solver, "#step 4.")
+    with pytest.raises(SolverError) as caught:
+        play(solver, "#step 5.")
+    assert str(caught.value) == (
+        "the update was refused: f.lp:3:1: redefinition: p(1) is defined by the rules of two steps "
+        "(give the head the step, like p(t), or move the rule to base)"
+    )

@@ -1,0 +1,139 @@
+"""What statements mention, against clingo itself where it can tell."""
+
+import clingo
+import pytest
+from clingo.ast import parse_string
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo.program.signatures import Dependencies, Signature, atom_terms, evaluate, occurrences, rule_edges
+
+
+def statement(text):
+    found = []
+    parse_string(text, found.append)
+    return found[-1]
+
+
+def told(text):
+    """The atoms of a statement: heads with an h, positive body atoms with a +, others with a -."""
+    marks = {(True, False): "h", (False, True): "+", (False, False): "-"}
+    return sorted(marks[one.head, one.positive] + str(one.signature) for one in occurrences(statement(text)))
+
+
+@pytest.mark.parametrize(
+    ("text", "atoms"),
+    [
+        ("a.", "ha/0"),
+        ("-a(X) :- b(X), not c, not not d.", "h-a/1 +b/1 -c/0 -d/0"),
+        (":- a, -b(1).", "+a/0 +-b/1"),
+        ("a ; b :- c.", "ha/0 hb/0 +c/0"),
+        ("a(1;2,3) :- b(1,2;3).", "ha/1 ha/2 +b/1 +b/2"),
+        ("{ a : b, not c } :- d.", "ha/0 +b/0 -c/0 +d/0"),
+        ("a : b ; c :- d.", "ha/0 +b/0 hc/0 +d/0"),
+        ("1 { a(X) : b(X) ; c } 2.", "ha/1 +b/1 hc/0"),
+        ("#sum { X,a : a(X) : b(X), not c } 3 :- d.", "ha/1 +b/1 -c/0 +d/0"),
+        ("&sum { X : a(X) } < 3 :- b.", "+b/0"),
+        ("a :- &sum { X : b(X), not c } < 3.", "ha/0 +b/1 -c/0"),
+        ("not a :- b.", "-a/0 +b/0"),
+        ("a :- b : c, not d.", "ha/0 +b/0 +c/0 -d/0"),
+        ("a :- not b : c.", "ha/0 -b/0 +c/0"),
+        ("a :- 1 { b ; not c : d } 2.", "ha/0 +b/0 -c/0 +d/0"),
+        ("a :- #sum { X : b(X), not c } > 3.", "ha/0 +b/1 -c/0"),
+        ("a :- X = #count { Y : b(Y) }, X < 2.", "ha/0 +b/1"),
+        ("#show a/1.", ""),
+        ("#show X : a(X), not b.", "+a/1 -b/0"),
+        ("#external a(X) : b(X). [false]", "ha/1 +b/1"),
+        (":~ a(X), not b. [X]", "+a/1 -b/0"),
+        ("a :- X < 3, X = 1..2.", "ha/0"),
+    ],
+)
+def test_occurrences(text, atoms):
+    assert told(text) == sorted(atoms.split())
+
+
+def test_edges_go_from_positive_bodies_to_heads_of_rules():
+    assert rule_edges(statement("a ; b :- c, not d.")) == ({Signature("a", 0), Signature("b", 0)}, {Signature("c", 0)})
+    assert rule_edges(statement("#show a : b.")) == (set(), set())
+
+
+def test_pools_are_alternatives():
+    rule = statement("a((1;2);(3;4),5).")
+    assert [str(term) for term in atom_terms(rule.head.atom.symbol)] == ["a((1;2))", "a((3;4),5)"]
+
+
+CONSTANTS = {"n": clingo.Number(3), "word": clingo.Function("text")}
+LEAVES = st.sampled_from(["n", "n", "word", "c", "-2", "0", "1", "7", '"s"', "-c", "#inf"])
+TERMS = st.recursive(
+    LEAVES,
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from(["+", "-", "*", "/", "\\", "**"]), inner).map(
+            lambda one: "({}{}{})".format(*one)
+        ),
+        inner.map("-({})".format),
+        inner.map("~({})".format),
+        inner.map("|{}|".format),
+    ),
+    max_leaves=5,
+)
+
+
+def value_of(text):
+    """The value that clingo gives a term, None for none."""
+    control = clingo.Control(["-cn=3", "-cword=text", "--warn=none"], logger=lambda code, message: None)
+    control.add("base", [], f"v({text}).")
+    control.ground([("base", [])])
+    return next((one.symbol.arguments[0] for one in control.symbolic_atoms.by_signature("v", 1)), None)
+
+
+@given(TERMS)
+def test_values_are_clingos_or_not_known(text):
+    value = evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS)
+    assert value is None or value == value_of(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("n+1", 4),
+        ("n-5", -2),
+        ("n*n", 9),
+        ("7/2", 3),
+        ("-7/2", -3),
+        ("-n", -3),
+        ("n", 3),
+        ("-(n-1)", -2),
+        ("7\\4", 3),
+        ("2**n", 8),
+    ],
+)
+def test_simple_values_are_known(text, value):
+    assert evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS) == clingo.Number(value)
+
+
+@pytest.mark.parametrize("text", ["1/0", "1\\0", "c+1", '"s"*2', "1-c", "X", "1..2", "f(1)"])
+def test_what_has_no_simple_value(text):
+    assert evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS) is None
+
+
+NODES = [Signature(name, 0) for name in "abcdef"]
+EDGES = st.lists(st.tuples(st.sampled_from(NODES), st.sampled_from(NODES)), max_size=9)
+
+
+@given(EDGES, EDGES, st.sampled_from(NODES), st.sets(st.sampled_from(NODES), max_size=2))
+def test_who_depends_on_whom(edges, further, source, targets):
+    dependencies = Dependencies()
+    for head, body in edges:
+        dependencies.add([head], [body])
+    twin = dependencies.copy()
+    for head, body in further:
+        twin.add([head], [body])
+
+    def users(pairs):
+        found = {source}
+        for _ in NODES:
+            found |= {head for head, body in pairs if body in found}
+        return found
+
+    assert dependencies.reaches(source, targets) == bool(users(edges) & targets)
+    assert twin.reaches(source, targets) == bool(users(edges + further) & targets)

@@ -1,0 +1,225 @@
+"""Online progressions: reading, printing, errors with their places."""
+
+import clingo
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import (
+    Assert,
+    Cumulative,
+    Forget,
+    Literal,
+    ProgressionError,
+    Retract,
+    Statement,
+    Stop,
+    StreamUpdate,
+    Volatile,
+    commitment,
+    fact,
+    parse_atom,
+    parse_term,
+    parse_update,
+    parse_updates,
+)
+from rosoclingo.oclingo.progression.terms import MAX_DEPTH
+
+IDENTIFIERS = st.from_regex(r"_{0,2}[a-z][A-Za-z0-9_']{0,5}", fullmatch=True).filter(lambda name: name != "not")
+LEAVES = st.one_of(
+    st.integers(-(2**31), 2**31 - 1).map(clingo.Number),
+    st.builds(clingo.Function, IDENTIFIERS, st.just([]), st.booleans()),
+    st.sampled_from([clingo.Infimum, clingo.Supremum]),
+    st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=5).map(clingo.String),
+)
+TERMS = st.recursive(
+    LEAVES,
+    lambda inner: st.one_of(
+        st.builds(clingo.Function, IDENTIFIERS, st.lists(inner, min_size=1, max_size=3), st.booleans()),
+        st.lists(inner, max_size=3).map(lambda arguments: clingo.Function("", arguments)),
+    ),
+    max_leaves=8,
+)
+ATOMS = st.builds(clingo.Function, IDENTIFIERS, st.lists(TERMS, max_size=3), st.booleans())
+LITERALS = st.builds(Literal, ATOMS, st.booleans())
+STATEMENTS = st.builds(Statement, st.one_of(st.none(), ATOMS), st.lists(LITERALS, max_size=3).map(tuple))
+NUMBERS = st.integers(0, 2**31 - 1)
+ITEMS = st.one_of(
+    STATEMENTS,
+    st.just(Cumulative()),
+    st.builds(Volatile, st.one_of(st.none(), NUMBERS)),
+    st.builds(Assert, TERMS),
+    st.builds(Retract, TERMS),
+    st.builds(Forget, NUMBERS, NUMBERS),
+)
+UPDATES = st.one_of(
+    st.builds(StreamUpdate, NUMBERS, st.one_of(st.none(), NUMBERS), st.lists(ITEMS, max_size=5).map(tuple)),
+    st.builds(StreamUpdate, st.none(), st.none(), st.lists(ITEMS, max_size=5).map(tuple)),
+)
+
+
+@given(UPDATES)
+def test_printing_and_reading_are_inverse(update):
+    assert parse_update(str(update)) == update
+
+
+@given(st.lists(UPDATES, max_size=3))
+def test_several_updates_in_a_text(updates):
+    assert parse_updates("".join(map(str, updates))) == updates
+
+
+@given(TERMS)
+def test_terms(term):
+    assert parse_term(str(term)) == term
+
+
+@given(ATOMS)
+def test_atoms(atom):
+    assert parse_atom(str(atom)) == atom
+    assert parse_atom(f" {atom} . ") == atom
+
+
+@pytest.mark.parametrize(
+    ("text", "term"),
+    [
+        ("2147483647", clingo.Number(2**31 - 1)),
+        ("-2147483648", clingo.Number(-(2**31))),
+        ("0" * 30 + "1234567890", clingo.Number(1234567890)),
+        (r'"a\\nb"', clingo.String("a\\nb")),
+        (r'"\n\"\\"', clingo.String('\n"\\')),
+        ('f(")")', clingo.Function("f", [clingo.String(")")])),
+        ("(1)", clingo.Number(1)),
+        ("((a))", clingo.Function("a")),
+        ("(1,)", clingo.Function("", [clingo.Number(1)])),
+        ("((1,),)", clingo.Function("", [clingo.Function("", [clingo.Number(1)])])),
+        ("()", clingo.Function("", [])),
+        ("f(())", clingo.Function("f", [clingo.Function("", [])])),
+        (
+            "f((1,2),3)",
+            clingo.Function("f", [clingo.Function("", [clingo.Number(1), clingo.Number(2)]), clingo.Number(3)]),
+        ),
+    ],
+)
+def test_terms_of_every_form(text, term):
+    assert parse_term(text) == term
+
+
+@pytest.mark.parametrize(
+    "text", ["f()", "f(1,)", "(,)", "f((1,)", "f(1))", "1.", "-(1)", '-"a"', "2147483648", "-2147483649"]
+)
+def test_what_is_no_term(text):
+    with pytest.raises(ProgressionError):
+        parse_term(text)
+
+
+SOUP = st.lists(
+    st.sampled_from(
+        ["#step 1.", "#endstep.", "a(", ")", ",", '"', "%*", "*%", "not", ":-", ".", "-", "9" * 12, "X", "#assert"]
+    ),
+    max_size=12,
+).map(" ".join)
+
+
+@given(st.one_of(st.text(max_size=60), SOUP))
+def test_nothing_but_its_own_error(text):
+    for read in (parse_updates, parse_update, parse_term, parse_atom):
+        error = None
+        try:
+            read(text)
+        except ProgressionError as caught:
+            error = caught
+        assert error is None or (min(error.line, error.column) >= 1 and str(error).endswith(error.message))
+
+
+def test_every_statement_of_the_language():
+    update = parse_update(
+        "% a line\n#step 1   :   0   . %* a %* nested *% block *% e(1) .  :- not   a . % end\n"
+        '-p("a b\\"",f(x,-2)):-a,not b. #volatile:3. :- . #volatile. #cumulative. #forget 1..3. #forget 4.\n'
+        "#assert : x(1). p. #retract : y. #end  step."
+    )
+    assert update == StreamUpdate(
+        1,
+        0,
+        (
+            fact(parse_term("e(1)")),
+            commitment(parse_term("a")),
+            Statement(
+                clingo.Function("p", [clingo.String('a b"'), parse_term("f(x,-2)")], False),
+                (Literal(parse_term("a")), Literal(parse_term("b"), False)),
+            ),
+            Volatile(3),
+            Statement(None),
+            Volatile(),
+            Cumulative(),
+            Forget(1, 3),
+            Forget(4, 4),
+            Assert(parse_term("x(1)")),
+            fact(parse_term("p")),
+            Retract(parse_term("y")),
+        ),
+    )
+
+
+def test_second_step_is_ignored_with_a_warning():
+    update = parse_update("#step 1 : 2.\n#step 3.\n#endstep.")
+    assert (update.step, update.bound) == (1, 2)
+    assert len(update.warnings) == 1
+    assert "#step 3." in update.warnings[0]
+
+
+def test_stop_ends_an_update():
+    assert parse_updates("#stop.") == [StreamUpdate(None, None, (Stop(),))]
+    assert parse_updates("#stop.")[0].stops
+    assert not parse_updates("#endstep.")[0].stops
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "words"),
+    [
+        ("#step 1.\ne(X).\n#endstep.", (2, 3), "variable X"),
+        ("a.\n", (2, 1), "#endstep"),
+        ("a b.", (1, 3), "'.'"),
+        ("#foo.", (1, 1), "unknown directive"),
+        ("e(2147483648). #endstep.", (1, 3), "32 bits"),
+        ("e(" + "9" * 100000 + ").", (1, 3), "32 bits"),
+        ("e(" + "9" * 20 + ").", (1, 3), f"number {'9' * 20} does not fit"),
+        ("e(" + "9" * 21 + ").", (1, 3), f"number {'9' * 20}... does not fit"),
+        ('p("abc', (1, 3), "string without end"),
+        ('a.\nb.\n p("\0").', (3, 4), "character that is no text"),
+        ('a.\n"." ', (2, 1), "atom"),
+        ("a. %* x\n\n *%\n  § ", (4, 3), "unexpected character"),
+        ('a("' + "b" * 58 + '") c', (1, 65), "'.'"),
+        ("#assert : x. " + "b" * 60 + " c.", (1, 75), "found 'c'"),
+        ("not" + "b" * 57 + " not" + "b" * 57 + ".", (1, 62), "found '" + "not" + "b" * 57 + "'"),
+        ("a " + "b" * 61 + ".", (1, 3), "found '" + "b" * 60 + "'..."),
+        ("  %* x", (1, 3), "comment without end"),
+        ("p(1", (1, 4), "argument"),
+        ("not a.", (1, 1), "atom"),
+        ("p(- .).", (1, 5), "number"),
+        ("p(1..2).", (1, 4), "argument"),
+        ("#step x.", (1, 7), "number"),
+        ("#assert. #endstep.", (1, 8), "term"),
+        ("#endstep x", (1, 10), "'.'"),
+        ("p § .", (1, 3), "unexpected character"),
+        ("p(" * 1000, (1, 2 * MAX_DEPTH + 1), "nested deeper"),
+    ],
+)
+def test_errors_name_the_place(text, place, words):
+    with pytest.raises(ProgressionError) as caught:
+        parse_updates(text)
+    assert (caught.value.line, caught.value.column) == place
+    assert words in caught.value.message
+
+
+@pytest.mark.parametrize(("text", "found"), [("a b.", "'b'"), ("a " + "b" * 60 + ".", f"'{'b' * 60}'")])
+def test_errors_name_what_was_found(text, found):
+    with pytest.raises(ProgressionError) as caught:
+        parse_updates(text)
+    assert caught.value.message.endswith(f"found {found}")
+
+
+def test_one_update_is_wanted():
+    with pytest.raises(ProgressionError, match="found 2"):
+        parse_update("#endstep. #endstep.")
+    with pytest.raises(ProgressionError, match="found 0"):
+        parse_update("")

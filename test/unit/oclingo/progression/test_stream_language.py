@@ -1,0 +1,84 @@
+"""What updates say of the past: ``#closed``, ``#over``, ``#withdraw``, ``#anew``."""
+
+import pytest
+from core_driver import ERRANDS
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+
+
+@pytest.fixture(params=["own", "process"])
+def solver(request):
+    program = ReactiveProgram.from_text(ERRANDS)
+    options = {"shortest": True, "oclingo_strings": False}
+    if request.param == "own":
+        yield ReactiveSolver(program, **options)
+        return
+    with SolverProcess(program, **options) as process:
+        yield process.solver()
+
+
+def plan(result):
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    return sorted(str(atom) for atom in result.answers[0] if atom.name == "_action_lib")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "#closed 3.",
+        "#closed 1..3.",
+        "#over 7.",
+        "#withdraw p(a,1).",
+        "#withdraw -p.",
+        "#anew.",
+        "#closed 2.\n:- not a(2).",
+    ],
+)
+def test_texts_are_read_back(text):
+    update = parse_update(f"#step 4 : 5.\n{text}\n#end step.\n")
+    assert str(update) == f"#step 4 : 5.\n{text}\n#end step.\n"
+
+
+def test_closed_cycles_hold_what_was_committed_to(solver):
+    solver.update(parse_update("#step 1 : 9. _request(do(walk,1),2). #endstep."))
+    text = "#step 4 : 9. #closed 1..3. :- not _action_lib(walk,1,2). _request(do(run,2),5). #endstep."
+    assert plan(solver.update(parse_update(text))) == ["_action_lib(run,2,4)", "_action_lib(walk,1,2)"]
+
+
+def test_cycles_to_come_are_not_closed(solver):
+    text = "#step 2 : 9. #closed 1..999999999. _request(do(run,2),3). #endstep."
+    assert solver.update(parse_update(text)).outcome is SolveOutcome.SATISFIABLE
+    assert solver.step == 2
+
+
+def test_what_is_withdrawn_was_never_told(solver):
+    solver.update(parse_update("#step 1 : 9. _request(do(walk,1),2). _seen(ball). #endstep."))
+    solver.update(
+        parse_update("#step 2 : 9. #closed 1. :- not _action_lib(walk,1,1). _return(walk,failed,1). #endstep.")
+    )
+    solver.update(parse_update("#step 3 : 9. #withdraw _return(walk,failed,1). #closed 2. #endstep."))
+    assert plan(solver.update(parse_update("#step 4 : 9. #endstep."))) == ["_action_lib(walk,1,1)"]
+    withdrawn = "#step 5 : 9. #withdraw _request(do(walk,1),2). #withdraw _action_lib(walk,1,1). #endstep."
+    assert plan(solver.update(parse_update(withdrawn))) == []
+
+
+def test_anew(solver):
+    solver.update(parse_update("#step 1 : 9. _request(do(never,1),2). #endstep."))
+    assert plan(solver.update(parse_update("#step 3 : 9. #anew. #closed 1..2. #endstep."))) == []
+    assert plan(solver.update(parse_update("#step 4 : 9. _request(do(walk,2),5). #endstep."))) == [
+        "_action_lib(walk,2,4)"
+    ]
+
+
+def test_what_is_over(solver):
+    for step in range(1, 140):
+        solver.update(parse_update(f"#step {step} : 5. #closed {step - 1}. #over {max(0, step - 10)}. #endstep."))
+    result = solver.update(parse_update("#step 140 : 5. _return(walk,1,3). #endstep."))
+    assert result.outcome is SolveOutcome.SATISFIABLE
+
+
+def test_oclingos_solver_closes_cycles_too():
+    solver = ReactiveSolver(ReactiveProgram.from_text(ERRANDS))
+    update = "#step 3 : 9. #closed 1..2. #over 2. _request(do(walk,1),3). #endstep."
+    assert plan(solver.update(parse_update(update))) == ["_action_lib(walk,1,3)"]

@@ -1,0 +1,288 @@
+"""The command oclingo: options, streams, the prompt, the service as a process, faults and exit codes."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from service_helpers import Client
+
+from rosoclingo.oclingo.service.command import main
+
+SCRIPT = Path(__file__).resolve().parents[4] / "scripts" / "oclingo"
+
+PROGRAM = """\
+#const n = 2.
+#program base.
+place(1..n).
+#program cumulative(t).
+#external go(t).
+{ at(X,t) : place(X) } = 1 :- go(t).
+#program volatile(t).
+:- at(9,t).
+#show at/2.
+"""
+ENDLESS = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n:- not c(t).\n"
+EXPLODING = """\
+#cumulative t.
+#external e(t).
+n(0,t) :- t > 1.
+n(X+1,t) :- n(X,t), X < 2000000000.
+#volatile t.
+:- n(-1,t).
+"""
+STREAM = """\
+#step 1.
+go(1).
+#endstep.
+% comment
+#step 2. go(2). :- not at(2,1). #end step.
+#step 2 : 1. :- at(2,1). #endstep.
+"""
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """Work in a folder with a program and a stream."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "program.lp").write_text(PROGRAM, encoding="utf-8")
+    (tmp_path / "endless.lp").write_text(ENDLESS, encoding="utf-8")
+    (tmp_path / "exploding.lp").write_text(EXPLODING, encoding="utf-8")
+    (tmp_path / "updates.str").write_text(STREAM, encoding="utf-8")
+    before = signal.getsignal(signal.SIGTERM)
+    yield tmp_path
+    signal.signal(signal.SIGTERM, before)
+
+
+def play(capsys, *words):
+    """Exit code, standard output and standard error of a run in this process."""
+    code = main(words)
+    return (code, *capsys.readouterr())
+
+
+def start(*words, **options):
+    command = [sys.executable, str(SCRIPT), *words]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+
+
+def run(*words, text=""):
+    """The same as a process, with ``text`` on standard input."""
+    with start(*words, stdin=subprocess.PIPE) as process:
+        output, error = process.communicate(text)
+    return process.returncode, output, error
+
+
+class Serving:
+    """The command as a service."""
+
+    def __init__(self, *words):
+        self.process = start(*words, "--port", "0")
+        line = self.process.stdout.readline()
+        assert line.startswith("Listening on 127.0.0.1:"), self.process.stderr.read()
+        self.port = int(line.rsplit(":", 1)[1])
+
+    def client(self):
+        return Client(self.port)
+
+    def end(self, number=None):
+        """Exit code and standard error after a signal."""
+        if number is not None:
+            self.process.send_signal(number)
+        error = self.process.communicate(timeout=60)[1]
+        return self.process.returncode, error
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.communicate()
+
+
+def test_a_stream_is_told_step_by_step_with_tables(files, capsys):
+    code, output, error = play(capsys, "program.lp", "0", "--stream", "updates.str")
+    assert (code, error) == (0, "")
+    assert output.startswith("#step 1.\ngo(1).\n#end step.\nAnswer 1, horizon 1\n")
+    assert output.count("Answer 2, horizon 1") == 1
+    assert output.count("at(2,t)  x x") == 1
+    assert output.endswith(":- at(2,1).\n#end step.\nUNSAT at step 3, for good\n\n")
+
+
+def test_a_stream_as_json(files, capsys):
+    code, output, _ = play(capsys, "program.lp", "0", "--stream", "updates.str", "--json")
+    first, second, third = map(json.loads, output.splitlines())
+    assert code == 0
+    assert (first["step"], first["horizon"], first["outcome"]) == (1, 1, "satisfiable")
+    assert sorted(first["answers"]) == [["at(1,1)"], ["at(2,1)"]]
+    assert first["warnings"] == []
+    assert second["update"] == "#step 2.\ngo(2).\n:- not at(2,1).\n#end step.\n"
+    assert (third["outcome"], third["answers"], third["permanent"], third["horizon"]) == ("unsatisfiable", [], True, 3)
+
+
+def test_options_of_the_solver(files, capsys):
+    _, output, _ = play(capsys, "program.lp", "-c", "n=3", "0", "--stream", "updates.str", "--json")
+    assert len(json.loads(output.splitlines()[0])["answers"]) == 3
+    _, output, _ = play(capsys, "program.lp", "--stream", "updates.str", "--json")
+    assert len(json.loads(output.splitlines()[0])["answers"]) == 1, "one answer unless told otherwise"
+    code, output, _ = play(capsys, "program.lp", "--imax=1", "--stream", "updates.str", "--json")
+    assert code == 1
+    assert "beyond the horizon limit 1" in json.loads(output.splitlines()[1])["error"]
+
+
+def test_time_limit(files, capsys):
+    (files / "updates.str").write_text("#step 1. #endstep. #step 1. e(1). :- not c(1). #endstep.", encoding="utf-8")
+    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--time-limit", "0.1")
+    assert code == 0
+    assert "Interrupted at horizon " in output
+
+
+def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, capsys):
+    text = "#step 1.\ngo(X).\n#endstep.\n#step 1. go(1). bad(1). at(1,9). #endstep.\n#step 1. #endstep. go"
+    (files / "updates.str").write_text(text, encoding="utf-8")
+    code, output, _ = play(capsys, "program.lp", "--stream", "updates.str")
+    assert code == 1
+    assert "updates.str:2:4: variable X" in output
+    assert "Warning: Head at(1,9) has not been declared external. The entire rule will be ignored." in output
+    assert "updates.str:5:22: " in output
+    assert output.count("Answer 1, horizon 1") == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["none.lp"], "none.lp: can't be read: No such file"),
+        (["bad.lp"], "bad.lp:"),
+        (["program.lp", "-c", "n"], "-c n: no constant (write NAME=VALUE)"),
+        (["program.lp", "-c", "n=("], "n=("),
+        (["program.lp", "--stream", "none.str"], "none.str: can't be read: No such file"),
+        (["program.lp", "--stream", "."], ".: can't be read: Is a directory"),
+        (["program.lp", "--stream", "bytes.str"], "bytes.str"),
+        (["program.lp", "--host", "no.such.host.invalid"], "can't listen on no.such.host.invalid:25277"),
+    ],
+    ids=lambda words: " ".join(words) if isinstance(words, list) else "",
+)
+def test_faults_of_files_and_options_end_it_with_a_line_each(files, capsys, words, message):
+    (files / "bad.lp").write_text("a(X).\nb(", encoding="utf-8")
+    (files / "bytes.str").write_bytes(b"#step 1. \xff #endstep.")
+    code, output, error = play(capsys, *words)
+    assert (code, output) == (1, "")
+    assert message in error
+    assert "Traceback" not in error
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["program.lp", "--json"], "--json needs --stream or --interactive"),
+        (["program.lp", "--port", "70000"], "'70000' is no number from 0 to 65535"),
+        (["program.lp", "--imax", "0"], "'0' is no number from 1"),
+        (["program.lp", "--imax", "x"], "'x' is no number"),
+        (["program.lp", "--time-limit", "-1"], "'-1' is no time in seconds"),
+        (["program.lp", "--stream", "a", "--port", "1"], "--host and --port are the service's"),
+        (["program.lp", "--stream", "a", "--interactive"], "not allowed with"),
+        (["-", "--stream", "-"], "standard input holds updates"),
+        (["-", "-"], "standard input can be read once only"),
+        (["--what"], "--what"),
+    ],
+    ids=lambda words: " ".join(words) if isinstance(words, list) else "",
+)
+def test_wrong_command_lines(files, capsys, words, message):
+    with pytest.raises(SystemExit) as found:
+        main(words)
+    assert found.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_port_in_use(files, capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        code, _, error = play(capsys, "program.lp", "--port", str(port))
+    assert code == 1
+    assert (
+        error == f"error: can't listen on 127.0.0.1:{port}: Address already in use; choose another --port or --host\n"
+    )
+
+
+def test_program_and_stream_from_standard_input(files):
+    assert run("-", "0", "--stream", "updates.str", text=PROGRAM)[1].count("Answer 2") == 2
+    assert run("program.lp", "--stream", "-", text=STREAM)[1].count("Answer 1") == 2
+    code, output, error = run("--stream", "updates.str", text="a(X).")
+    assert (code, output) == (1, "")
+    assert error.startswith("<stdin>:1:1: unsafe variable X")
+
+
+def test_words_of_rosrun_are_no_files(files, capsys):
+    assert play(capsys, "program.lp", "__name:=oclingo", "--stream", "updates.str", "_x:=1")[0] == 0
+
+
+def test_interactive(files):
+    text = "#step 1.\ngo(1). go(X).\n#endstep.\n#step 1. go(1).\n#endstep.\n#stop.\n#step 2. #endstep.\n"
+    code, output, error = run("program.lp", "0", "--interactive", text=text)
+    assert (code, error) == (0, "")
+    assert "<input>:2:11: variable X" in output
+    assert output.count("Answer") == 2, "what comes after #stop. is not taken"
+    assert run("program.lp", "--interactive", "--json", text="#step 1. go(1). #endstep. #step 2.")[1].count("\n") == 2
+
+
+def test_service_of_two_files_until_stop(files):
+    (files / "more.lp").write_text("#program base.\nplace(7).\n", encoding="utf-8")
+    with Serving("program.lp", "more.lp", "0") as serving:
+        client = serving.client()
+        assert client.ask("#step 1. go(1). #endstep.").sets == [["at(1,1)"], ["at(2,1)"], ["at(7,1)"]]
+        client.send("#stop.")
+        assert client.item() is None
+        assert serving.end() == (0, "")
+
+
+@pytest.mark.parametrize(("number", "message"), [(signal.SIGINT, "stopped\n"), (signal.SIGTERM, "")])
+@pytest.mark.parametrize("program", ["endless.lp", "exploding.lp", "program.lp"])
+def test_a_signal_ends_the_service_whatever_it_does(files, program, number, message):
+    with Serving(program) as serving:
+        client = serving.client()
+        client.send("#step 2. #endstep.")
+        assert client.item() == "Input:\n"
+        code, error = serving.end(number)
+        assert (code, error) == (0, message)
+    assert client.socket.recv(4096) == b"" or program == "program.lp"
+
+
+def test_a_signal_ends_the_playing_of_a_stream(files):
+    with start("endless.lp", "--stream", "updates.str") as process:
+        assert process.stdout.readline() == "#step 1.\n"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(60) == 0
+
+
+def test_ctrl_c_at_the_prompt_ends_a_search_only(files):
+    with start("endless.lp", "--interactive", stdin=subprocess.PIPE) as process:
+        process.stdin.write("#step 1. #endstep.\n")
+        process.stdin.flush()
+        while process.stdout.readline() not in ("#end step.\n", ""):
+            pass
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.readline().startswith("Interrupted at horizon ")
+        output, error = process.communicate("#step 1 : 0. #endstep.\n#stop.\n", timeout=60)
+    assert "UNSAT at step " in output
+    assert (process.returncode, error) == (0, "")
+
+
+def test_who_reads_the_output_may_go(files):
+    (files / "updates.str").write_text("#step 1. go(1). #endstep.\n" * 2000, encoding="utf-8")
+    with start("program.lp", "0", "--stream", "updates.str") as process:
+        process.stdout.readline()
+        process.stdout.close()
+        error = process.stderr.read()
+        assert process.wait(60) == 1
+    assert "Traceback" not in error
+
+
+def test_the_script_is_this_command():
+    assert os.access(SCRIPT, os.X_OK)
+    code, output, error = run("--help")
+    assert (code, error) == (0, "")
+    for word in ("--stream", "--json", "--interactive", "--port", "--host", "--imax", "--const", "MODELS"):
+        assert word in output

@@ -1,0 +1,111 @@
+"""The wire protocol without sockets."""
+
+import clingo
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ProgressionError, SolveOutcome, SolveResult, StreamUpdate
+from rosoclingo.oclingo.service import protocol
+
+WRONG = [
+    ("#step 1. e(X). #endstep.", "1:12: variable X"),
+    ("#step 1.\ne(1)\n#endstep.", "3:1: expected '.'"),
+    ("#step 1. e(1).", "1:15: update without end"),
+    ("", "1:1: a message without an update"),
+    (" % nothing\n", "1:1: a message without an update"),
+    ("#step 99999999999. #endstep.", "1:7: number 99999999999 does not fit in 32 bits"),
+    ("#step 1. e(2147483648). #endstep.", "1:12: number 2147483648 does not fit in 32 bits"),
+    ("#step 1. e(" + "f(" * 1000 + "1" + ")" * 1000 + "). #endstep.", "1:522: term nested deeper than 256 levels"),
+    ('#step 1. e("). #endstep.', "1:12: string without end"),
+    ("#step 1. #walk. #endstep.", "1:10: unknown directive"),
+    ("%* #endstep.", "1:1: comment without end"),
+]
+
+
+def result(outcome, *answers, horizon=3, warnings=()):
+    symbols = tuple(frozenset(map(clingo.parse_term, answer)) for answer in answers)
+    return SolveResult(outcome, symbols, horizon, 1, warnings)
+
+
+def replied(*arguments, **options):
+    return b"".join(protocol.reply(result(*arguments, **options)))
+
+
+def test_greeting():
+    assert protocol.GREETING == b"Input:\n\0End of Step.\n\0"
+
+
+def test_answers():
+    assert replied(SolveOutcome.SATISFIABLE, ["e(1)"], []) == b"Step: 3\ne(1) \0Step: 3\n\0End of Step.\n\0"
+    (item, end) = protocol.reply(result(SolveOutcome.SATISFIABLE, ["-p", 'q("a b")']))
+    assert item in (b'Step: 3\n-p q("a b") \0', b'Step: 3\nq("a b") -p \0')
+    assert end == b"End of Step.\n\0"
+
+
+def test_no_answer():
+    assert replied(SolveOutcome.UNSATISFIABLE) == b"UNSAT at step 3\0"
+    assert replied(SolveOutcome.INTERRUPTED) == b"End of Step.\n\0"
+
+
+def test_warnings_come_before_the_answers_each_on_one_line():
+    data = replied(SolveOutcome.SATISFIABLE, ["e"], warnings=("one\n  two\n", "three"))
+    assert data == b"Warning: one; two\n\0Warning: three\n\0Step: 3\ne \0End of Step.\n\0"
+
+
+def test_errors_are_one_line_and_followed_by_input():
+    assert protocol.error("1:2: a\nb\0c") == b"Error: 1:2: a; b c\0Input:\n\0"
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG, ids=[message for _, message in WRONG])
+def test_a_wrong_update_is_an_error_with_its_place(text, message):
+    (request,) = protocol.requests(text)
+    assert isinstance(request, ProgressionError)
+    assert str(request).startswith(message)
+
+
+def test_updates_before_a_wrong_one_are_taken_the_rest_of_the_message_is_not():
+    first, second, fault = protocol.requests(
+        "#step 1. #endstep.\n#step 2. #end step. e. f(X). #endstep. #step 3. #endstep."
+    )
+    assert (first, second) == (StreamUpdate(1), StreamUpdate(2))
+    assert (fault.line, fault.column) == (2, 26)
+
+
+def test_bytes_that_are_no_text():
+    (message,) = protocol.Inbox().feed(b"#step 1.\n\xc3\xa4 \xff#endstep.\0")
+    (fault,) = protocol.requests(message)
+    assert str(fault) == "2:3: no UTF-8 text: byte 0xff, invalid start byte"
+
+
+def test_a_message_without_end_is_dropped_once_and_up_to_its_end():
+    inbox = protocol.Inbox()
+    assert inbox.feed(b"x" * (protocol.MESSAGE_LIMIT - 1)) == []
+    (fault,) = inbox.feed(b"x")
+    assert "1:1: a message of 1000000 bytes or more" in str(fault)
+    assert inbox.feed(b"x" * protocol.MESSAGE_LIMIT) == []
+    assert inbox.feed(b"yz\0good\0") == ["good"]
+
+
+def test_a_long_message_with_its_end():
+    inbox = protocol.Inbox()
+    fault, good = inbox.feed(b"x" * protocol.MESSAGE_LIMIT + b"\0good\0")
+    assert isinstance(fault, ProgressionError)
+    assert good == "good"
+    assert inbox.feed(b"x" * (protocol.MESSAGE_LIMIT - 1) + b"\0") == ["x" * (protocol.MESSAGE_LIMIT - 1)]
+
+
+@given(st.binary(max_size=200), st.lists(st.integers(0, 200)))
+def test_pieces_make_the_same_messages(data, cuts):
+    edges = sorted({0, len(data), *(cut for cut in cuts if cut < len(data))})
+    inbox = protocol.Inbox()
+    received = [message for start, end in zip(edges, edges[1:]) for message in inbox.feed(data[start:end])]
+    assert list(map(str, received)) == list(map(str, protocol.Inbox().feed(data)))
+    assert len(received) == data.count(0)
+
+
+@given(st.one_of(st.text(), st.text('#step endstop.123:-abcX(),"%* \n', max_size=60)))
+def test_any_text_gives_updates_or_a_fault_at_the_end(text):
+    found = list(protocol.requests(text))
+    assert found
+    assert all(isinstance(one, StreamUpdate) for one in found[:-1])

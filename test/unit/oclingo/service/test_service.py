@@ -1,0 +1,343 @@
+"""The TCP service over real sockets."""
+
+import json
+import random
+import socket
+import struct
+from pathlib import Path
+
+import pytest
+from service_helpers import TIMEOUT, running
+
+from rosoclingo.oclingo import NotReadyError, ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo.service import connection as service_client
+from rosoclingo.oclingo.service import protocol
+from rosoclingo.oclingo.service import server as service
+from rosoclingo.oclingo.service.server import Service, listen
+
+CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
+
+ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n"
+GOAL = ECHO + ":- not c(t).\n"  # endless while no e(t) comes
+STEP = "#step {0} : 0. e({0}). #endstep."
+
+
+@pytest.fixture(scope="module")
+def echo():
+    """A service whose state tests may change, but for externals of steps below 100."""
+    with running(ECHO) as found:
+        yield found
+
+
+@pytest.fixture
+def client(echo):
+    found = echo.client()
+    yield found
+    assert found.ask("#step 1 : 0. #endstep.").end == "end", "the connection goes on"
+    found.close()
+
+
+def kill(client):
+    """Break the connection as a killed process does, without any good-bye."""
+    client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.close()
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_answers_are_those_of_oclingo(case):
+    with running(case["program"]) as found:
+        client = found.client()
+        for update in case["updates"]:
+            reply = client.ask(update["update"])
+            assert reply.sets == sorted(sorted(answer) for answer in update["answers"])
+            assert reply.end == ("end" if update["end"] == "ok" else "unsat")
+            assert reply.horizons == [update["horizon"]] * len(update["answers"])
+            if update["end"] != "ok":
+                assert reply.text == str(update["horizon"])
+
+
+def test_every_byte():
+    program = "#base.\nc :- d(1).\n#cumulative t.\n#external e(t).\n#volatile t.\n:- not e(t).\n"
+    updates = [
+        "#step 1 : 0. #endstep.",
+        "#step 1 : 0. e(1). d(1). #endstep.",
+        "#step 2. e(X).",
+        "#step 2 : 1.\n#endstep.\n",
+    ]
+    with running(program) as found:
+        with socket.create_connection(("127.0.0.1", found.port), timeout=TIMEOUT) as connection:
+            connection.sendall(b"".join(update.encode() + b"\0" for update in [*updates, "#stop."]))
+            data = b"".join(iter(lambda: connection.recv(4096), b""))
+        found.join()
+    assert data.split(b"\0") == [
+        b"Input:\n",
+        b"End of Step.\n",
+        b"Input:\n",
+        b"UNSAT at step 1",
+        b"Input:\n",
+        b"Warning: Head d(1) has not been declared external. The entire rule will be ignored.\n",
+        b"Step: 1\ne(1) ",
+        b"End of Step.\n",
+        b"Error: 1:12: variable X; an online progression is ground, write a value",
+        b"Input:\n",
+        b"Input:\n",
+        b"UNSAT at step 3",
+        b"",
+    ]
+
+
+def test_an_update_byte_by_byte(client):
+    for byte in (STEP.format(1) + "\0").encode():
+        client.socket.sendall(bytes([byte]))
+    assert client.reply().end == "end"
+
+
+def test_several_messages_at_once(client):
+    client.send(*[f"#step {step} : 0. #endstep." for step in range(100, 120)])
+    assert [client.reply().horizons for _ in range(20)] == [[step] for step in range(100, 120)]
+
+
+def test_several_updates_in_one_message(client):
+    client.send("#step 120 : 0. #endstep.\n#step 121 : 0. #endstep. #step 122. #end step.")
+    assert [client.reply().horizons for _ in range(3)] == [[120], [121], [122]]
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"#step 1. e(X). #endstep.", "1:12: variable X"),
+        (b"#step 1. e(1).", "1:15: update without end"),
+        (b"#step 1. e(\xff). #endstep.", "1:12: no UTF-8 text: byte 0xff"),
+        (b"#step 1. e(" + b"f(" * 1000 + b"1" + b")" * 1000 + b"). #endstep.", "1:522: term nested deeper than"),
+        (b"#step 1. e(2147483648). #endstep.", "1:12: number 2147483648 does not fit in 32 bits"),
+        (b"#step 99999999999999999999. #endstep.", "1:7: number 99999999999999999999 does not fit"),
+        (b"", "1:1: a message without an update"),
+        (b"x" * 1_000_000, "1:1: a message of 1000000 bytes or more"),
+        (b"(" * 999_999, "1:1: expected an atom"),
+    ],
+)
+def test_what_is_no_update_is_an_error_and_the_connection_goes_on(client, data, message):
+    client.socket.sendall(data + b"\0")
+    reply = client.reply()
+    assert reply.end == "error"
+    assert reply.text.startswith(message)
+    assert client.item() == "Input:\n"
+
+
+def test_a_message_without_end_is_an_error_before_it_ends(client):
+    client.socket.sendall(b"\xfe" * 1_000_000)
+    assert client.reply().end == "error"
+    client.socket.sendall(b"still the same\0")
+
+
+def test_random_bytes_are_errors(client):
+    data = random.Random(1).getrandbits(8 * 100_000).to_bytes(100_000, "big")
+    client.socket.sendall(data + b"\0")
+    assert {client.reply().end for _ in range(data.count(0) + 1)} == {"error"}
+
+
+def test_a_refused_update_leaves_the_state_as_it_was():
+    with running(ECHO, horizon_limit=9) as found:
+        client = found.client()
+        before = client.ask("#step 2. e(1). #endstep.").sets
+        assert client.ask("#step 10. e(2). #endstep.").text.startswith("step 10 is beyond the horizon limit 9")
+        assert client.ask("#step 2. e(2). f(X). #endstep.").end == "error"
+        assert client.ask("#step 2. #endstep.").sets == before
+
+
+def test_warnings_of_parser_and_solver(client):
+    reply = client.ask("#step 1 : 0. #step 2. c(0). #endstep.")
+    assert reply.warnings == [
+        "New '#step 2.' without prior '#endstep.' encountered in line 1. Ignoring....",
+        "Head c(0) has not been declared external. The entire rule will be ignored.",
+    ]
+
+
+def test_a_client_killed_in_a_message_changes_nothing(echo, client):
+    before = client.ask("#step 130. e(130). #endstep.").sets
+    for text in (b"#step 131. e(131)", b"#step 131. e(131). #endstep.", b"#step 131. e(131)\0"[:5]):
+        other = echo.client()
+        other.socket.sendall(text)
+        kill(other)
+    assert client.ask("#step 130. #endstep.").sets == before
+
+
+def test_clients_that_go_before_they_are_greeted(echo, client):
+    for _ in range(30):
+        kill(echo.client(greeted=False))
+
+
+def test_complete_updates_of_a_client_that_has_gone_are_taken(echo):
+    other = echo.client()
+    other.send("#step 140. e(140). #endstep.")
+    other.close()
+    client, found = echo.client(), []
+    while "c(140)" not in found:
+        found = client.ask("#step 140 : 0. #endstep.").answers[0]
+    client.close()
+
+
+def test_a_client_that_only_listens_is_answered(echo):
+    client = echo.client()
+    client.send(*["#step 141. #endstep."] * 20)
+    client.socket.shutdown(socket.SHUT_WR)
+    assert [client.reply().end for _ in range(20)] == ["end"] * 20
+    assert client.item() is None, "then the service hangs up, too"
+
+
+def test_each_client_is_answered_its_own_updates(echo):
+    clients = [echo.client() for _ in range(5)]
+    for number, client in enumerate(clients):
+        client.send(*[f"#volatile. own({number}). #endstep."] * 10)
+    for number, client in enumerate(clients):
+        for _ in range(10):
+            (answer,) = client.reply().answers
+            assert [atom for atom in answer if atom.startswith("own")] in ([f"own({number})"], [])
+        client.close()
+
+
+def test_more_clients_than_are_served_at_a_time_wait(monkeypatch):
+    monkeypatch.setattr(service, "CLIENT_LIMIT", 2)
+    with running(ECHO) as found:
+        first, second = found.client(), found.client()
+        third = found.client(greeted=False)
+        assert first.ask("#step 1. #endstep.").end == "end"
+        second.close()
+        assert third.reply().end == "end"
+        third.close()
+
+
+def test_a_client_that_does_not_read_holds_nobody_up(monkeypatch):
+    monkeypatch.setattr(service_client, "OUTBOX_LIMIT", 10_000)
+    with running("#cumulative t. { p(1..6,t) }.") as found:
+        slow, client = found.client(), found.client()
+        count = 60
+        slow.send(*["#step 1. #endstep."] * count)
+        for _ in range(5):
+            assert len(client.ask("#step 1. #endstep.").answers) == 64
+        assert sum(len(slow.reply().answers) for _ in range(count)) == 64 * count
+
+
+@pytest.mark.slow
+def test_ten_thousand_updates_in_one_connection(echo, client):
+    count = 10_000
+    message = b"#volatile. #endstep.\0"
+    sent = answered = 0
+    while answered < count:
+        while sent < min(count, answered + 500):
+            client.socket.sendall(message * 100)
+            sent += 100
+        assert client.reply().end == "end"
+        answered += 1
+
+
+def test_stop_ends_the_service_and_every_connection():
+    with running(ECHO) as found:
+        first, second = found.client(), found.client()
+        first.send("#step 1. #endstep.", "#step 2. #endstep.", "#stop.", "#step 3. #endstep.")
+        assert [first.reply().horizons for _ in range(2)] == [[1], [2]]
+        assert first.item() is None
+        assert second.item() is None
+        found.join()
+        with pytest.raises(OSError, match="refused"):
+            found.client()
+
+
+def test_a_client_that_stops_and_goes():
+    with running(ECHO) as found:
+        client = found.client()
+        client.send("#stop.\n")
+        client.socket.shutdown(socket.SHUT_WR)
+        client.close()
+        found.join()
+
+
+def test_a_new_update_ends_a_search_without_end():
+    with running(GOAL, models=1) as found:
+        first, second = found.client(), found.client()
+        first.send("#step 1. #endstep.")
+        assert first.item() == "Input:\n", "the search has begun"
+        second.send("#step 1. #forget 1..1. #endstep.", "#step 1 : 0. #endstep.")
+        reply = first.reply()
+        assert (reply.end, reply.answers) == ("end", [])
+        assert reply.warnings[0].startswith("The search for step 1 ended at horizon ")
+        assert reply.warnings[0].endswith("without an answer: another update waits. The update stays in force.")
+        assert second.reply().warnings, "the same holds for updates of one client"
+        assert second.reply().end == "unsat"
+
+
+def test_stop_ends_a_search_without_end():
+    with running(GOAL) as found:
+        client = found.client()
+        client.send("#step 1. #endstep.", "#stop.")
+        assert client.reply().end == "end"
+        assert client.item() is None
+        found.join()
+
+
+def test_a_time_limit():
+    with running(GOAL, time_limit=0.2) as found:
+        client = found.client()
+        assert "the time limit of 0.2 s was reached" in client.ask("#step 1. #endstep.").warnings[0]
+        assert client.ask("#step 1 : 0. #endstep.").end in ("unsat", "end")
+
+
+def test_an_update_that_grounds_without_end_is_dropped():
+    program = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
+    with running(program, time_limit=1.0) as found:
+        client = found.client()
+        assert client.ask("#step 1. e(1). #endstep.").sets == [["e(1)"]]
+        reply = client.ask("#step 2. #endstep.")
+        assert reply.end == "error"
+        assert "did not heed a stop" in reply.text
+        assert "the time limit of 1 s was reached" in reply.text
+        assert client.ask("#step 1. #endstep.").sets == [["e(1)"]]
+
+
+def test_service_over_a_solver_in_this_process():
+    listener = listen("127.0.0.1", 0)
+    with socket.create_connection(listener.getsockname()) as connection:
+        connection.sendall(b"#step 1. e(1). #endstep.\0#stop.\0")
+        Service(ReactiveSolver(ReactiveProgram.from_text(ECHO)), listener).run()
+        data = connection.recv(4096)
+    assert data.startswith(protocol.GREETING)
+    assert data.endswith(b"End of Step.\n\0")
+
+
+def test_time_does_not_count_while_the_solver_is_made_ready():
+    class Late(ReactiveSolver):
+        waits = 0
+
+        def update(self, update, stopped=None):
+            self.waits += 1
+            if self.waits < 4:
+                while not stopped():
+                    pass
+                raise NotReadyError("not ready")
+            return super().update(update)
+
+    listener = listen("127.0.0.1", 0)
+    with socket.create_connection(listener.getsockname()) as connection:
+        connection.sendall(b"#step 1. e(1). #endstep.\0#stop.\0")
+        connection.shutdown(socket.SHUT_WR)
+        Service(Late(ReactiveProgram.from_text(ECHO)), listener, time_limit=0.01).run()
+        data = b"".join(iter(lambda: connection.recv(4096), b""))
+    assert b"Error" not in data
+    assert data.endswith(b"End of Step.\n\0")
+
+
+@pytest.mark.parametrize(
+    ("bounded", "waiting", "orphaned", "expected"),
+    [
+        (False, True, False, service.GRACE),
+        (True, True, False, service.GRACE_BOUNDED),
+        (False, False, True, service.GRACE_ORPHANED),
+        (True, True, True, service.GRACE_BOUNDED),
+        (False, False, False, None),
+    ],
+)
+def test_when_a_search_ends(bounded, waiting, orphaned, expected):
+    search = service.SearchWatch(100.0, bounded, None)
+    times = [tick / 10 for tick in range(200)]
+    ended = [time for time in times if search.must_end(100.0 + time, waiting, orphaned)]
+    assert ended[:1] == ([] if expected is None else [expected])

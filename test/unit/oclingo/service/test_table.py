@@ -1,0 +1,58 @@
+"""Answers as tables over time."""
+
+import clingo
+
+from rosoclingo.oclingo.service.table import format_answer
+
+
+def table(text, last=9, width=100):
+    return format_answer(clingo.parse_term(f"({text},)").arguments, last, width)
+
+
+def test_rows_are_atoms_columns_are_times():
+    assert table("move(a,b,1),move(b,c,2),at(a,0),at(a,1),at(b,2),-at(c,1),ready") == (
+        "ready\n"
+        "             0 1 2\n"
+        "at(a,t)      x x .\n"
+        "-at(c,t)     . x .\n"
+        "at(b,t)      . . x\n"
+        "move(a,b,t)  . x .\n"
+        "move(b,c,t)  . . x\n"
+    )
+
+
+def test_a_predicate_with_a_last_argument_that_is_no_time_has_no_times():
+    assert table("size(3),size(12),p(1)", last=10) == "size(12)  size(3)\n      1\np(t)  x\n"
+    assert table('p(1,a),q(1,-2),r("x",f(1)),s(())') == 'p(1,a)  q(1,-2)  r("x",f(1))  s(())\n'
+
+
+def test_terms_that_are_no_atoms():
+    assert table('1,"a b",(1,2),#inf') == '"a b"  #inf  (1,2)  1\n'
+
+
+def test_no_atoms():
+    assert format_answer([], 5) == ""
+
+
+def test_numbers_of_several_digits_are_aligned():
+    assert table("p(9),p(11)", last=20) == "       9 10 11\np(t)   x  .  x\n"
+
+
+def test_wide_tables_are_broken():
+    text = table(",".join(f"p({time})" for time in range(1, 31)) + ",q(29)", last=30, width=60)
+    blocks = text.count("p(t)")
+    assert blocks == 2
+    assert text.count("q(t)") == 1, "a row without a mark in a block is left out"
+    assert max(map(len, text.splitlines())) <= 60
+    assert text.count("x") == 31
+
+
+def test_many_atoms_without_time_are_wrapped():
+    text = table(",".join(f"room(r{number})" for number in range(100)), width=80)
+    assert max(map(len, text.splitlines())) <= 80
+    assert len(text.split()) == 100
+
+
+def test_narrow_terminals_keep_ten_columns():
+    text = table("a_rather_long_name_of_a_predicate(1),a_rather_long_name_of_a_predicate(12)", last=12, width=20)
+    assert len(text.splitlines()) == 4

@@ -1,0 +1,34 @@
+"""Answers that the real oClingo gave (test/data/oclingo_golden.json), through the library."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+
+CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
+
+
+def words(answer):
+    """The answer as the file has it: the sorted words of what oClingo sent, each once."""
+    return sorted(set(" ".join(map(str, answer)).split()))
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_answers_are_those_of_oclingo(case):
+    solver = ReactiveSolver(ReactiveProgram.from_text(case["program"]), models=0)
+    for update in case["updates"]:
+        result = solver.update(parse_update(update["update"]))
+        assert sorted(map(words, result.answers)) == sorted(sorted(answer) for answer in update["answers"])
+        assert result.horizon == update["horizon"]
+        assert (result.outcome is SolveOutcome.SATISFIABLE) == (update["end"] == "ok")
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_a_grounding_made_anew_gives_the_same(case):
+    solver = ReactiveSolver(ReactiveProgram.from_text(case["program"]), models=0)
+    for update in case["updates"]:
+        solver.restore(solver.snapshot())
+        result = solver.update(parse_update(update["update"]))
+        assert sorted(map(words, result.answers)) == sorted(sorted(answer) for answer in update["answers"])

@@ -1,0 +1,213 @@
+"""Steps that are over are told as facts: answers stay the same, and a long stream costs no more than a short one."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_solver_properties import PARTS, UPDATES, without_strangers
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
+from rosoclingo.oclingo.progression.updates import Forget, Literal, Statement
+from rosoclingo.oclingo.solving import compaction as retiring
+from rosoclingo.oclingo.solving import grounding as building
+from rosoclingo.oclingo.solving import solver as solver_module
+
+WALK = """
+#program base.
+at(a,0). next(a,b). next(b,c). next(c,a).
+#program cumulative(t).
+#external blocked(t).
+#external sees/2.
+#external _request/2.
+{ _action_lib(go,Y,t) : next(X,Y) } 1 :- at(X,t-1), not blocked(t).
+at(Y,t) :- _action_lib(go,Y,t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,Y,t).
+wanted(X,t) :- _request(goal(X,Id),t).
+wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
+seen(X,t) :- sees(X,T), T <= t.
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    """Retire whatever can be retired with every update, step by step."""
+    monkeypatch.setattr(retiring, "RETIRE_AFTER", 1)
+    monkeypatch.setattr(retiring, "RETIRE_ALONG", 1)
+    monkeypatch.setattr(building, "BLOCK", 1)
+    monkeypatch.setattr(solver_module, "BLOCK", 1)
+
+
+@pytest.mark.slow
+def test_what_is_long_over_is_shown_no_more():
+    answers = drive(walk(), 80, 0)
+    for cycle, shown in ((10, False), (80, True)):
+        assert any(atom.startswith("at(") and atom.endswith(f",{cycle})") for atom in answers[-1]) is shown
+    assert sum("_action_lib" in atom for atom in answers[-1]) < 50
+    assert max(map(len, answers[40:])) < 2 * max(map(len, answers[20:40])), "a long stream's answers are no larger"
+
+
+def walk():
+    return ReactiveSolver(ReactiveProgram.from_text(WALK), shortest=True, oclingo_strings=False)
+
+
+def ask(solver, text, closing=()):
+    """Feed an update and close its cycle with the action planned for it, if any; return the answer as text."""
+    result = solver.update(parse_update(text))
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    answer = result.answers[0]
+    step = result.step
+    executed = [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number == step]
+    solver.close_cycle(step, [*executed, *closing])
+    return sorted(map(str, answer)), executed
+
+
+def drive(solver, cycles, margin):
+    """Go round and round; return all answers."""
+    answers, before = [], []
+    for cycle in range(1, cycles + 1):
+        goal = "abc"[cycle % 3]
+        text = f"#step {cycle}. " + "".join(f":- not {atom}. " for atom in before)
+        text += f"_request(goal({goal},{cycle}),{cycle + 1}). " if cycle % 2 else ""
+        if margin is not None:
+            solver.forget_before(cycle - margin)
+        answer, before = ask(solver, text + "#endstep.")
+        answers.append(answer)
+    return answers
+
+
+@pytest.mark.parametrize("margin", [0, 1, 5])
+def test_answers_stay_the_same(margin, monkeypatch):
+    monkeypatch.setattr(retiring, "SHOWN_STEPS", 100)
+    solver = walk()
+    plans = drive(solver, 30, margin)
+    assert solver.snapshot().past.first >= 30 - margin - building.BLOCK
+    for mine, other in zip(plans, drive(walk(), 30, None)):
+        assert [one for one in mine if "_action" in one] == [one for one in other if "_action" in one]
+        assert mine == other
+
+
+@pytest.mark.slow
+def test_nothing_accumulates():
+    solver = walk()
+    drive(solver, 60, 2)
+    state = solver.snapshot()
+    assert len(state.past.facts) < 12
+    assert len(state.permanent) + len(state.open_atoms) + len(state.closed_cycles) < 24
+    assert len(state.forgotten) < 12
+
+
+def test_cycles_in_which_nothing_can_be_done_are_retired(monkeypatch):
+    monkeypatch.setattr(building, "BLOCK", 64)
+    monkeypatch.setattr(solver_module, "BLOCK", 8)
+    text = WALK.replace("not blocked(t).", "not blocked(t), t \\ 5 = 1.")
+    solver = ReactiveSolver(ReactiveProgram.from_text(text), shortest=True, oclingo_strings=False)
+    before = []
+    for cycle in range(1, 41):
+        text = f"#step {cycle}. " + "".join(f":- not {atom}. " for atom in before)
+        text += f"_request(goal({'abc'[cycle // 5 % 3]},{cycle}),{cycle + 1}). " if cycle % 5 == 1 else ""
+        solver.forget_before(cycle - 3)
+        _, before = ask(solver, text + "#endstep.")
+    assert solver.snapshot().past.first >= 36
+
+
+def test_what_is_open_is_ground_as_ever():
+    """A base choice that decides what the steps hold keeps them all."""
+    solver = ReactiveSolver(ReactiveProgram.from_text(WALK + "#program base.\n{ odd }.\n" + TIED), shortest=True)
+    drive(solver, 8, 0)
+    assert solver.snapshot().past is None
+
+
+def test_what_the_past_has_decided_of_base_stays_decided():
+    text = "#base.\n{ a }.\n#cumulative t.\nc(t) :- not a.\n:- c(t-1).\n#volatile t.\n"
+    solver = ReactiveSolver(ReactiveProgram.from_text(text), models=0, shortest=True)
+    for step in (3, 4, 5):
+        solver.forget_before(step)
+        answers = solver.update(parse_update(f"#step {step} : 0. #endstep.")).answers
+        assert answers == (frozenset([parse_atom("a")]),)
+    assert solver.snapshot().past.first > 2
+    assert len(solver.snapshot().permanent) == 1
+
+
+TIED = """
+#program cumulative(t).
+tied(t) :- odd, at(a,t).
+"""
+
+
+def test_facts_for_what_is_over_come_too_late():
+    solver = walk()
+    drive(solver, 10, 2)
+    solver.forget_before(9)
+    result = solver.update(parse_update("#step 11. blocked(3). blocked(11). _request(goal(b,3),4). #endstep."))
+    assert [line.split(".")[0] for line in result.warnings] == [
+        "Head blocked(3) comes too late: what concerns steps before 9 is over",
+        "Head _request(goal(b,3),4) comes too late: what concerns steps before 9 is over",
+    ]
+    assert parse_atom("blocked(11)") in result.answers[0]
+
+
+def test_what_may_concern_later_steps_is_never_too_late():
+    solver = walk()
+    drive(solver, 10, 2)
+    result = solver.update(parse_update("#step 11. sees(x,3). #endstep."))
+    assert not result.warnings
+    assert parse_atom("seen(x,11)") in result.answers[0]
+    solver.forget_before(11)
+    for step in (12, 13, 14):
+        assert parse_atom(f"seen(x,{step})") in solver.update(parse_update(f"#step {step}. #endstep.")).answers[0]
+
+
+def test_a_state_can_be_restored():
+    solver, other = walk(), walk()
+    drive(solver, 12, 2)
+    other.restore(solver.snapshot())
+    text = "#step 13. _request(goal(c,99),14). #endstep."
+    assert set(solver.update(parse_update(text)).answers[0]) == set(other.update(parse_update(text)).answers[0])
+
+
+def test_solvers_that_are_not_shortest_forget_nothing():
+    solver = ReactiveSolver(ReactiveProgram.from_text(WALK))
+    solver.forget_before(5)
+    assert solver.snapshot().keep_from == 0
+
+
+def concerns(statement, first):
+    """Whether all atoms of the statement are about steps from ``first`` on, as far as one can tell."""
+    atoms = [one.atom for one in statement.body] + ([] if statement.head is None else [statement.head])
+    return all(not atom.arguments or atom.arguments[-1].number >= first for atom in atoms)
+
+
+def decide(draw, steps):
+    """Constraints that settle the program's choices at ``steps``."""
+    names = [one for step in steps for one in (f"p({step})", f"q({step})")]
+    atoms = [parse_atom(name) for name in names]
+    return [Statement(None, (Literal(atom, atom.name == "q" or draw(st.booleans())),)) for atom in atoms]
+
+
+@given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
+def test_answers_equal_those_of_a_solver_that_only_forgets(parts, data, margin):
+    """Random programs: where steps are decided or not, answers are as if their externals had been forgotten."""
+    program = ReactiveProgram.from_text(parts.text())
+    retiring, forgetting = (ReactiveSolver(program, models=0, shortest=True) for _ in range(2))
+    step = decided = first = 1
+    for number, update in enumerate(data.draw(st.lists(UPDATES, min_size=2, max_size=6))):
+        update = without_strangers(parts, update)
+        first = max(first, min(step, update.step) - margin)
+        step = max(step, update.step)
+        items = [one for one in update.items if not isinstance(one, Statement) or concerns(one, first)]
+        retiring.forget_before(first)
+        forget = [Forget(1, first - 1)] if first > 1 else []
+        choices = ["a", "b"] if number == 0 and data.draw(st.booleans()) else []
+        settle = [Statement(None, (Literal(parse_atom(name), data.draw(st.booleans())),)) for name in choices]
+        settle += decide(data.draw, range(decided, step + 1))
+        decided = step + 1
+        found = retiring.update(replace(update, items=(*settle, *items), step=step))
+        expected = forgetting.update(replace(update, items=(*settle, *forget, *items), step=step))
+        assert found.outcome is expected.outcome
+        assert set(found.answers) == set(expected.answers), (parts.text(), str(update), first)
+        if found.permanent:
+            return

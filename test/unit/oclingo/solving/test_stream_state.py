@@ -1,0 +1,76 @@
+"""The state of a stream: how long statements hold, what a copy shares, and the state without some facts."""
+
+import pytest
+
+from rosoclingo.oclingo import Volatile, commitment, fact, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo.progression.updates import Assert, Cumulative
+from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Entry, Past, StreamState, Term, lifetime_of
+
+A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
+RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
+
+
+@pytest.mark.parametrize(
+    ("section", "lifetime"),
+    [
+        (Cumulative(), FOREVER),
+        (Assert(parse_term("x(1)")), Term(parse_term("x(1)"))),
+        (Volatile(), UPDATE),
+        (Volatile(0), UPDATE),
+        (Volatile(1), 7),
+        (Volatile(3), 9),
+    ],
+)
+def test_how_long_statements_hold(section, lifetime):
+    assert lifetime_of(section, 7) == lifetime
+
+
+def state():
+    return StreamState(
+        step=3,
+        horizon=4,
+        permanent=[fact(A), fact(B), RULE, DENIAL, commitment(GO)],
+        lapsing=[Entry(fact(A), UPDATE, 5), Entry(fact(B), 9, 6), Entry(RULE, 9, 7)],
+        waiting=[Entry(fact(A), UPDATE), Entry(fact(B), 9)],
+        open_atoms=[A, B],
+        forgotten={B},
+        closed_cycles={1: frozenset([GO]), 2: frozenset()},
+        past=Past(2, frozenset([A, B]), ((1, A),)),
+    )
+
+
+def test_rules_are_what_has_head_and_body():
+    assert list(state().rules()) == [RULE, RULE]
+
+
+def test_a_state_without_some_facts():
+    whole = state()
+    less = whole.less(frozenset([A, GO]))
+    assert less.permanent == [fact(B), RULE, DENIAL]
+    assert less.lapsing == [Entry(fact(B), 9, 6), Entry(RULE, 9, 7)]
+    assert less.waiting == [Entry(fact(B), 9)]
+    assert less.open_atoms == [B]
+    assert less.closed_cycles == {1: frozenset(), 2: frozenset()}
+    assert less.past == Past(2, frozenset([B]), ((1, A),)), "what was shown was shown"
+    assert whole == state()
+    whole.past = None
+    assert whole.less(frozenset([A])).past is None
+
+
+def test_a_copy_shares_nothing_that_changes():
+    whole = state()
+    copy = whole.copy()
+    assert copy == whole
+    for things in (copy.permanent, copy.open_atoms):
+        things.clear()
+    copy.forgotten.add(A)
+    copy.closed_cycles[3] = frozenset()
+    copy.lapsing.pop().guard = 1
+    copy.lapsing[0].guard = copy.waiting[0].guard = 99
+    copy.waiting.pop()
+    assert whole == state()
+
+
+def test_a_fresh_state_has_forgotten_and_retired_nothing():
+    fresh = StreamState(step=0, horizon=0)
+    assert (fresh.forgets_done, fresh.keep_from, fresh.past, fresh.cyclic, fresh.bound) == (0, 0, None, False, None)

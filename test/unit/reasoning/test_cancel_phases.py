@@ -1,0 +1,213 @@
+"""A goal is cancelled in every phase of its life, with and without preempt: the mailbot in the office's model."""
+
+import pytest
+from core_driver import Driver
+from office_world import World, mailbot
+
+from rosoclingo.reasoning import ActionsPreempted, CoreSettings
+
+PREEMPT = pytest.mark.parametrize("preempt", [False, True])
+
+
+class Office(Driver):
+    """A driver whose actions change a world."""
+
+    def __init__(self, preempt=False):
+        self.world = World()
+        super().__init__(settings=CoreSettings(preempt=preempt), program=mailbot())
+
+    def ask(self, start, end, package):
+        """A goal, whose key is the package's number, and its package."""
+        self.world.places[str(package)] = f"office{start}"
+        return self.goal(str(package), f"goal(office{start},office{end},{package})")
+
+    def succeed(self):
+        for action in self.core.awaited:
+            self.world.do(action)
+        return super().succeed()
+
+    def until(self, action):
+        """All succeeds until an action of this interface and parameter is under way."""
+        for _ in range(50):
+            if any(one.startswith(f"_action_lib({action},") for one in self.awaited):
+                return self
+            self.succeed()
+        raise AssertionError(f"{action} is never under way")
+
+    def refuse(self, reason):
+        """What is under way fails."""
+        action = self.core.awaited[0]
+        return self.facts(f"_return({action.interface},{reason},{action.cycle})")
+
+    @property
+    def preempted(self):
+        return [str(one.cancellation) for event in self.journal.of(ActionsPreempted) for one in event.actions]
+
+
+@PREEMPT
+def test_before_it_was_fed(preempt):
+    office = Office(preempt).ask(3, 2, 1).ask(4, 1, 2).cancel("2")
+    assert office.states("2") == ["recalling", "recalled"]
+    assert office.finish().world.places == {"1": "office2", "2": "office4"}
+    assert office.states("1")[-1] == "succeeded"
+    assert not any("office4" in text for text in office.journal.updates)
+    assert office.preempted == []
+
+
+@PREEMPT
+def test_fed_but_not_started(preempt):
+    office = Office(preempt).ask(3, 2, 1).ask(4, 1, 2).succeed().cancel("2").finish()
+    assert office.states("2")[-1] in ("recalled", "preempted")
+    assert office.states("1")[-1] == "succeeded"
+    assert office.world.places == {"1": "office2", "2": "office4"}
+
+
+@PREEMPT
+def test_driving_to_the_pickup(preempt):
+    office = Office(preempt).ask(3, 2, 1).until("move_base,office3").cancel("1")
+    assert office.preempted == (["_cancel(move_base,office3,2)"] if preempt else [])
+    assert office.awaited == ["_action_lib(move_base,office3,2)"]
+    office.refuse("preempted") if preempt else office.succeed()
+    assert office.states("1")[-1] == "preempted"
+    assert office.awaited == []
+    assert office.world.robot == ("office2" if preempt else "office3")
+    assert office.world.places == {"1": "office3"}
+
+
+@PREEMPT
+@pytest.mark.parametrize("answer", ["success", "preempted", "failed"])
+def test_during_the_pickup(preempt, answer):
+    office = Office(preempt).ask(3, 2, 1).until("pickup,1").cancel("1")
+    assert office.preempted == (["_cancel(pickup,1,3)"] if preempt else [])
+    office = office.succeed() if answer == "success" else office.refuse(answer)
+    office.finish()
+    assert office.states("1")[-1] == "preempted"
+    assert office.world.places == {"1": "office3"}, "it is put back where it was"
+    assert office.world.robot == "office3"
+
+
+@PREEMPT
+def test_between_pickup_and_delivery(preempt):
+    office = Office(preempt).ask(3, 1, 1).until("pickup,1").succeed().cancel("1")
+    assert office.preempted == (["_cancel(move_base,office2,4)"] if preempt else [])
+    office = office.refuse("preempted") if preempt else office.succeed()
+    assert office.states("1")[-1] == "preempting", "its package has to be brought back"
+    assert office.finish().states("1")[-1] == "preempted"
+    assert office.world.places == {"1": "office3"}
+
+
+@PREEMPT
+def test_during_the_delivery(preempt):
+    office = Office(preempt).ask(3, 2, 1).until("deliver,1").cancel("1").succeed().finish()
+    assert office.states("1")[-1] in ("preempted", "succeeded")
+    assert office.world.places == {"1": "office2"}, "it was delivered before it could be helped"
+
+
+@PREEMPT
+def test_during_a_delivery_that_fails(preempt):
+    office = Office(preempt).ask(3, 2, 1).until("deliver,1").cancel("1").refuse("failed").finish()
+    assert office.states("1")[-1] == "preempted"
+    assert office.world.places == {"1": "office3"}
+
+
+@PREEMPT
+@pytest.mark.parametrize("action", ["move_base,office2", "pickup,1", "deliver,1"])
+def test_together_with_a_failure(preempt, action):
+    """Both come before the core thinks again."""
+    office = Office(preempt).ask(3, 2, 1).until(action)
+    running = office.core.awaited[0]
+    office.core.cancel_goal("1")
+    office.core.receive("interface", [f"_return({running.interface},failed,{running.cycle})"])
+    office.run().finish()
+    assert office.preempted == []
+    assert office.states("1")[-1] == "preempted"
+    assert office.world.places == {"1": "office3"}
+
+
+@PREEMPT
+def test_twice_and_unknown_and_after_the_end(preempt):
+    office = Office(preempt).ask(3, 2, 1).cancel("1").cancel("1").cancel("nobody")
+    assert len(office.preempted) == preempt
+    office = office.refuse("preempted") if preempt else office.succeed()
+    before = office.states("1")
+    assert office.cancel("1").states("1") == before
+    assert sum(text.count("_request(cancel(") for text in office.journal.updates) == 1
+    assert office.states("1")[-1] == "preempted"
+
+
+@PREEMPT
+def test_one_of_several(preempt):
+    office = Office(preempt).ask(3, 2, 1).ask(3, 4, 2).succeed().cancel("1").finish()
+    assert office.states("1")[-1] == "preempted"
+    assert office.states("2")[-1] == "succeeded"
+    assert office.world.places == {"1": "office3", "2": "office4"}
+
+
+@PREEMPT
+def test_an_action_that_serves_another_goal_as_well_goes_on(preempt):
+    office = Office(preempt).ask(3, 2, 1).ask(3, 2, 2).succeed()
+    assert office.awaited == ["_action_lib(move_base,office3,2)"]
+    office.cancel("1")
+    assert office.preempted == []
+    assert office.finish().states("2")[-1] == "succeeded"
+
+
+def test_a_goal_that_cannot_be_met_is_told_in_the_programs_words():
+    office = Office().ask(3, 4, 1).until("move_base,office4").refuse("blocked").finish()
+    assert office.message("1") == (
+        "goal(office3,office4,1) cannot be met: office4 is unreachable"
+        " since the connection office3-office4 was blocked in cycle 4"
+    )
+    assert office.states("1")[-1] == "aborted"
+    assert office.world.places == {"1": "office3"}, "it is brought back"
+    assert office.ask(3, 4, 2).finish().states("2")[-1] == "succeeded", "asked again, it is tried again"
+
+
+@pytest.mark.parametrize("tries", [2, 3, 4])
+def test_somebody_else_drives_the_robot(tries):
+    office = Office().ask(3, 2, 1)
+    for _ in range(min(tries, 3)):
+        assert "move_base" in office.awaited[0]
+        office.refuse("preempted")
+    if tries < 3:
+        assert office.finish().states("1")[-1] == "succeeded"
+        return
+    assert office.awaited == []
+    text = office.message("1")
+    assert text.startswith("goal(office3,office2,1) cannot be met: somebody else drives the robot since move_base("), (
+        text
+    )
+    assert office.ask(3, 2, 2).finish().states("2")[-1] == "succeeded", "asked again it tries again"
+
+
+def test_what_the_core_ended_itself_is_counted_for_nobody():
+    office = Office(preempt=True)
+    for package in range(1, 6):
+        office.ask(3, 2, package).cancel(str(package)).refuse("preempted")
+        assert office.states(str(package))[-1] == "preempted"
+    assert len(office.preempted) == 5
+    assert office.ask(3, 2, 6).finish().states("6")[-1] == "succeeded"
+    assert office.problems == []
+
+
+def test_put_down_failed_and_asked_for_again():
+    office = Office().ask(2, 3, 4).until("deliver")
+    for _ in range(3):
+        office.refuse("failed")
+    assert office.message("4").endswith("package 4 could not be put down at office3: failed")
+    office.goal("wrong", "goal(office1,office3,4)")
+    assert office.message("wrong").endswith("package 4 is on the robot, which picked it up at office2")
+    office.goal("again", "goal(office2,office1,4)").finish()
+    assert office.states("again")[-1] == "succeeded"
+    assert office.world.places["4"] == "office1"
+
+
+def test_cut_off_and_asked_for_again():
+    office = Office().ask(2, 3, 4).until("pickup").succeed()
+    for _ in range(3):
+        office.refuse("blocked") if office.awaited else None
+    assert office.states("4")[-1] == "aborted"
+    assert office.awaited[0].startswith("_action_lib(deliver,4") or office.awaited == []
+    office.finish().goal("again", "goal(office2,office1,4)").finish()
+    assert office.states("again")[-1] == "succeeded"
+    assert office.world.places["4"] == "office1"

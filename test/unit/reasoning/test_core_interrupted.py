@@ -1,0 +1,249 @@
+"""Searches that are ended: by what comes meanwhile, by time, by the loss of the solver's process."""
+
+from core_driver import ERRANDS, Driver
+from stream_replay import check_replay
+
+from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, ReactiveSolver
+from rosoclingo.reasoning import Core, CoreSettings, Halt
+from rosoclingo.reasoning.journal import Journal
+
+
+class Solver(ReactiveSolver):
+    """Drops, in place of searching, each update for which ``drops(update)``; ``halts`` are asked for first."""
+
+    drops = staticmethod(lambda update: False)
+
+    def update(self, update, stopped=None):
+        if self.drops(update):
+            if stopped is not None:
+                stopped()
+            raise DroppedError("ended by the test")
+        return super().update(update, stopped)
+
+
+class Interrupted(Driver):
+    """A driver whose searches end as soon as ``halt`` is set, and are dropped where ``drops`` says so."""
+
+    def __init__(self, text=ERRANDS):
+        self.program = ReactiveProgram.from_text(text)
+        self.journal, self.now, self.halt = Journal(), 1.0, None
+        self.drops = lambda update: False
+        self.solvers = 0
+        settings = CoreSettings(horizon_limit=8)
+        self.core = Core(self.program, self.make_solver, self.journal, settings, lambda: lambda: self.halt)
+        self.core.start()
+        self.run()
+
+    def make_solver(self):
+        solver = Solver(self.program, shortest=True)
+        solver.drops = lambda update: self.drops(update)
+        return solver
+
+    def once(self):
+        """Advance once, with a search that is left for what comes."""
+        self.halt = Halt("the test", disturbed=True)
+        assert self.core.advance(self.now)
+        self.halt = None
+        return self
+
+
+def test_a_search_that_is_left_is_made_again():
+    driver = Interrupted()
+    driver.core.add_goal("a", "do(walk,1)")
+    driver.once()
+    assert driver.states("a") == []
+    assert driver.awaited == []
+    assert driver.run().awaited == ["_action_lib(walk,1,2)"]
+    assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."]
+    assert driver.finish().states("a")[-1] == "succeeded"
+    assert driver.journal.problems == ["the search was left: the test"]
+
+
+def test_a_cancel_that_ends_a_search_is_fed_with_the_next_update():
+    driver = Interrupted()
+    driver.core.add_goal("a", "do(walk,1)")
+    driver.once().cancel("a")
+    assert driver.states("a")[-1] == "preempted"
+    assert "_request(cancel(1),2)." in driver.journal.updates[-1]
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_an_update_that_was_dropped_for_what_came_comes_with_the_next_one():
+    driver = Interrupted().goal("a", "do(walk,1)")
+    driver.core.receive("interface", ["_return(walk,1,1)", "_seen(sun)"])
+    driver.core.add_goal("b", "do(run,2)")
+    driver.drops = lambda update: True
+    driver.once()
+    driver.drops = lambda update: False
+    assert len(driver.journal.updates) == 1, "what is not in force is not told"
+    driver.run()
+    assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."]
+    assert driver.journal.updates[1].split() == [
+        *["#step", "2.", ":-", "not", "_action_lib(walk,1,1).", "_request(do(run,2),3)."],
+        *["_return(walk,1,1).", "_seen(sun).", "#end", "step."],
+    ]
+    assert driver.awaited == ["_action_lib(run,2,2)"]
+    driver.finish()
+    assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
+
+
+def test_a_goal_that_is_cancelled_in_a_dropped_update_is_forgotten():
+    driver = Interrupted()
+    driver.core.add_goal("a", "do(walk,1)")
+    driver.core.add_goal("b", "do(run,2)")
+    driver.drops = lambda update: True
+    driver.once()
+    driver.drops = lambda update: False
+    driver.cancel("a")
+    assert driver.states("a") == ["recalling", "recalled"]
+    assert "walk" not in driver.journal.updates[-1]
+    assert driver.finish().states("b")[-1] == "succeeded"
+
+
+def test_time_does_not_count_while_the_solver_is_made_ready():
+    driver = Interrupted()
+    original, waits = ReactiveSolver.update, []
+
+    def update(solver, update, stopped=None):
+        if len(waits) < 3:
+            waits.append(stopped())
+            raise NotReadyError("not ready")
+        return original(solver, update, stopped)
+
+    looks = iter([Halt("too long")] * 3)
+    driver.make_solver = lambda: type("Late", (ReactiveSolver,), {"update": update})(driver.program, shortest=True)
+    settings = CoreSettings(horizon_limit=8)
+    driver.core = Core(driver.program, driver.make_solver, driver.journal, settings, lambda: lambda: next(looks, None))
+    driver.core.start()
+    assert waits == [True] * 3
+    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+    assert driver.journal.problems == []
+
+
+def test_the_first_search_may_be_left():
+    driver = Interrupted()
+    driver.halt = Halt("the test", disturbed=True)
+    driver.core.start()
+    driver.halt = None
+    assert driver.run().goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+
+
+def test_the_first_search_that_was_left_is_made_again():
+    text = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
+    driver = Interrupted(text + "#external _request/2. #external _return/3.")
+    driver.core = Core(driver.program, driver.make_solver, driver.journal, CoreSettings(), lambda: lambda: driver.halt)
+    driver.halt = Halt("the test", disturbed=True)
+    driver.core.start()
+    driver.halt = None
+    assert driver.run().awaited == ["_action_lib(wake,up,2)"]
+
+
+def test_the_first_search_may_be_dropped():
+    driver = Interrupted()
+    driver.drops = lambda update: True
+    driver.core.start()
+    assert driver.journal.problems == ["the program can't be solved before any request: ended by the test"]
+    driver.drops = lambda update: False
+    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+
+
+def test_recovery_is_left_for_what_comes():
+    driver = Interrupted()
+    searches = []
+
+    def watch():
+        searches.append(None)
+        return lambda: Halt("the test", disturbed=True) if len(searches) == 3 else None
+
+    driver.core = Core(driver.program, driver.make_solver, driver.journal, CoreSettings(horizon_limit=8), watch)
+    driver.core.start()
+    driver.core.add_goal("a", "do(never,1)")
+    assert driver.core.advance(1.0)
+    assert driver.states("a") == [], "without a plan, but not yet given up"
+    assert driver.run().states("a")[-1] == "aborted"
+    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_a_goal_whose_update_is_dropped_is_aborted_and_nothing_else():
+    driver = Interrupted().goal("a", "do(walk,1)")
+    driver.core.receive("interface", ["_return(walk,failed,1)", "_seen(sun)"])
+    driver.core.add_goal("b", "do(run,2)")
+    driver.drops = lambda update: "run" in str(update)
+    driver.run()
+    assert driver.states("b") == ["active", "aborted"]
+    assert driver.message("b") == "do(run,2) is given up without a plan: ended by the test"
+    assert driver.awaited == ["_action_lib(walk,1,2)"], "the failure was heard"
+    driver.drops = lambda update: False
+    assert driver.finish().states("a")[-1] == "succeeded"
+    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+
+
+def test_an_update_whose_look_ahead_is_dropped_is_fed_without():
+    driver = Interrupted()
+    driver.drops = lambda update: update.bound and "_request(do(" in str(update)
+    driver.goal("a", "do(walk,1)").finish()
+    assert driver.states("a")[-1] == "succeeded", "a plan needs no look ahead"
+    driver.goal("b", "do(never,2)")
+    assert driver.states("b")[-1] == "aborted"
+    assert "_request(cancel(2)" in driver.journal.updates[-1], "the request was in force"
+    assert "no plan was found before the search was ended" in driver.message("b")
+    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+
+
+def test_a_solver_that_drops_everything_costs_the_goals_only():
+    driver = Interrupted().goal("a", "do(walk,1)")
+    driver.drops = lambda update: True
+    driver.succeed()
+    assert driver.states("a")[-1] == "aborted"
+    assert "the solver takes no update any more" in driver.message("a")
+    driver.drops = lambda update: False
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+    assert driver.awaited == []
+    assert any("_request(cancel(1)," in text for text in driver.journal.updates), "the program hears of it"
+
+
+#: Nothing can follow the first of these facts.
+DOOMED = ERRANDS + ":- _seen(end).\n"
+
+
+def test_mending_is_left_for_what_comes():
+    driver = Interrupted(DOOMED).goal("a", "do(walk,1)")
+    driver.succeed()
+    searches = []
+    driver.core.receive("interface", ["_seen(end)"])
+
+    def watch():
+        searches.append(None)
+        return lambda: Halt("the test", disturbed=True) if len(searches) == 2 else None
+
+    driver.core._planner._watch = watch
+    assert driver.core.advance(1.0)
+    assert "_seen(end)." in driver.journal.updates[-1], "it is in force"
+    driver.core.add_goal("b", "do(run,2)")
+    assert driver.run().finish().states("b")[-1] == "succeeded"
+    assert "#withdraw _seen(end)." in "".join(driver.journal.updates)
+    check_replay(driver.program, driver.journal)
+
+
+def test_nothing_is_stuck_after_searches_without_end():
+    driver = Interrupted().goal("a", "do(walk,1)").finish()
+    driver.halt = Halt("the test")
+    for key in "bcd":
+        driver.goal(key, f"do(run,{key})")
+        assert driver.states(key)[-1] == "aborted"
+        assert "before the search was ended: the test" in driver.message(key)
+    driver.halt = None
+    assert driver.goal("e", "do(walk,5)").finish().states("e")[-1] == "succeeded"
+
+
+def test_a_solver_that_drops_everything_keeps_what_was_done():
+    driver = Interrupted().goal("a", "do(walk,1)")
+    driver.drops = lambda update: True
+    driver.facts("_return(walk,failed,1)", "_seen(sun)")
+    driver.drops = lambda update: False
+    driver.goal("b", "do(run,2)").finish()
+    assert driver.states("b")[-1] == "succeeded"
+    told = driver.journal.updates[1]
+    assert ":- not _action_lib(walk,1,1)." in told
+    assert "_return(walk,failed,1)." in told
+    check_replay(driver.program, driver.journal)

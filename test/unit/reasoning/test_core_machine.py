@@ -1,0 +1,216 @@
+"""Random goals, cancels, returns, failures, duplicates, delays and garbage for the core with the mailbot's program.
+
+The world is modelled apart from the program: a robot, packages, and what the interfaces do. Each step is followed by
+the checks of what must hold at any time; at the end all that is under way succeeds, and every goal must have ended.
+"""
+
+from core_driver import Driver
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from office_world import OFFICES, World, mailbot
+from stream_replay import check_replay
+
+from rosoclingo.reasoning import ActionsPreempted, CoreSettings, GoalChanged, GoalRefused, PlanMade
+from rosoclingo.reasoning.action_extractor import DONE
+
+REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
+TIMEOUT = 50.0
+
+#: actionlib's own diagram of a goal's life on the server, by its words; the first state is pending.
+FOLLOWS = {
+    "pending": {"active", "recalling", "rejected", "recalled"},
+    "recalling": {"preempting", "recalled", "rejected"},
+    "active": {"preempting", "preempted", "succeeded", "aborted"},
+    "preempting": {"preempted", "succeeded", "aborted"},
+}
+
+
+class CoreMachine(RuleBasedStateMachine):
+    """The core between clients and interfaces that do anything."""
+
+    @initialize(preempt=st.booleans())
+    def begin(self, preempt):
+        self.driver = Driver(
+            settings=CoreSettings(horizon_limit=60, action_timeout=TIMEOUT, preempt=preempt), program=mailbot()
+        )
+        self.world = World()
+        self.goals = {}  # key -> (from, to, package)
+        self.executed = {}  # cycle -> actions, from what was sent out
+        self.checked = 0
+        self.seen = []
+        self.failures = 0
+        self.garbage = 0
+        self.number = 0
+
+    # ---- clients
+
+    @rule(start=st.sampled_from(OFFICES), end=st.sampled_from(OFFICES))
+    @precondition(lambda self: sum(self.lives(key) for key in self.goals) < 5)
+    def request(self, start, end):
+        self.number += 1
+        key, package = f"key{self.number}", str(self.number)
+        self.goals[key] = (start, end, package)
+        self.world.places[package] = start
+        self.driver.goal(key, f"goal({start},{end},{package})")
+
+    @rule(data=st.data())
+    @precondition(lambda self: self.goals)
+    def request_with_an_identity_that_is_taken(self, data):
+        key = data.draw(st.sampled_from(sorted(self.goals)))
+        if not self.lives(key):
+            return
+        self.number += 1
+        self.driver.goal(f"twin{self.number}", f"goal(office1,office2,{self.goals[key][2]})")
+        assert "taken" in self.driver.message(f"twin{self.number}")
+
+    @rule(text=st.one_of(st.text(max_size=20), st.sampled_from(["goal(office1,office9,99)", "dance(98)", "cancel(1)"])))
+    def request_that_makes_no_sense(self, text):
+        self.number += 1
+        key = f"odd{self.number}"
+        self.driver.goal(key, text)
+        self.goals[key] = None
+
+    @rule(data=st.data())
+    @precondition(lambda self: self.goals)
+    def cancel(self, data):
+        self.driver.cancel(data.draw(st.sampled_from(sorted(self.goals))))
+
+    @rule()
+    def cancel_nobody(self):
+        self.driver.cancel("nobody")
+
+    # ---- interfaces
+
+    @rule(times=st.integers(1, 8))
+    @precondition(lambda self: self.driver.core.awaited)
+    def succeed(self, times):
+        for _ in range(times):
+            for action in self.driver.core.awaited[:1]:
+                self.world.do(action)
+                self.answer(action, action.parameter)
+
+    @rule(reason=st.sampled_from(REASONS))
+    @precondition(lambda self: self.driver.core.awaited)
+    def fail(self, reason):
+        self.failures += 1
+        self.answer(self.driver.core.awaited[0], reason)
+
+    @rule()
+    @precondition(lambda self: self.driver.core.awaited)
+    def obey_a_preemption(self):
+        wanted = {action for event in self.driver.journal.of(ActionsPreempted) for action in event.actions}
+        for action in self.driver.core.awaited:
+            if action in wanted:
+                self.answer(action, "preempted")
+
+    @rule()
+    @precondition(lambda self: self.seen)
+    def answer_twice_or_late(self):
+        before = self.driver.core.cycle, self.driver.core.awaited
+        self.driver.facts(self.seen[-1])
+        if len(self.seen) > 1:
+            self.driver.facts(self.seen[-2])
+        assert (self.driver.core.cycle, self.driver.core.awaited) == before
+
+    @rule()
+    @precondition(lambda self: self.driver.core.awaited)
+    def never_answer(self):
+        self.failures += 1
+        cycle = self.driver.core.cycle
+        self.driver.now += TIMEOUT + 1.0
+        self.driver.run()
+        assert self.driver.core.cycle > cycle
+
+    @rule(seconds=st.floats(-20.0, TIMEOUT / 10))
+    def let_time_pass(self, seconds):
+        self.driver.now = max(1.0, self.driver.now + seconds)
+        self.driver.run()
+
+    @rule(facts=st.lists(st.text(max_size=30), max_size=3))
+    def tell_garbage(self, facts):
+        self.driver.facts(*facts)
+
+    @rule(cycle=st.integers(-3, 40), name=st.sampled_from(["move_base", "pickup", "deliver", "arm", "X", "f(1)"]))
+    def answer_for_nothing(self, cycle, name):
+        if cycle != self.driver.core.cycle:
+            self.driver.facts(f"_return({name},office2,{cycle})", f"_action_lib({name},office2,{cycle})")
+            self.driver.facts(f"_status({cycle},succeeded,{cycle})", f"_request(goal(office1,office2,97),{cycle})")
+
+    def answer(self, action, value):
+        self.seen.append(f"_return({action.interface},{value},{action.cycle})")
+        self.driver.facts(self.seen[-1])
+
+    # ---- what holds at any time
+
+    def lives(self, key):
+        return self.goals[key] is not None and not self.ended(key)
+
+    def ended(self, key):
+        events = self.driver.journal.of(GoalChanged)
+        refused = self.driver.journal.of(GoalRefused)
+        return any(one.key == key and one.outcome is not None for one in events) or any(
+            one.key == key for one in refused
+        )
+
+    @invariant()
+    def every_status_change_is_legal(self):
+        for key in self.goals:
+            states = ["pending", *self.driver.states(key)]
+            for before, after in zip(states, states[1:]):
+                assert after in FOLLOWS.get(before, ()), f"{key}: {states}"
+
+    @invariant()
+    def the_past_never_changes(self):
+        events = self.driver.journal.events[self.checked :]
+        for event in events:
+            if isinstance(event, PlanMade) and event.actions:  # there is none in a cycle without a plan
+                past = [action for action in event.actions if action.cycle < event.cycle]
+                done = [one for cycle in sorted(self.executed) for one in self.executed[cycle] if cycle < event.cycle]
+                assert past == done[-DONE:]
+            elif type(event).__name__ == "ActionsDispatched":
+                assert event.cycle not in self.executed
+                self.executed[event.cycle] = sorted(event.actions, key=lambda action: str(action.atom))
+        self.checked += len(events)
+
+    @invariant()
+    def idle_when_nothing_is_to_do(self):
+        assert not self.driver.core.advance(self.driver.now)
+        if not self.driver.core.live_goals:
+            assert not self.driver.core.awaited or self.driver.core.plan.actions
+
+    def teardown(self):
+        if not hasattr(self, "driver"):
+            return
+        for _ in range(300):
+            if not self.driver.core.awaited:
+                break
+            for action in self.driver.core.awaited:
+                self.world.do(action)
+                self.answer(action, action.parameter)
+        self.every_status_change_is_legal()
+        self.the_past_never_changes()
+        assert not self.driver.core.awaited
+        assert not self.driver.core.live_goals
+        assert not self.driver.core.advance(self.driver.now)
+        check_replay(self.driver.program, self.driver.journal)
+        for key, goal in self.goals.items():
+            assert self.ended(key), key
+            if goal is not None:
+                self.check_package(goal, self.driver.states(key)[-1])
+
+    def check_package(self, goal, state):
+        """A package is at its destination, its origin, or where a failure left it."""
+        start, end, package = goal
+        place = self.world.places[package]
+        if state == "succeeded":
+            assert place == end
+        elif state in ("preempted", "recalled"):
+            assert place == start or self.failures
+        else:
+            assert state == "aborted"
+            assert self.failures, "nothing failed"
+
+
+TestCoreMachine = CoreMachine.TestCase
+TestCoreMachine.settings = settings(max_examples=settings.default.max_examples // 8, stateful_step_count=40)

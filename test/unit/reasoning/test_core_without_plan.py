@@ -1,0 +1,114 @@
+"""What the core does when the solver finds no plan: it ends goals with the reason, as few as possible, and goes on."""
+
+from core_driver import ERRANDS, Driver
+
+from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.reasoning import Core, CoreSettings, Halt
+from rosoclingo.reasoning.journal import Journal
+
+#: ``lock`` and ``open`` exclude each other.
+EXCLUSIVE = (
+    ERRANDS
+    + """
+#program volatile(t).
+:- asked(lock,I,_), asked(open,J,_), not done_or_dropped(I), not done_or_dropped(J).
+#program base.
+done_or_dropped(I) :- _request(cancel(I),_).
+"""
+)
+
+#: Cancelling is not understood.
+STUBBORN = ERRANDS.replace("done(I,t) :- _request(cancel(I),t).", "")
+
+
+def test_goal_that_cannot_be_met_is_aborted_with_the_reason():
+    driver = Driver().goal("a", "do(never,1)")
+    assert driver.states("a") == ["active", "aborted"]
+    assert driver.message("a") == "do(never,1) cannot be met: there is no plan of at most 8 steps"
+    assert "_request(cancel(1),2)." in driver.journal.updates[1]
+    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_only_the_goal_at_fault_ends():
+    driver = Driver()
+    driver.core.add_goal("a", "do(walk,1)")
+    driver.core.add_goal("bad", "do(never,2)")
+    driver.core.add_goal("c", "do(run,3)")
+    driver.run().finish()
+    assert driver.states("bad")[-1] == "aborted"
+    assert driver.states("a")[-1] == driver.states("c")[-1] == "succeeded"
+
+
+def test_recovery_after_cycles_of_every_kind():
+    driver = Driver().goal("a", "do(walk,1)").cancel("a").succeed()
+    driver.goal("b", "do(walk,2)").facts("_return(walk,failed,3)", "_seen(ball)").finish()
+    driver.goal("c", "do(run,3)").finish().goal("bad", "do(never,4)")
+    assert driver.states("bad")[-1] == "aborted"
+    assert driver.journal.problems == []
+    assert driver.goal("d", "do(walk,5)").finish().states("d")[-1] == "succeeded"
+    assert driver.goal("worse", "do(never,6)").states("worse")[-1] == "aborted"
+    assert driver.goal("e", "do(walk,7)").finish().states("e")[-1] == "succeeded"
+
+
+def test_goal_that_cannot_be_met_while_another_is_under_way():
+    driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").goal("bad", "do(never,3)")
+    driver.facts("_return(walk,failed,1)").finish()
+    assert driver.states("bad")[-1] == "aborted"
+    assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
+
+
+def test_newer_goal_gives_way():
+    driver = Driver(EXCLUSIVE).goal("a", "do(walk,1)").goal("b", "do(open,2)").goal("c", "do(lock,3)").finish()
+    assert driver.states("c")[-1] == "aborted"
+    assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
+
+
+def test_stream_stays_a_true_record():
+    driver = Driver().goal("a", "do(never,1)").goal("b", "do(walk,2)").finish()
+    steps = [text.split()[1] for text in driver.journal.updates]
+    assert steps == [f"{number}." for number in range(1, len(steps) + 1)]
+
+
+def test_program_that_does_not_understand_cancelling():
+    driver = Driver(STUBBORN).goal("a", "do(never,1)")
+    assert driver.states("a")[-1] == "aborted"
+    assert any("cancelling did not help" in problem for problem in driver.journal.problems)
+    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_program_without_any_answer_ends_every_goal():
+    driver = Driver(ERRANDS + "#program base.\n:- not _seen(sun).\n").goal("a", "do(walk,1)")
+    assert driver.states("a")[-1] == "aborted"
+    assert any("has no answer, whatever" in problem for problem in driver.journal.problems)
+    driver.goal("b", "do(walk,2)")
+    assert driver.states("b")[-1] == "aborted"
+    assert driver.awaited == []
+    assert driver.facts("_seen(sun)").goal("c", "do(walk,3)").finish().states("c")[-1] == "succeeded"
+
+
+def test_program_without_any_answer_from_the_start():
+    driver = Driver(ERRANDS + "#program base.\n:- not _seen(sun).\n")
+    assert "no answer before any request" in driver.journal.problems[0]
+    driver.facts("_seen(sun)").goal("a", "do(walk,1)").finish()
+    assert driver.states("a")[-1] == "succeeded"
+
+
+def test_interrupted_search_ends_the_goal_with_that_reason():
+    driver = Driver()
+
+    searches = []
+
+    def watch():
+        """End the first search after the core has begun."""
+        searches.append(None)
+        return lambda: Halt("the test ends it") if len(searches) == 2 else None
+
+    journal = Journal()
+    program = driver.program
+    driver.core = Core(program, lambda: ReactiveSolver(program), journal, CoreSettings(horizon_limit=8), watch)
+    driver.journal = journal
+    driver.core.start()
+    driver.goal("a", "do(never,1)")
+    assert driver.states("a")[-1] == "aborted"
+    assert "no plan was found before the search was ended: the test ends it" in driver.message("a")
+    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"

@@ -1,0 +1,91 @@
+"""What is taken of an update that the solver refuses, or drops since its search does not end."""
+
+import pytest
+
+from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, SolveResult, parse_atom, parse_term
+from rosoclingo.reasoning import Outcome
+from rosoclingo.reasoning.feeding import feed
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.input_feeder import InputFeeder
+from rosoclingo.reasoning.keywords import action_of
+
+COMMITMENT, REQUEST, FACT = ":- not _action_lib(a,x,4).", "_request(g(1),6).", "_seen(ball)."
+RESULT = SolveResult(SolveOutcome.SATISFIABLE, (), 5, 5)
+
+
+class Planner:
+    """Raises the errors that it was given, one a call, then has a result."""
+
+    def __init__(self, *errors, ended_by=""):
+        self.errors, self.ended_by, self.calls = list(errors), ended_by, []
+
+    def update(self, update):
+        return self._call("update", update)
+
+    def take(self, update):
+        return self._call("take", update)
+
+    def _call(self, name, update):
+        self.calls.append(" ".join([name, *map(str, update.items)]))
+        if self.errors:
+            raise self.errors.pop(0)
+        return RESULT
+
+
+class Desk:
+    """Keeps which goals ended how."""
+
+    def __init__(self):
+        self.ends = []
+
+    def end(self, goals, outcome, why):
+        self.ends += [(goal.key, outcome, why) for goal in goals]
+
+
+def fed(planner, facts=True):
+    """What came of feeding a batch, how its goal ended, and the problems."""
+    feeder, goal, desk, problems = InputFeeder(), Goal("a", parse_term("g(1)"), lambda _goal, _event: None), Desk(), []
+    feeder.add_goal(goal)
+    if facts:
+        feeder.add_fact(parse_atom("_seen(ball)"))
+    batch = feeder.next_update(5, [action_of(parse_atom("_action_lib(a,x,4)"))])
+    goal.request_cycle = 6
+    return feed(planner, batch, desk, problems.append), desk.ends, problems
+
+
+def test_an_update_is_fed():
+    planner = Planner()
+    assert fed(planner) == (RESULT, [], [])
+    assert planner.calls == [f"update {COMMITMENT} {REQUEST} {FACT}"]
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_of_an_update_that_is_refused_goals_are_left_out_then_all_but_commitments(times):
+    planner = Planner(*[SolverError("no")] * times, ended_by="it took too long")
+    result, ends, problems = fed(planner)
+    assert result is RESULT
+    assert ends == [("a", Outcome.REJECTED, "is refused by the solver: no")]
+    assert problems == ["update 5 is refused by the solver: no"] * times
+    calls = [f"update {COMMITMENT} {REQUEST} {FACT}", f"update {COMMITMENT} {FACT}", f"update {COMMITMENT}"]
+    assert planner.calls == calls[: times + 1]
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_one_that_was_dropped_is_fed_without_looking_ahead(times):
+    planner = Planner(*[DroppedError("ended")] * times, ended_by="it took too long")
+    result, ends, problems = fed(planner)
+    assert result is RESULT
+    given_up = ("a", Outcome.ABORTED, "is given up without a plan: it took too long: ended")
+    assert ends == ([given_up] if times > 1 else [])
+    assert problems == ["update 5 is dropped: it took too long: ended"] * times
+    calls = [f"{COMMITMENT} {REQUEST} {FACT}", f"{COMMITMENT} {FACT}", COMMITMENT]
+    assert planner.calls == [f"update {calls[0]}", *(f"take {call}" for call in calls)][: times + 1]
+
+
+@pytest.mark.parametrize("error", [SolverError("no"), DroppedError("ended")])
+def test_nothing_is_taken(error):
+    planner = Planner(*[error] * 9)
+    result, ends, _ = fed(planner, facts=False)
+    assert result is None
+    assert len(ends) == 1
+    assert len(set(planner.calls)) == len(planner.calls), "without facts only the commitments are left, and tried once"

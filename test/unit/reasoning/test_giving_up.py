@@ -1,0 +1,291 @@
+"""Which goals are given up and why, on a planner that only knows what can't be had together and what takes too long."""
+
+import pytest
+from clingo import parse_term
+
+from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
+from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.reasoning.conflicts import UndecidedError
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.recovery import FEW, Question, is_answerable, recover
+from rosoclingo.reasoning.stream_planner import Halt
+
+#: The cycle that is to start.
+STEP = 5
+
+SATISFIABLE, UNSATISFIABLE, INTERRUPTED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED
+
+
+def goal(number):
+    found = Goal(str(number), parse_term(f"go({number})"), lambda _goal, _event: None)
+    found.request_cycle = 3
+    return found
+
+
+def seen(letter):
+    return Observation(parse_term(f"_seen({letter})"), 2)
+
+
+def request(number):
+    return parse_term(f"_request(go({number}),3)")
+
+
+class World:
+    """A planner for goals 1, 2, ... and observations a, b, ..., and the question what to do, by default proven.
+
+    No ``conflicts``, sets of both such as "1 2 a", can be had. ``slow`` are sets of the goals that are left for which
+    the search is interrupted, ``refused`` those for which the solver refuses the update. ``ways`` tells, by whether
+    goals are withheld, how a search without any goal ends.
+    """
+
+    def __init__(self, goals=3, observations="", conflicts=(), **others):
+        self.goals = [goal(number) for number in range(1, goals + 1)]
+        self.observations = [seen(letter) for letter in observations]
+        self.conflicts = [set(one.split()) for one in conflicts]
+        self.fresh = [self.goals[number - 1] for number in others.pop("fresh", ())]
+        self.proven = others.pop("proven", True)
+        self.slow = [set(one) for one in others.pop("slow", ())]
+        self.refused = [set(one) for one in others.pop("refused", ())]
+        self.ways = others.pop("ways", {})
+        self.late = [set(one) for one in others.pop("late", ())]
+        self.slow_without = others.pop("slow_without", {})
+        self.time = others.pop("time", None)
+        assert not others
+        self.asked, self.updates, self.ended, self.without, self.left = [], [], [], [], 0
+
+    def watch(self):
+        self.left = self.time
+        return lambda: Halt("time is over") if self.left is not None and self.left <= 0 else None
+
+    @property
+    def question(self):
+        newest = [tuple(reversed(things)) for things in (self.goals, self.fresh, self.observations)]
+        return Question(STEP, *newest, self.proven, self.watch)
+
+    def restarted(self, without, coming=()):
+        return Beside(self, without)
+
+    def outcome(self, goals, observations, withheld):
+        self.left = None if self.left is None else self.left - 1
+        self.asked.append(" ".join(sorted(goals | observations)))
+        if goals in self.refused:
+            raise SolverError("refused by the test")
+        again = self.asked.count(self.asked[-1]) > 1
+        unseen = any(goals == set(some) and one not in observations for one, some in self.slow_without.items())
+        if goals in self.slow or (again and goals in self.late) or unseen:
+            return INTERRUPTED
+        if not goals and withheld in self.ways:
+            return self.ways[withheld]
+        return UNSATISFIABLE if any(one <= goals | observations for one in self.conflicts) else SATISFIABLE
+
+
+class Beside:
+    """A planner beside that of the world."""
+
+    def __init__(self, world, without):
+        self._world, self._without = world, without
+        world.without.append(without)
+
+    def end_cycle(self, cycle):
+        self._world.ended.append(cycle)
+
+    def update(self, update):
+        world = self._world
+        assert update.step == STEP
+        world.updates.append(update)
+        cancelled = {str(item.head.arguments[0].arguments[0]) for item in update.items if isinstance(item, Statement)}
+        withdrawn = {item.atom for item in update.items if isinstance(item, Withdraw)}
+        assert withdrawn <= self._without
+        goals = (
+            {one.key for one in world.goals} - cancelled - {str(atom.arguments[0].arguments[0]) for atom in withdrawn}
+        )
+        told = {str(one.atom.arguments[0]) for one in world.observations if one.atom not in self._without}
+        return SolveResult(world.outcome(goals, told, bool(withdrawn)), (), STEP + 3, STEP)
+
+
+def lost(world):
+    """The goals given up, each with its reasons in the order of the words, and ? where they are not sure."""
+    found = recover(world, world.question)
+    assert found.met
+    return [
+        " ".join(
+            [loss.goal.key + ("" if loss.sure else "?")]
+            + [one.key for one in loss.together]
+            + [str(one.atom.arguments[0]) for one in loss.observations]
+        )
+        for loss in found.losses
+    ]
+
+
+def text(update):
+    return " ".join(str(update).split())
+
+
+def test_goals_are_cancelled_oldest_first_in_the_cycle_that_starts():
+    world = World(3, "a", ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
+    assert recover(world, world.question) is None
+    assert [text(update) for update in world.updates] == [
+        "#step 5. _request(cancel(1),5). _request(cancel(2),5). _request(cancel(3),5). #end step.",
+        "#step 5. #withdraw _request(go(1),3). #withdraw _request(go(2),3). #withdraw _request(go(3),3). #end step.",
+    ]
+    assert world.ended == [STEP - 1, STEP - 1]
+    assert world.without == [frozenset(), frozenset(map(request, (1, 2, 3)))]
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_what_is_withdrawn_is_in_order(number):
+    world = World(12, ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
+    recover(world, world.question)
+    withdrawn = [item.atom for item in world.updates[1].items]
+    assert withdrawn == sorted(withdrawn)
+    assert len(withdrawn) == 12
+
+
+@pytest.mark.parametrize("withheld", [False, True])
+def test_the_way_on_is_a_planner_with_its_update(withheld):
+    world = World(3, conflicts=["1 3"], ways={False: UNSATISFIABLE} if withheld else {})
+    found = recover(world, world.question)
+    assert found.withheld is withheld
+    assert isinstance(found.planner, Beside)
+    assert found.result.horizon == STEP + 3
+    mark = "#withdraw _request(go(3),3)." if withheld else "_request(cancel(3),5)."
+    assert text(found.update) == f"#step 5. {mark} #end step."
+
+
+@pytest.mark.parametrize(
+    ("conflicts", "losses"),
+    [
+        (["3"], ["3"]),
+        (["1 3"], ["3 1"]),
+        (["1 2 3"], ["3 1 2"]),
+        (["1", "2", "3"], ["1", "2", "3"]),
+        (["2 3", "1 3"], ["3 2"]),
+        (["1", "2 3 b"], ["1", "3 2 b"]),
+        (["3 a b"], ["3 a b"]),
+        (["1 2 a", "3 b"], ["2 1 a", "3 b"]),
+        (["3 a b c d"], ["3 a b c d"]),  # as many as they are, if they are sure
+    ],
+)
+@pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])  # they are cancelled, or that does not help
+def test_the_fewest_goals_are_given_up_and_what_they_are_at_odds_with_is_told(conflicts, losses, ways):
+    assert lost(World(3, "abcd", conflicts, ways=ways)) == losses
+
+
+@pytest.mark.parametrize(("ways", "answer"), [([], None), ([False], True), ([True], True), ([True, False], True)])
+def test_whether_there_is_an_answer_without_the_goals(ways, answer):
+    outcomes = {way: SATISFIABLE if way in ways else UNSATISFIABLE for way in (True, False)}
+    world = World(2, ways=outcomes)
+    assert is_answerable(world, world.question) is bool(answer)
+    assert len(world.asked) == (1 if False in ways else 2)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+@pytest.mark.parametrize("of", [recover, is_answerable])
+def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(slow, of):
+    world = World(2, ways={slow: INTERRUPTED, not slow: UNSATISFIABLE}, proven=slow)
+    with pytest.raises(UndecidedError):
+        of(world, world.question)
+    assert len(world.asked) == 2
+    world = World(2, ways={False: INTERRUPTED, True: SATISFIABLE})
+    assert of(world, world.question)
+
+
+@pytest.mark.parametrize("proven", [True, False])
+def test_without_goals_there_is_nothing_to_give_up(proven):
+    world = World(0, proven=proven)
+    assert is_answerable(world, world.question) is False
+    if proven:
+        assert recover(world, world.question) is None
+    else:
+        with pytest.raises(UndecidedError):
+            recover(world, world.question)
+    assert world.asked == []
+
+
+@pytest.mark.parametrize("proven", [True, False])
+def test_with_goals_it_counts_whether_there_is_an_answer_without_them(proven):
+    world = World(2, ways={True: UNSATISFIABLE, False: UNSATISFIABLE}, proven=proven)
+    assert recover(world, world.question) is None
+
+
+def test_an_update_that_is_refused_is_a_search_without_result():
+    world = World(2, refused=[""])
+    with pytest.raises(UndecidedError):
+        recover(world, world.question)
+    world = World(3, conflicts=["3"], refused=["12"], fresh=[3])
+    assert lost(world) == ["3?", "2?"], "neither the fewest nor without the fresh one"
+
+
+def test_no_search_is_made_twice():
+    for conflicts in (["1 2"], ["1 3"], ["1", "2", "3"], ["1 2", "2 3"]):
+        world = World(3, conflicts=conflicts)
+        lost(world)
+        assert len(world.asked) == len(set(world.asked)), world.asked
+
+
+def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
+    world = World(4, conflicts=["1 2", "3 4", "1 4"])
+    found = recover(world, world.question)
+    gone = {loss.goal.key for loss in found.losses}
+    assert (
+        text(found.update)
+        == "#step 5. " + "".join(f"_request(cancel({key}),5). " for key in sorted(gone)) + "#end step."
+    )
+    assert len(gone) == 2
+
+
+@pytest.mark.parametrize(
+    ("others", "losses"),
+    [
+        ({}, ["3?"]),  # those that can be met with the ones kept, oldest first
+        ({"fresh": [3, 4]}, ["3?"]),
+        ({"fresh": [4]}, ["3?"]),  # there is no plan without the fresh one, so without any
+        ({"fresh": [1, 2, 3, 4]}, ["3?"]),
+        ({"fresh": [3, 4], "time": 0}, ["4?", "3?"]),
+        ({"fresh": [3], "time": 0}, ["3?"]),
+        ({"fresh": [4], "time": 0}, ["4?", "3?", "2?", "1?"]),
+        ({"time": 1}, ["4?", "3?", "2?"]),
+        ({"time": 2}, ["4?", "3?"]),
+        ({"slow": ["12"]}, ["4?", "3?", "2?"]),  # what comes after takes no less time
+        ({"slow": ["1"]}, ["4?", "3?", "2?", "1?"]),
+        ({"fresh": [3, 4], "slow": ["124"]}, ["4?", "3?"]),
+    ],
+)
+def test_where_it_is_not_known_that_there_is_no_plan_some_goals_are_kept(others, losses):
+    world = World(4, conflicts=["1 3"], proven=False, **others)
+    assert lost(world) == losses
+    assert "1 2 3 4" not in world.asked, "it took too long before"
+    assert world.asked.count("") == 1
+    world = World(1, proven=False)
+    assert lost(world) == ["1?"]
+    assert world.asked == [""]
+
+
+@pytest.mark.parametrize(
+    ("observations", "time", "losses"),
+    [
+        ("abcd", 2, ["4?", "3?"]),
+        ("abcd", 3, ["4?"]),  # the fewest are not known, but those that were kept were tried
+        ("abcd", 6, ["4? b c d"]),
+        ("abcde", 6, ["4?"]),  # too many that may not matter
+        ("abcd", 7, ["4 b c"]),  # the time for the reasons begins when the goals are known
+    ],
+)
+def test_time_for_the_fewest_goals_and_time_for_the_reasons(observations, time, losses):
+    world = World(4, observations, conflicts=["4 b c"], time=time)
+    assert lost(world) == losses
+    assert FEW == 3
+
+
+def test_a_reason_that_is_not_found_out_is_not_sure():
+    assert lost(World(3, "a", conflicts=["1 3 a"], slow_without={"a": "13"})) == ["3? 1"]
+    assert lost(World(3, conflicts=["1 3"], slow=["23"])) == ["3? 1 2"], "it may be 2 as well"
+
+
+def test_a_choice_is_planned_again_if_need_be():
+    world = World(3, conflicts=["1 2", "1 3"])
+    assert lost(world) == ["1 3"]
+    assert text(world.updates[-1]) == "#step 5. _request(cancel(1),5). #end step."
+    world = World(3, conflicts=["1 2", "1 3"], late=["23"])
+    assert lost(world) == ["3?", "2?"], "it takes too long the second time"

@@ -1,0 +1,89 @@
+"""Any event in any state of a goal has the effect that doc/statuses.md says: its tables are read and tried."""
+
+from pathlib import Path
+
+import clingo
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import GoalEvent, GoalState, Outcome, TaskPlan
+from rosoclingo.reasoning.goal_manager import GoalDesk
+from rosoclingo.reasoning.goal_status import Statuses, judge
+from rosoclingo.reasoning.goals import TERMINAL
+from rosoclingo.reasoning.input_feeder import InputFeeder
+
+PAGE = (Path(__file__).resolve().parents[3] / "doc" / "statuses.md").read_text()
+PROGRAM = ReactiveProgram.from_text("#external _request/2.\n#program cumulative(t).\n")
+STATES = ("pending", "recalling", "active", "preempting", "ended")
+
+
+def table():
+    """(event, state, cell) of each cell of the page's table of events and states."""
+    lines = PAGE.split("| | pending |")[1].split("\n\n")[0].splitlines()[2:]
+    for line in lines:
+        event, *cells = [cell.strip() for cell in line.strip("|").split("|")]
+        yield from ((event, state, cell) for state, cell in zip(STATES, cells))
+
+
+def a_goal(state):
+    """A desk with a goal that was fed and is in a state, what it went through from there, and the desk."""
+    told = []
+    desk = GoalDesk(PROGRAM, InputFeeder(), told.append, lambda: 5)
+    desk.add("key", "go(1)")
+    goal = desk.live[0]
+    goal.request_cycle = 4
+    steps = {
+        "pending": [],
+        "recalling": [GoalEvent.CANCEL_REQUEST],
+        "active": [GoalEvent.ACCEPT],
+        "preempting": [GoalEvent.ACCEPT, GoalEvent.CANCEL_REQUEST],
+        "ended": [GoalEvent.ACCEPT, GoalEvent.SUCCEED],
+    }
+    for event in steps[state]:
+        goal.apply(event)
+    told.clear()
+    return desk, goal, told
+
+
+def happen(event, desk):
+    """Let it happen to all goals that live."""
+    word = event.partition("the program: ")[2]
+    if word:
+        statuses = Statuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
+        for goal in desk.fed:
+            judge(goal, statuses, TaskPlan(), 5, 9, False)
+    elif event == "the client cancels":
+        desk.cancel("key")
+    else:
+        assert event in ("it cannot be met", "the core shuts down")
+        desk.end(desk.live, Outcome.ABORTED, "why")
+
+
+@pytest.mark.parametrize(("event", "state", "cell"), list(table()))
+def test_the_table(event, state, cell):
+    desk, goal, told = a_goal(state)
+    happen(event, desk)
+    expected = [] if cell == "–" else cell.split(";")[0].split(", ")
+    assert [one.state.value for one in told] == expected
+    ended = goal.state in TERMINAL
+    assert (goal in desk.live) != ended
+    assert (goal.outcome is not None and bool(goal.message)) == (ended and state != "ended")
+
+
+def test_the_table_is_whole():
+    assert len(list(table())) == 8 * len(STATES)
+    live = {state for _, state, _ in table()} - {"ended"}
+    assert live == {state.value for state in set(GoalState) - TERMINAL}
+
+
+def test_cancelled_before_it_was_fed():
+    desk, goal, told = a_goal("pending")
+    goal.request_cycle = None
+    desk.cancel("key")
+    desk.cancel("key")
+    assert [one.state.value for one in told] == ["recalling", "recalled"]
+
+
+def test_outcomes_are_those_of_the_page():
+    for outcome in Outcome:
+        assert f"`{outcome.name}` {int(outcome)}" in PAGE

@@ -1,0 +1,146 @@
+import pytest
+from core_driver import Driver
+
+from rosoclingo.oclingo import parse_term
+from rosoclingo.reasoning import (
+    TERMINAL,
+    TRANSITIONS,
+    Goal,
+    GoalError,
+    GoalEvent,
+    GoalState,
+    Outcome,
+    TransitionError,
+    read_goal,
+)
+from rosoclingo.reasoning.goals import CANCELLING, UNDECIDED, GoalBook
+from rosoclingo.reasoning.texts import LONGEST
+
+
+def goal(text="goal(a,b,1)", key="key"):
+    return Goal(key, parse_term(text), lambda _goal, _event: None)
+
+
+def at(state):
+    one = goal()
+    one.state = state
+    return one
+
+
+@pytest.mark.parametrize("state", list(GoalState))
+@pytest.mark.parametrize("event", list(GoalEvent))
+def test_every_transition_is_in_the_table_or_an_error(state, event):
+    one = at(state)
+    if (state, event) in TRANSITIONS:
+        one.apply(event)
+        assert one.state is TRANSITIONS[state, event]
+    else:
+        with pytest.raises(TransitionError, match=state.value):
+            one.apply(event)
+        assert one.state is state
+
+
+def test_terminal_states_are_those_of_actionlib():
+    names = {"RECALLED", "REJECTED", "PREEMPTED", "SUCCEEDED", "ABORTED"}
+    assert {state.name for state in TERMINAL} == names
+    assert not TERMINAL & (CANCELLING | UNDECIDED)
+
+
+@pytest.mark.parametrize("state", sorted(set(GoalState) - TERMINAL, key=str))
+@pytest.mark.parametrize("outcome", list(Outcome))
+def test_every_live_goal_can_end_with_every_outcome(state, outcome):
+    one = at(state)
+    one.end(outcome, "why")
+    assert one.state in TERMINAL
+    assert one.message == "why"
+
+
+def test_accepted_goal_is_aborted_instead_of_rejected():
+    one = at(GoalState.ACTIVE)
+    one.end(Outcome.REJECTED, "why")
+    assert (one.state, one.outcome) == (GoalState.ABORTED, Outcome.ABORTED)
+
+
+@pytest.mark.parametrize("outcome", list(Outcome))
+def test_a_goal_ends_once(outcome):
+    one = at(GoalState.SUCCEEDED)
+    with pytest.raises(TransitionError):
+        one.end(outcome, "again")
+    assert one.message == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "no ground term"),
+        ("goal(X,office2,1)", "no ground term"),
+        ("goal(office3,office2,1", "no ground term"),
+        ("goal(a). goal(b)", "no ground term"),
+        ("not a", "no ground term"),
+        ("office", "names no goal"),
+        ("17", "names no goal"),
+        ("cancel(1)", "cancel the goal itself"),
+        ("\x00", "no ground term"),
+        ("goal(" * 2000, "no ground term"),
+    ],
+)
+def test_goals_that_cannot_be_taken(text, reason):
+    with pytest.raises(GoalError, match=reason):
+        read_goal(text)
+
+
+def test_a_goal_has_a_greatest_length():
+    longest = f'goal("{"x" * (LONGEST - 10)}",1)'
+    assert len(longest) == LONGEST
+    assert str(read_goal(longest)) == longest
+    assert len(str(goal(longest))) < 300, "messages do not repeat it all"
+    with pytest.raises(GoalError, match=f"too long for a goal: write at most {LONGEST} characters") as error:
+        read_goal(longest.replace("x", "xx", 1))
+    assert len(str(error.value)) < 400
+
+
+def test_deep_nesting_is_refused_and_harms_nothing():
+    for text in ("f(" * 10_000 + "1" + ")" * 10_000, "(" * 10_000 + "," * 10_000, "-f(" * 10_000, "f((" * 10_000):
+        driver = Driver().goal("deep", text).facts("_seen(" + text + ")")
+        assert "nested deeper than 256 levels" in driver.message("deep")
+        assert "nested deeper than 256 levels" in driver.journal.problems[0]
+        assert len(driver.message("deep")) < 400
+        assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+
+
+def test_identity_is_unique_among_live_goals():
+    book = GoalBook()
+    first = goal("goal(a,b,1)", "first")
+    book.add(first)
+    with pytest.raises(GoalError, match=r"'1' is taken: goal\(a,b,1\) has not ended"):
+        book.add(goal("goal(c,d,1)", "second"))
+    with pytest.raises(GoalError, match="'first' is in use"):
+        book.add(goal("goal(c,d,2)", "first"))
+    book.remove(first)
+    book.add(goal("goal(c,d,1)", "second"))
+    assert [one.key for one in book.live] == ["second"]
+
+
+def test_refused_goals_reach_the_client_with_the_reason():
+    driver = Driver()
+    driver.goal("bad", "do(").goal("good", "do(walk,1)").goal("twin", "do(walk,1)")
+    assert "no ground term" in driver.message("bad")
+    assert "taken" in driver.message("twin")
+    assert driver.finish().states("good") == ["active", "succeeded"]
+
+
+def test_program_without_requests_refuses_goals():
+    driver = Driver("#program cumulative(t).\n").goal("key", "do(walk,1)")
+    assert "declares no external _request/2" in driver.message("key")
+
+
+def test_identity_may_be_used_again_after_the_end():
+    text = """
+    #external _request/2. #external _return/3.
+    #program cumulative(t).
+    _action_lib(do,I,t) :- _request(go(I),t+1).
+    #program base.
+    #show _action_lib/3.
+    """
+    driver = Driver(text).goal("a", "go(1)").finish().goal("b", "go(1)").finish()
+    assert driver.states("a") == driver.states("b") == ["active", "succeeded"]

@@ -1,0 +1,68 @@
+"""Which interfaces there are, and which actions wait for one that is not there."""
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.reasoning.interface_register import GRACE, InterfaceRegister
+from rosoclingo.reasoning.keywords import action_of
+
+HOLD, MOVE = (action_of(parse_atom(text)) for text in ("_action_lib(hold,cup,3)", "_action_lib(move_base,hall,3)"))
+NODES = frozenset({"/a", "/b"})
+
+
+def register(**announced):
+    found = InterfaceRegister()
+    for node, names in announced.items():
+        for name in names.split():
+            found.announce("/" + node, name)
+    return found
+
+
+def looked(found, awaited, listening=NODES, speaking=NODES, first=0.0):
+    """What is missing after GRACE."""
+    assert found.look(awaited, listening, speaking, first) == []
+    return [(one.action, one.text, one.new) for one in found.look(awaited, listening, speaking, first + GRACE)]
+
+
+def test_an_action_without_an_interface_is_told_with_those_that_there_are():
+    found = register(a="move_base pickup", b="deliver")
+    text = "no interface 'hold' for _action_lib(hold,cup,3): the interfaces are deliver, move_base, pickup"
+    assert looked(found, [HOLD, MOVE]) == [(HOLD, text, True)]
+    assert looked(found, [], first=5.0) == []
+    assert looked(found, [HOLD], first=10.0) == [(HOLD, text, True)], "another action of the kind"
+    assert [one.new for one in found.look([HOLD], NODES, NODES, 20.0)] == [False], "each is told once"
+    found.announce("/b", "hold")
+    assert found.look([HOLD], NODES, NODES, 30.0) == []
+    assert found.names == ["deliver", "hold", "move_base", "pickup"]
+
+
+def test_a_node_that_ends_takes_its_interfaces_along():
+    found = register(a="move_base", b="hold")
+    assert looked(found, [HOLD]) == []
+    assert [one.action for one in found.look([HOLD], {"/a"}, {"/a"}, GRACE)] == [HOLD]
+    assert found.names == ["move_base"]
+
+
+def test_a_node_that_does_not_hear_the_core_serves_nothing():
+    assert [one[0] for one in looked(register(a="move_base", b="hold"), [HOLD], {"/a", "/recorder"})] == [HOLD]
+
+
+def test_nobody_listens():
+    text = "no interface 'hold' for _action_lib(hold,cup,3): nobody listens on out_rosoclingo"
+    assert looked(register(), [HOLD], frozenset(), frozenset()) == [(HOLD, text, True)]
+
+
+def test_nodes_that_announce_nothing_may_have_it_until_they_have_answered():
+    found = register(a="move_base")
+    ((_, text, _),) = looked(found, [HOLD])
+    assert text.endswith("the interfaces are move_base, and /b may have others")
+    found.answered("hold")
+    assert looked(found, [HOLD], first=10.0) == []
+    assert found.look([HOLD], {"/a"}, NODES, 20.0), "the one that answered is gone"
+
+
+def test_nodes_that_may_have_it_are_those_that_hear_and_answer():
+    ((_, text, _),) = looked(register(a="move_base"), [HOLD], {"/a", "/recorder"}, {"/a", "/joystick"})
+    assert text.endswith("the interfaces are move_base")
+    nodes = frozenset("/" + letter for letter in "badgcefh")
+    ((_, text, _),) = looked(register(), [HOLD], nodes, nodes)
+    assert text.endswith("the interfaces are none, and /a, /b, /c, /d, /e, /f, /g, /h may have others")
+    assert register(a="z k b m", b="y c a x").names == list("abckmxyz")

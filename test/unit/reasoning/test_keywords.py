@@ -1,0 +1,61 @@
+import pytest
+
+from rosoclingo.oclingo import parse_atom, parse_term
+from rosoclingo.reasoning import Action, KeywordError
+from rosoclingo.reasoning.keywords import (
+    action_of,
+    cancellation,
+    identifier_of,
+    is_keyword,
+    name_of,
+    request,
+    return_of,
+)
+
+
+def test_action_reads_and_prints():
+    action = action_of(parse_atom("_action_lib(move_base,office2,1)"))
+    assert action == Action(parse_term("move_base"), parse_term("office2"), 1)
+    assert str(action.atom) == "_action_lib(move_base,office2,1)"
+    assert action.interface_name == "move_base"
+
+
+def test_return_reads_and_prints():
+    assert str(return_of(parse_atom("_return(pickup,failed(grip),3)")).atom) == "_return(pickup,failed(grip),3)"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["_action_lib(a,b)", "_action_lib(a,b,c)", "_action_lib(a,b,0)", "_action_lib(a,b,-1)", "-_action_lib(a,b,1)", "a"],
+)
+def test_other_forms_are_errors(text):
+    with pytest.raises(KeywordError):
+        action_of(parse_atom(text))
+
+
+def test_malformed_return_is_an_error():
+    with pytest.raises(KeywordError, match="positive integer"):
+        return_of(parse_atom("_return(a,b,now)"))
+
+
+def test_requests():
+    assert str(request(parse_term("goal(a,b,1)"), 2)) == "_request(goal(a,b,1),2)"
+    assert str(cancellation(parse_term("1"), 3)) == "_request(cancel(1),3)"
+
+
+@pytest.mark.parametrize("text", ["7", '"_action_lib"', "#sup"])
+def test_what_is_no_function_is_no_keyword(text):
+    assert not is_keyword(parse_term(text), "_action_lib")
+
+
+@pytest.mark.parametrize(
+    ("goal", "identifier"), [("goal(a,b,1)", "1"), ("g(f(x))", "f(x)"), ("g", None), ("7", None), ("(g,1)", None)]
+)
+def test_identity_is_the_last_argument(goal, identifier):
+    found = identifier_of(parse_term(goal))
+    assert (None if found is None else str(found)) == identifier
+
+
+def test_names_of_strings_lose_their_quotes():
+    assert name_of(parse_term('"arm/left"')) == "arm/left"
+    assert name_of(parse_term("robot(1)")) == "robot(1)"

@@ -1,0 +1,247 @@
+"""Facts that come late, early, twice or are false: none leaves the program without an answer or ends a goal."""
+
+from pathlib import Path
+
+import pytest
+from core_driver import Driver
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.reasoning import Core, CoreSettings, FactTaken, Halt
+
+ROOT = Path(__file__).resolve().parents[3]
+BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
+
+#: A door seen shut in a cycle can't have been gone through in the next.
+DOORS = """
+#external _request/2. #external _return/3. #external _shut/2.
+#program base.
+room(hall). room(den). door(hall,den). door(den,hall). at(hall,0).
+#program cumulative(t).
+wanted(R,I,t) :- _request(go(R,I),t+1).
+wanted(R,I,t) :- wanted(R,I,t-1), not at(R,t-1), not _request(cancel(I),t).
+{ _action_lib(go,R,t) : door(Q,R), at(Q,t-1) } 1 :- wanted(_,_,t).
+at(R,t) :- _action_lib(go,R,t), not failed(t).
+at(R,t) :- at(R,t-1), not moved(t).
+moved(t) :- _action_lib(go,R,t), not failed(t).
+failed(t) :- _return(go,V,t), not room(V).
+:- _action_lib(go,R,t), _shut(R,t-1).
+#program volatile(t).
+:- wanted(R,I,t), not at(R,t).
+#program base.
+#show _action_lib/3.
+"""
+
+
+def problems(driver, word):
+    return [text for text in driver.journal.problems if word in text]
+
+
+def test_a_fact_of_now_has_the_cycle_of_the_next_action():
+    driver = Driver(BATTERY).facts("_battery(low,now)")
+    assert driver.journal.updates == ["#step 1.\n_battery(low,1).\n#end step.\n"]
+    driver.goal("a", "do(walk,1)")
+    assert driver.awaited == ["_action_lib(walk,1,2)"]
+    driver.facts("_battery(low,now)", "_return(walk,1,2)").goal("b", "do(run,2)")
+    assert "_battery(low,3)." in driver.journal.updates[2]
+    assert driver.awaited == ["_action_lib(run,2,4)"], "cycle 3 heeded it"
+    assert driver.finish().states("b")[-1] == "succeeded"
+
+
+def test_a_fact_of_now_has_the_cycle_just_over_where_it_counts_from_the_next_one_on():
+    driver = Driver(DOORS).goal("a", "go(den,1)").finish()
+    driver.core.receive("door", ["_shut(hall,now)"])
+    driver.goal("b", "go(hall,2)")
+    assert "_shut(hall,2)." in driver.journal.updates[-2]
+    assert driver.awaited == ["_action_lib(go,hall,4)"], "not in cycle 3, after it was seen shut"
+    assert driver.finish().states("b")[-1] == "succeeded"
+
+
+def test_a_fact_of_now_before_the_first_cycle_comes_before_the_requests():
+    driver = Driver(DOORS)
+    driver.core.receive("door", ["_shut(den,now)"])
+    driver.goal("a", "go(den,1)")
+    assert driver.journal.updates[0] == "#step 1.\n_shut(den,1).\n#end step.\n"
+    assert driver.awaited == ["_action_lib(go,den,3)"]
+    assert driver.finish().states("a")[-1] == "succeeded"
+
+
+def test_a_late_fact_is_taken_for_the_present():
+    driver = Driver(DOORS).goal("a", "go(den,1)").finish()
+    driver.core.receive("door", ["_shut(den,0)"])
+    driver.goal("b", "go(hall,2)").finish()
+    assert driver.states("b")[-1] == "succeeded"
+    told = "_shut(den,0) from interface door contradicts that go(den) was done in cycle 1: taken for cycle 2"
+    assert driver.journal.problems == [told]
+    assert not any("_shut(den,0)" in text for text in driver.journal.updates), "what was withheld is not told"
+    assert any("_shut(den,2)" in text for text in driver.journal.updates)
+
+
+def test_a_late_fact_without_a_goal():
+    driver = Driver(DOORS).goal("a", "go(den,1)").finish()
+    driver.facts("_shut(den,0)").facts("_shut(den,0)")
+    assert len(driver.journal.problems) == 1, "told once"
+    assert driver.goal("b", "go(hall,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_a_late_fact_and_others_in_one_message():
+    driver = Driver(BATTERY).goal("a", "do(walk,1)").finish()
+    driver.core.receive("power", ["_battery(high,1)", "_battery(low,1)", "_battery(low,7)"])
+    driver.goal("b", "do(run,2)").finish()
+    assert driver.states("b")[-1] == "succeeded"
+    assert driver.journal.problems == [
+        "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: taken for cycle 3"
+    ]
+    assert all(
+        fact in driver.journal.updates[2] for fact in ("_battery(high,1).", "_battery(low,3).", "_battery(low,7).")
+    )
+
+
+def test_a_late_fact_while_a_goal_is_under_way():
+    driver = Driver(BATTERY).goal("a", "do(walk,1)").goal("b", "do(run,2)").facts("_battery(low,1)").succeed()
+    assert driver.finish().states("b")[-1] == "succeeded"
+    assert driver.states("a")[-1] == "succeeded"
+    assert len(problems(driver, "contradicts")) == 1
+
+
+def test_a_fact_that_makes_no_sense_at_present_is_withheld():
+    driver = Driver(BATTERY + ":- _battery(low,t), t > 1.\n").goal("a", "do(walk,1)").finish()
+    driver.core.receive("power", ["_battery(low,1)"])
+    driver.goal("b", "do(run,2)").finish()
+    assert driver.states("b")[-1] == "succeeded"
+    assert driver.journal.problems == [
+        "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: withheld"
+    ]
+
+
+def test_a_fact_that_nothing_can_follow_is_withheld():
+    driver = (
+        Driver(BATTERY + "#external _seen/1.\nended(t) :- _seen(end).\n:- ended(t).\n")
+        .goal("a", "do(walk,1)")
+        .facts("_seen(end)")
+    )
+    driver.facts("_return(walk,1,1)")
+    assert driver.states("a")[-1] == "succeeded"
+    assert driver.journal.problems == [
+        "_seen(end) from interface interface contradicts what was done and told before: withheld"
+    ]
+
+
+def test_a_fact_of_a_cycle_to_come_that_bites_when_it_has_come():
+    text = BATTERY + "#external _must/1.\n:- _must(t), not _action_lib(rest,9,t).\n"
+    driver = Driver(text).goal("r", "do(rest,9)").facts("_must(4)")
+    for _ in range(3):
+        driver.facts(f"_return(rest,failed,{driver.core.cycle})")
+    assert driver.finish().states("r")[-1] == "succeeded"
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_returns_that_contradict_what_was_done_are_withheld():
+    driver = Driver(BATTERY + ":- _return(W,odd,t).\n").goal("a", "do(walk,1)").facts("_return(walk,odd,1)")
+    assert driver.states("a")[-1] == "succeeded"
+    assert problems(driver, "_return(walk,odd,1) from interface interface contradicts")
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_a_request_that_contradicts_the_past():
+    driver = Driver(BATTERY + ":- _request(do(jump,I),t+1), _action_lib(walk,J,t-2).\n")
+    driver.goal("a", "do(walk,1)").finish().goal("b", "do(jump,2)")
+    assert driver.states("b")[-1] == "aborted"
+    assert "#withdraw _request(do(jump,2),4)." in driver.journal.updates[-1]
+    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+
+
+def test_a_cancel_that_contradicts_the_past():
+    driver = Driver(BATTERY + ":- _request(cancel(I),t), _action_lib(W,I,t-1).\n")
+    driver.goal("a", "do(walk,1)").cancel("a").facts("_return(walk,failed,1)").finish()
+    assert driver.core.live_goals == []
+    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+
+
+def test_what_was_done_can_not_be():
+    """Where it is neither goals nor observations, all begins anew, and says so."""
+    driver = Driver(BATTERY + ":- _action_lib(walk,1,t-2).\n").goal("a", "do(walk,1)").finish()
+    driver.goal("b", "do(run,2)").finish()
+    assert driver.states("b")[-1] == "succeeded"
+    assert len(problems(driver, "ERROR")) == 1
+    assert problems(driver, "begins anew")
+    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+    assert any("#anew." in text for text in driver.journal.updates)
+
+
+def test_facts_of_cycles_long_over_are_taken_for_the_present():
+    driver = Driver(BATTERY)
+    for number in range(130):
+        driver.goal(str(number), f"do(walk,{number})").finish()
+    driver.core.receive("power", ["_battery(low,3)", "_battery(low,4)"])
+    driver.goal("b", "do(run,200)")
+    assert "_battery(low,261)." in driver.journal.updates[-2]
+    assert driver.awaited == ["_action_lib(run,200,262)"]
+    assert (
+        driver.journal.problems[0]
+        == "_battery(low,3) from interface power comes too late: it is taken as _battery(low,261)"
+    )
+    assert driver.finish().states("b")[-1] == "succeeded"
+
+
+@pytest.fixture(scope="module")
+def house():
+    return ReactiveProgram.from_files([ROOT / "encodings" / "house.lp", ROOT / "encodings" / "home.lp"])
+
+
+@pytest.mark.parametrize("fact", ["_blocked(hallway,living_room,1)", "_blocked(hallway,living_room,now)"])
+def test_the_house(house, fact):
+    driver = Driver(settings=CoreSettings(), program=house)
+    driver.goal("a", "bring(bedroom,newspaper)").finish().facts(fact)
+    assert driver.goal("b", "bring(kitchen,newspaper)").finish().states("b")[-1] == "succeeded"
+    assert len(driver.journal.of(FactTaken)) == 1
+
+
+def test_of_late_facts_each_is_taken_for_the_present_that_makes_sense_there():
+    text = BATTERY + ":- _battery(hot,t), t > 1.\n:- _battery(hot,1), _action_lib(_,_,1).\n"
+    driver = Driver(text).goal("a", "do(walk,1)").finish()
+    driver.core.receive("power", ["_battery(low,1)", "_battery(hot,1)"])
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+    assert sorted(driver.journal.problems) == [
+        "_battery(hot,1) from interface power contradicts that walk(1) was done in cycle 1: withheld",
+        "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: taken for cycle 3",
+    ]
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_comes_late_is_doubted_before_what_is_of_now(order):
+    driver = Driver(DOORS + ":- _shut(red,1), _shut(blue,3).\n").goal("a", "go(den,1)").finish()
+    driver.core.receive("door", ["_shut(red,1)", "_shut(blue,3)"][::order])
+    driver.goal("b", "go(hall,2)").finish()
+    assert driver.states("b")[-1] == "succeeded"
+    assert len(driver.journal.problems) == 1
+    assert driver.journal.problems[0].startswith("_shut(red,1) from interface door contradicts what was done and told")
+
+
+@pytest.mark.parametrize(("fact", "action", "cycle"), [("_shut(den,0)", "den", 1), ("_shut(hall,2)", "hall", 3)])
+def test_the_action_that_can_not_have_been_is_named(fact, action, cycle):
+    driver = Driver(DOORS)
+    for number, room in enumerate(("den", "hall", "den", "hall")):
+        driver.goal(f"g{number}", f"go({room},{number})").finish()
+    done = [text for text in driver.journal.actions if f"go,{action}" in text]
+    assert f"_action_lib(go,{action},{cycle})" in done
+    driver.core.receive("door", [fact])
+    driver.goal("b", "go(den,9)").finish()
+    assert f"contradicts that go({action}) was done in cycle {cycle}: taken for" in driver.journal.problems[0]
+
+
+def test_where_time_is_over_it_is_not_said_to_be_sure():
+    driver = Driver(DOORS).goal("a", "go(den,1)")
+    journal, program = driver.journal, driver.program
+    driver.core = Core(
+        program,
+        lambda: ReactiveSolver(program, shortest=True),
+        journal,
+        CoreSettings(horizon_limit=8),
+        watch_recovery=lambda: lambda: Halt("time is over"),
+    )
+    driver.core.start()
+    driver.goal("c", "go(den,2)").finish()
+    driver.core.receive("door", ["_shut(den,0)", "_shut(hall,0)"])
+    assert driver.goal("b", "go(hall,3)").finish().states("b")[-1] == "succeeded"
+    assert len(journal.problems) == 2
+    assert all("may contradict what was done and told before" in text for text in journal.problems)

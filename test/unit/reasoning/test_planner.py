@@ -1,0 +1,300 @@
+"""The planner: what is over, what a search that was ended means, and planners beside it."""
+
+import pytest
+from core_driver import ERRANDS
+
+from rosoclingo.oclingo import (
+    DroppedError,
+    NotReadyError,
+    ReactiveProgram,
+    ReactiveSolver,
+    SolveOutcome,
+    SolveResult,
+    parse_atom,
+    parse_update,
+)
+from rosoclingo.oclingo.solving import transaction
+from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner
+
+
+class Solver(ReactiveSolver):
+    """Asks once whether to stop, and drops or answers all the same, where it is told to."""
+
+    def __init__(self, program):
+        super().__init__(program, shortest=True)
+        self.drops = self.ignores = False
+
+    def update(self, update, stopped=None):
+        if self.drops:
+            stopped()
+            raise DroppedError("ended by the test")
+        if self.ignores:
+            stopped()
+            return super().update(update)
+        return super().update(update, stopped)
+
+
+class Bench:
+    """A planner on such solvers, whose searches end for ``halt``."""
+
+    def __init__(self, text=ERRANDS, lookahead=8):
+        self.program, self.halt, self.solvers = ReactiveProgram.from_text(text), None, []
+        self.planner = Planner(self.make, lookahead, lambda: lambda: self.halt)
+
+    def make(self):
+        self.solvers.append(Solver(self.program))
+        return self.solvers[-1]
+
+    def update(self, text):
+        return self.planner.update(parse_update(text + " #endstep."))
+
+    @property
+    def solver(self):
+        return self.solvers[0]
+
+
+def plan(result):
+    return [str(atom) for answer in result.answers for atom in sorted(answer) if atom.name == "_action_lib"]
+
+
+@pytest.mark.parametrize(
+    ("cycle", "since", "over"),
+    [
+        (500, 499, 500 - RECENT),  # whatever is wanted, what happened just now may have to be explained
+        (500, 500 - RECENT - 20, 500 - RECENT - 20),  # an open request looks back to its beginning
+        (500, 1, 500 - LONG_AGO),  # but not for ever
+    ],
+)
+def test_what_is_over(cycle, since, over):
+    bench = Bench()
+    bench.planner.end_cycle(cycle, since)
+    assert bench.planner.over == over
+    bench.planner.end_cycle(cycle + 1, 0)
+    assert bench.planner.over == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
+
+
+def test_the_past_is_closed():
+    bench = Bench()
+    bench.update("#step 1.")
+    bench.planner.end_cycle(1)
+    result = bench.update("#step 2. _request(do(walk,1),2). :- not _action_lib(walk,1,1).")
+    assert plan(result) == ["_action_lib(walk,1,1)"], "what the update commits to was done"
+    bench.planner.end_cycle(2)
+    beside = bench.planner.restarted()
+    for planner in (bench.planner, beside):
+        result = planner.update(parse_update("#step 3. _request(do(run,2),3). #endstep."))
+        assert plan(result) == ["_action_lib(run,2,3)", "_action_lib(walk,1,1)"]
+        assert planner.may_begin_with(parse_atom("_action_lib(run,2,3)"), 1)
+        assert not planner.may_begin_with(parse_atom("_action_lib(run,2,2)"), 1), "cycle 2 is over"
+
+
+def test_without_looking_ahead_no_answer_means_none_was_found():
+    bench = Bench()
+    update = parse_update("#step 1. _request(do(never,1),2). #endstep.")
+    assert bench.planner.take(update).outcome is SolveOutcome.INTERRUPTED
+    bench = Bench(ERRANDS + ":- _seen(end).")
+    assert bench.planner.take(parse_update("#step 1. _seen(end). #endstep.")).outcome is SolveOutcome.UNSATISFIABLE
+
+
+def test_why_there_is_no_plan():
+    bench = Bench(lookahead=3)
+    result = bench.update("#step 1. _request(do(never,1),2).")
+    assert bench.planner.why_none(result) == "there is no plan of at most 3 steps"
+    result = bench.planner.take(parse_update("#step 2. #endstep."))
+    assert bench.planner.why_none(result) == "no plan was found before the search was ended"
+    bench.halt = Halt("it takes too long")
+    result = bench.update("#step 3.")
+    assert bench.planner.why_none(result) == "no plan was found before the search was ended: it takes too long"
+
+
+def test_a_search_that_ends_all_the_same_was_not_ended():
+    bench = Bench()
+    bench.halt, bench.solver.ignores = Halt("it takes too long", disturbed=True), True
+    assert plan(bench.update("#step 1. _request(do(walk,1),2).")) == ["_action_lib(walk,1,1)"]
+    assert bench.planner.ended_by == ""
+
+
+def test_a_dropped_search_names_the_reason_where_there_is_one():
+    bench = Bench()
+    bench.solver.drops, bench.halt = True, Halt("it takes too long")
+    with pytest.raises(DroppedError):
+        bench.update("#step 1.")
+    assert bench.planner.ended_by == "it takes too long"
+    bench.halt = None
+    with pytest.raises(DroppedError):
+        bench.update("#step 1.")
+    assert bench.planner.ended_by == ""
+
+
+def test_the_first_reason_counts():
+    bench = Bench(lookahead=200)
+    halts = iter([Halt("first")] + [Halt("later", disturbed=True)] * 1000)
+    planner = Planner(bench.make, 200, lambda: lambda: next(halts))
+    planner.update(parse_update("#step 1. _request(do(never,1),2). #endstep."))
+    assert planner.ended_by == "first"
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
+    bench = Bench()
+    bench.update("#step 1. _request(do(walk,1),2).")
+    bench.planner.end_cycle(1)
+    bench.halt, bench.solver.drops = Halt("news", disturbed=True), not kept
+    with pytest.raises(DisturbedError, match="news") as caught:
+        bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3).")
+    assert caught.value.kept == kept
+    bench.halt, bench.solver.drops = None, False
+    beside = bench.planner.restarted()
+    beside.end_cycle(2)
+    told = plan(beside.update(parse_update("#step 3. #endstep.")))
+    assert any("run" in action for action in told) == kept
+
+
+def test_a_planner_beside_a_fresh_one():
+    beside = Bench().planner.restarted()
+    assert plan(beside.update(parse_update("#step 1. _request(do(walk,1),2). #endstep."))) == ["_action_lib(walk,1,1)"]
+
+
+def test_a_planner_beside_knows_all_but_what_is_left_out():
+    bench = Bench()
+    bench.update("#step 1. _request(do(walk,1),2).")
+    bench.planner.end_cycle(1)
+    bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3). _return(walk,failed,1).")
+    assert plan(bench.planner.restarted().solve()) == plan(bench.planner.solve())
+    without = bench.planner.restarted(frozenset({parse_atom("_request(do(run,2),3)")}))
+    assert not any("run" in action for action in plan(without.update(parse_update("#step 2. #endstep."))))
+
+
+class State(tuple):
+    """What a solver was told, one text an update."""
+
+    def less(self, facts):
+        return State(self + tuple(f"less {fact}" for fact in sorted(facts)))
+
+
+class Told:
+    """A solver that keeps what it is told, asks a few times whether to stop, and has an answer ready."""
+
+    def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0):
+        self.told, self.outcome, self.asks, self.late = State(), outcome, asks, late
+
+    def snapshot(self):
+        return self.told
+
+    def restore(self, state):
+        self.told = state
+
+    def update(self, update, stopped):
+        if self.late:
+            self.late -= 1
+            raise NotReadyError("not yet")
+        for _ in range(self.asks):
+            stopped()
+        self.told = State((*self.told, " ".join(str(update).split()).replace(" #end step.", "")))
+        return SolveResult(self.outcome, (), update.step, update.step)
+
+
+def told(planner):
+    return list(planner._solver.snapshot())
+
+
+def fed(planner, *texts):
+    """The planner, fed these updates, a cycle each."""
+    for number, text in enumerate(texts):
+        if number:
+            planner.end_cycle(planner.taken.step)
+        planner.update(parse_update(text + " #endstep."))
+    return planner
+
+
+def test_what_the_solver_is_told():
+    planner = Planner(Told, 8)
+    assert planner.taken is None
+    assert planner.over == 0
+    planner.solve()
+    planner.end_cycle(RECENT + 1)
+    assert planner.over == 0, "nobody looks back to cycle 0, but nothing is said of it"
+    planner.end_cycle(RECENT + 2, RECENT + 2)
+    planner.end_cycle(RECENT + 3, 2)
+    planner.update(parse_update("#step 14. _seen(a). #endstep."))
+    planner.take(parse_update("#step 15. _seen(b). #endstep."))
+    last = "#step 14 : 8. #closed 11. #closed 12. #over 2. #closed 13. _seen(a)."
+    assert told(planner) == ["#step 1 : 8.", last, "#step 15 : 0. _seen(b)."]
+    assert str(planner.taken).startswith("#step 15 : 0.")
+
+
+def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
+    planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
+    planner.end_cycle(2)
+    beside = planner.restarted(frozenset({parse_atom("_seen(b)")}))
+    beside.update(parse_update("#step 3. #endstep."))
+    taken = ["#step 2 : 0. #closed 1. _seen(c).", "#step 3 : 8. #closed 2."]
+    assert told(beside) == ["#step 1 : 8. _seen(a).", "less _seen(b)", *taken]
+    assert len(told(planner)) == 2
+
+
+def test_another_update_in_place_of_the_last_one():
+    planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
+    other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
+    beside, result = planner.instead(other, frozenset({parse_atom("_seen(d)")}))
+    assert told(beside) == ["#step 1 : 8. _seen(a).", "less _seen(d)", "#step 2 : 8. #closed 1. _seen(e)."]
+    assert result.step == 2
+    assert beside.taken.step == 2
+    beside, _ = Planner(Told, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
+    assert told(beside) == ["#step 1 : 8. _seen(d)."]
+
+
+@pytest.mark.parametrize(
+    ("step", "updates"),
+    [
+        (1, ["#step 1 : 8. #anew."]),
+        (2, ["#step 2 : 8. #anew. #closed 0..1. #over 0."]),
+        (RECENT + 5, ["#step 15 : 8. #anew. #closed 0..14. #over 5."]),
+        (MANY_STEPS, [f"#step {MANY_STEPS} : 8. #anew. #closed 0..{MANY_STEPS - 1}. #over {MANY_STEPS - RECENT}."]),
+        (
+            MANY_STEPS + 1,
+            [
+                "#step 100 : 8. #anew. #closed 0..99. #over 90.",
+                "#step 101 : 8. #closed 100. #over 91.",
+            ],
+        ),
+    ],
+)
+def test_everything_anew(step, updates):
+    planner = fed(Planner(Told, 8), "#step 1. _seen(a).")
+    beside, given, result = planner.anew(step)
+    assert told(beside) == updates
+    assert [" ".join(str(one).split()).replace(" #end step.", "") for one in given] == updates
+    assert result.step == step
+
+
+def test_why_a_search_ended():
+    halts = iter([None, Halt("first"), Halt("later", disturbed=True)])
+    planner = Planner(lambda: Told(SolveOutcome.INTERRUPTED, asks=3), 8, lambda: lambda: next(halts))
+    planner.solve()
+    assert planner.ended_by == "first"
+    planner = Planner(lambda: Told(SolveOutcome.INTERRUPTED), 8)
+    planner.solve()
+    assert planner.ended_by == "", "nobody ended it"
+
+
+def test_without_a_watch_a_search_takes_the_time_it_takes():
+    planner = Planner(lambda: Told(asks=2, late=3), 8)
+    assert planner.solve().outcome is SolveOutcome.SATISFIABLE
+    assert planner.take(parse_update("#step 2. #endstep.")).outcome is SolveOutcome.SATISFIABLE
+
+
+def test_a_planner_that_knows_what_is_coming_grounds_once(monkeypatch):
+    bench = Bench()
+    bench.update("#step 1. _request(do(walk,1),2).")
+    made, build = [], transaction.build_engine
+    monkeypatch.setattr(transaction, "build_engine", lambda *arguments: made.append(1) or build(*arguments))
+    cancel = parse_atom("_request(cancel(1),2)")
+    update = parse_update(f"#step 2. {cancel}. #endstep.")
+    beside = bench.planner.restarted(coming=[cancel])
+    assert len(made) == 1
+    assert plan(beside.update(update)) == []
+    assert len(made) == 1
+    assert plan(bench.planner.restarted(coming=[cancel]).update(parse_update("#step 2. #endstep."))) != [], (
+        "not said yet"
+    )

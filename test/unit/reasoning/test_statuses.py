@@ -1,0 +1,126 @@
+import clingo
+import pytest
+
+from rosoclingo.oclingo import parse_term
+from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
+from rosoclingo.reasoning.goal_status import Status, Statuses, judge
+
+
+def answer(*atoms):
+    return frozenset(clingo.parse_term(atom) for atom in atoms)
+
+
+def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False, speaks=False, known=False):
+    goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
+    goal.request_cycle = request_cycle
+    goal.known = known
+    if cancelling:
+        goal.apply(GoalEvent.CANCEL_REQUEST)
+    shown = answer(*atoms)
+    judge(goal, Statuses(shown), extract_plan(shown), cycle, horizon, speaks)
+    return goal
+
+
+def test_plan_is_ordered_and_split_by_cycle():
+    plan = extract_plan(answer("_action_lib(b,x,2)", "_action_lib(a,x,10)", "_action_lib(a,x,2)", "_other(1)"))
+    texts = [str(action.atom) for action in plan.actions]
+    assert texts == ["_action_lib(a,x,2)", "_action_lib(b,x,2)", "_action_lib(a,x,10)"]
+    assert len(plan.at(2)) == 2
+    assert len(plan.after(2)) == 1
+    assert len(plan.remaining(2)) == 3
+
+
+def test_malformed_actions_are_faults():
+    plan = extract_plan(answer("_action_lib(a,x)", "_action_lib(a,x,soon)", "_action_lib(a,x,1)"))
+    assert len(plan.actions) == 1
+    assert len(plan.faults) == 2
+    assert "_action_lib(A,P,C)" in plan.faults[0] + plan.faults[1]
+    plan = extract_plan(answer(*(f"_action_lib(a,{letter})" for letter in "hgfedcba"), "_other(1)"))
+    assert [fault[:18] for fault in plan.faults] == [f"'_action_lib(a,{letter})'" for letter in "abcdefgh"]
+
+
+def test_malformed_statuses_are_faults():
+    statuses = Statuses(answer("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)"))
+    assert len(statuses.faults) == 4
+    assert all("write _status(Id,S,C)" in fault for fault in statuses.faults)
+    assert statuses.faults == sorted(statuses.faults)
+
+
+def test_a_goal_ends_with_words_of_its_own():
+    assert judged("_status(1,succeeded,5)").message == "go(1) is met"
+    assert judged("_status(1,aborted(tired),5)").message == "the program gives go(1) up: tired"
+
+
+def test_worst_status_counts():
+    statuses = Statuses(answer("_status(1,succeeded,2)", "_status(1,aborted(blocked,x),2)", "_status(1,accepted,2)"))
+    assert statuses.read(parse_term("1"), 2) == Status("aborted", "blocked, x")
+    assert statuses.read(parse_term("1"), 3) is None
+    assert statuses.read(parse_term("2"), 2) is None
+
+
+@pytest.mark.parametrize(
+    ("word", "state"),
+    [
+        ("accepted", "active"),
+        ("rejected", "rejected"),
+        ("succeeded", "succeeded"),
+        ("canceled", "recalled"),
+        ("aborted", "aborted"),
+    ],
+)
+def test_program_decides(word, state):
+    assert judged(f"_status(1,{word},5)", "_action_lib(a,x,6)").state.value == state
+
+
+def test_programs_reason_is_told():
+    assert judged("_status(1,rejected(unknown_office(office9)),5)").message.endswith("go(1): unknown_office(office9)")
+
+
+def test_programs_reason_in_pieces():
+    assert judged('_status(1,aborted(("package ",3," is not at ",office2)),5)').message.endswith(
+        "go(1) up: package 3 is not at office2"
+    )
+
+
+def test_accepted_goal_lives_without_a_plan():
+    assert judged("_status(1,accepted,5)").live
+
+
+def test_without_statuses_a_goal_is_met_when_nothing_is_left():
+    assert judged("_action_lib(a,x,5)").state.value == "active"
+    assert judged("_action_lib(a,x,4)").state.value == "succeeded"
+
+
+def test_without_statuses_a_cancelled_goal_ends_when_nothing_is_left():
+    assert judged("_action_lib(a,x,5)", cancelling=True).state.value == "preempting"
+    assert judged(cancelling=True).state.value == "preempted"
+
+
+@pytest.mark.parametrize(
+    ("atoms", "horizon", "state"),
+    [
+        ([], 5, "pending"),
+        ([], 6, "active"),
+        (["_status(1,accepted,6)"], 6, "active"),
+        (["_status(1,succeeded,6)"], 6, "active"),
+        (["_status(1,rejected,6)"], 6, "rejected"),
+        (["_status(1,aborted,6)"], 6, "pending"),
+        (["_status(1,rejected,5)"], 6, "rejected"),
+    ],
+)
+def test_before_the_requests_own_cycle(atoms, horizon, state):
+    assert judged(*atoms, cycle=5, request_cycle=6, horizon=horizon).state.value == state
+
+
+def test_empty_plan():
+    assert TaskPlan().remaining(1) == ()
+
+
+def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
+    unknown = judged("_status(2,accepted,5)", speaks=True)
+    assert unknown.state.value == "rejected"
+    assert unknown.message == "the program rejects go(1): it has no word for it"
+    assert judged(speaks=True, request_cycle=6).state.value == "pending"
+    assert judged(speaks=True, known=True).state.value == "succeeded"
+    assert judged(speaks=False).state.value == "succeeded"
+    assert judged("_status(1,accepted,5)", speaks=True).known

@@ -1,0 +1,123 @@
+import pytest
+from clingo import parse_term
+
+from rosoclingo.reasoning.explanations import Explanations, Loss, text_of
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.keywords import Return, action_of
+from rosoclingo.reasoning.observations import MEMORY, Observation, Observations
+
+
+@pytest.mark.parametrize(
+    ("term", "text"),
+    [
+        ("office4", "office4"),
+        ('"no way"', "no way"),
+        ("f(a,1)", "f(a,1)"),
+        ('("package ",3," is not at ",office2)', "package 3 is not at office2"),
+        ('("a",("b",("c",1)))', "abc1"),
+        ("()", ""),
+        ('("only",)', "only"),
+        ('f("a")', 'f("a")'),
+    ],
+)
+def test_terms_as_text(term, text):
+    assert text_of(parse_term(term)) == text
+
+
+def test_the_latest_explanation_counts():
+    atoms = [
+        "_explain(1,old,2)",
+        "_explain(1,new,10)",
+        "_explain(1,older,1)",
+        '_explain(_return(go,blocked,3),"shut",3)',
+        "_explain(3,early,1)",
+        "_explain(3,late,7)",
+        "_other(1,2)",
+    ]
+    explanations = Explanations(frozenset(parse_term(atom) for atom in atoms))
+    assert explanations.of(parse_term("1")) == "new"
+    assert explanations.of(parse_term("_return(go,blocked,3)")) == "shut"
+    assert explanations.of(parse_term("3")) == "late"
+    assert explanations.of(parse_term("2")) is None
+    assert explanations.faults == []
+
+
+def test_of_explanations_of_one_cycle_it_is_always_the_same():
+    atoms = [f"_explain(1,{letter},2)" for letter in "abcdefghijkl"]
+    assert Explanations(frozenset(map(parse_term, atoms))).of(parse_term("1")) == "l"
+
+
+def test_what_is_no_explanation():
+    explanations = Explanations(frozenset(parse_term(atom) for atom in ("_explain(1,a)", "_explain(1,a,soon)")))
+    assert [fault.count("write _explain(What,Text,C)") for fault in explanations.faults] == [1, 1]
+
+
+def goal(text):
+    return Goal(text, parse_term(text), lambda _goal, _event: None)
+
+
+FAILED = Observation(parse_term("_return(go,blocked,3)"), 3, (action_of(parse_term("_action_lib(go,office4,3)")),))
+TOLD = Observation(parse_term("_shut(d)"), 5)
+
+
+@pytest.mark.parametrize(
+    ("loss", "text"),
+    [
+        (Loss(goal("go(a,3)")), "go(a,3) cannot be met: there is none"),
+        (Loss(goal("go(a,3)"), sure=False), "go(a,3) perhaps cannot be met: there is none"),
+        (Loss(goal("go(a,3)"), (goal("go(b,2)"),)), "go(a,3) cannot be met together with go(b,2)"),
+        (
+            Loss(goal("go(a,3)"), (goal("go(b,2)"), goal("go(c,1)")), (TOLD,)),
+            "go(a,3) cannot be met together with go(b,2) and go(c,1) since _shut(d) was told in cycle 5",
+        ),
+        (Loss(goal("go(a,3)"), (), (FAILED,)), "go(a,3) cannot be met since go(office4) returned blocked in cycle 3"),
+        (
+            Loss(goal("go(a,3)"), (), (FAILED, TOLD), sure=False),
+            "go(a,3) perhaps cannot be met perhaps since go(office4) returned blocked in cycle 3"
+            " and _shut(d) was told in cycle 5",
+        ),
+    ],
+)
+def test_losses_in_generic_words(loss, text):
+    assert loss.text(Explanations(), "there is none") == text
+
+
+def test_losses_in_the_programs_words():
+    atoms = ['_explain(3,(office4," is unreachable"),5)', '_explain(_return(go,blocked,3),("the way was blocked"),3)']
+    explanations = Explanations(frozenset(parse_term(atom) for atom in atoms))
+    loss = Loss(goal("go(a,3)"), (goal("go(b,2)"),), (FAILED, FAILED, TOLD))
+    assert loss.text(explanations, "") == (
+        "go(a,3) cannot be met together with go(b,2): office4 is unreachable"
+        " since the way was blocked and _shut(d) was told in cycle 5"
+    )
+
+
+def test_a_failure_that_may_be_about_two_actions():
+    actions = tuple(action_of(parse_term(f"_action_lib(go,{what},3)")) for what in "ab")
+    seen = Observations()
+    seen.add_failure(Return(parse_term("go"), parse_term("lost"), 3), actions)
+    assert str(seen.newest_first[0]) == "go(a) or go(b) returned lost in cycle 3"
+    assert {str(fact) for fact in seen.newest_first[0].facts} == {
+        *("_return(go,lost,3)", "_action_lib(go,a,3)", "_action_lib(go,b,3)"),
+    }
+
+
+def test_observations_that_count_no_more():
+    seen = Observations()
+    for number in range(4):
+        seen.add_fact(Observation(parse_term(f"_shut({number})"), number))
+    seen.drop(frozenset(map(parse_term, ("_shut(1)", "_shut(3)", "_shut(9)"))))
+    assert [str(one.atom) for one in seen.newest_first] == ["_shut(2)", "_shut(0)"]
+    done = tuple(action_of(parse_term(f"_action_lib(go,{what},3)")) for what in "ab")
+    seen.add_executed(done)
+    assert seen.executed == done
+    seen.clear()
+    assert seen.newest_first == seen.executed == ()
+
+
+def test_only_the_latest_observations_are_kept():
+    seen = Observations()
+    for number in range(MEMORY + 10):
+        seen.add_fact(Observation(parse_term(f"_shut({number})"), number))
+    assert len(seen.newest_first) == MEMORY
+    assert str(seen.newest_first[0].atom) == f"_shut({MEMORY + 9})"

@@ -1,0 +1,184 @@
+"""Maps: what map_server reads is read, anything else is refused with the file and the key."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from rosoclingo.robot.navigation import MapError, OccupancyGrid, load_map
+
+INFO = """image: map.pgm
+resolution: 0.1
+origin: [-1.0, 2.0, 0.0]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.196
+"""
+
+
+def write(folder, levels, text=INFO, name="map.pgm", mode=None):
+    Image.fromarray(np.array(levels, dtype=np.uint8), mode).save(str(folder / name))
+    (folder / "map.yaml").write_text(text)
+    return folder / "map.yaml"
+
+
+def test_trinary(tmp_path):
+    grid = load_map(write(tmp_path, [[0, 255, 205], [254, 100, 89]]))
+    assert grid.cells.tolist() == [[0, -1, 100], [100, 0, -1]]
+    assert grid.cells.dtype == np.int8
+    assert (grid.resolution, grid.origin_x, grid.origin_y) == (0.1, -1.0, 2.0)
+
+
+def test_negate(tmp_path):
+    grid = load_map(write(tmp_path, [[0, 255]], INFO.replace("negate: 0", "negate: 1")))
+    assert grid.cells.tolist() == [[0, 100]]
+
+
+def test_scale(tmp_path):
+    grid = load_map(write(tmp_path, [[255, 0, 150]], INFO + "mode: scale\n"))
+    darkness = (255 - 150) / 255
+    assert grid.cells.tolist() == [[0, 100, int(1 + 98 * (darkness - 0.196) / (0.65 - 0.196))]]
+
+
+def test_raw(tmp_path):
+    assert load_map(write(tmp_path, [[0, 100, 101, 255]], INFO + "mode: raw\n")).cells.tolist() == [[0, 100, -1, -1]]
+
+
+def test_transparent_cells_are_unknown_in_scale_mode(tmp_path):
+    pixels = np.array([[[150, 150, 150, 255], [150, 150, 150, 0]]], dtype=np.uint8)
+    text = INFO.replace("map.pgm", "map.png") + "mode: scale\n"
+    cells = load_map(write(tmp_path, pixels, text, "map.png", "RGBA")).cells
+    assert cells[0, 0] > 0
+    assert cells[0, 1] == -1
+
+
+def picture(tmp_path, pixels, mode, text="mode: trinary\n"):
+    """The cells of a map whose image has pixels of some mode of Pillow."""
+    Image.fromarray(np.array(pixels), mode).save(str(tmp_path / "map.png"))
+    (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", "map.png") + text)
+    return load_map(tmp_path / "map.yaml").cells.tolist()
+
+
+@pytest.mark.parametrize("kind", ["png", "pgm"])
+def test_sixteen_bits(tmp_path, kind):
+    """Black, the usual grey of what is unknown, white; the image's lower bits count for nothing."""
+    levels = np.array([[0, 205 * 257, 65535, 205 * 256]], dtype=np.uint16)
+    if kind == "png":
+        Image.fromarray(levels).save(str(tmp_path / "map.png"))
+    else:
+        (tmp_path / "map.pgm").write_bytes(b"P5 4 1 65535 " + levels.astype(">u2").tobytes())
+    (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", f"map.{kind}"))
+    assert load_map(tmp_path / "map.yaml").cells.tolist() == [[100, -1, 0, -1]]
+
+
+def test_colours_count_by_their_mean(tmp_path):
+    """0.3 of darkness is unknown, whatever the colour; a mean is not rounded."""
+    pixels = np.array([[[255, 255, 25], [0, 0, 0], [255, 255, 255], [89, 89, 90]]], dtype=np.uint8)
+    assert picture(tmp_path, pixels, "RGB") == [[-1, 100, 0, -1]]
+    (tmp_path / "map.yaml").write_text((tmp_path / "map.yaml").read_text().replace("0.65", "0.6496"))
+    assert load_map(tmp_path / "map.yaml").cells.tolist() == [[-1, 100, 0, 100]]
+
+
+def test_opacity_is_one_more_colour_in_trinary_mode_as_in_map_server(tmp_path):
+    pixels = np.array([[[0, 0, 0, 255], [205, 205, 205, 255], [255, 255, 255, 0]]], dtype=np.uint8)
+    assert picture(tmp_path, pixels, "RGBA") == [[100, 0, -1]]
+    assert picture(tmp_path, pixels, "RGBA", "mode: scale\n") == [[100, 1, 0]]
+    assert picture(tmp_path, pixels, "RGBA", "mode: raw\n") == [[0, -1, -1]]
+
+
+def test_palettes_and_black_and_white(tmp_path):
+    grey = Image.fromarray(np.array([[0, 205, 254]], dtype=np.uint8))
+    for image, cells in ((grey.convert("P"), [[100, -1, 0]]), (grey.convert("1", dither=0), [[100, 0, 0]])):
+        image.save(str(tmp_path / "map.png"))
+        (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", "map.png"))
+        assert load_map(tmp_path / "map.yaml").cells.tolist() == cells
+
+
+def test_numbers_as_map_server_reads_them(tmp_path):
+    grid = load_map(write(tmp_path, [[0, 255]], INFO.replace("resolution: 0.1", "resolution: 5e-2")))
+    assert grid.resolution == 0.05
+
+
+@given(st.binary(max_size=60), st.sampled_from(["pgm", "png"]), st.integers(0, 200), st.booleans())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+def test_a_broken_image_is_refused_whatever_its_fault(tmp_path, junk, kind, place, cut):
+    """Bytes are overwritten and, of some, the rest is cut off: a map, or an error that names both files."""
+    write(tmp_path, np.arange(64).reshape(8, 8), INFO.replace("map.pgm", f"map.{kind}"), f"map.{kind}")
+    data = (tmp_path / f"map.{kind}").read_bytes()
+    data = data[:place] + junk + (b"" if cut else data[place + len(junk) :])
+    (tmp_path / f"map.{kind}").write_bytes(data)
+    words = f"map.{kind} map.yaml"
+    try:
+        load_map(tmp_path / "map.yaml")
+    except MapError as error:
+        words = str(error)
+    assert f"map.{kind}" in words
+    assert "map.yaml" in words
+
+
+def test_an_image_too_large_to_be_a_map(tmp_path):
+    path = write(tmp_path, [[0]])
+    (tmp_path / "map.pgm").write_bytes(b"P5 100000 100000 255 ")
+    with pytest.raises(MapError, match="pixels"):
+        load_map(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (INFO.replace("resolution: 0.1", "resolution: 0"), "resolution"),
+        (INFO.replace("resolution: 0.1", "resolution: fine"), "resolution"),
+        (INFO.replace("image: map.pgm", ""), "image"),
+        (INFO.replace("map.pgm", "other.pgm"), "other.pgm"),
+        (INFO.replace("0.65", "1.5"), "occupied_thresh"),
+        (INFO.replace("free_thresh: 0.196", ""), "free_thresh"),
+        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0]"), "origin"),
+        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 2.0, 0.5]"), "turned"),
+        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, .nan, 0]"), "y: nan"),
+        (INFO + "mode: fancy\n", "mode"),
+        ("- a\n- b\n", "keys and values"),
+        ("a: [", "cannot be read"),
+        (INFO.replace("resolution: 0.1", "resolution: 2026-02-31"), "cannot be read"),
+        (INFO.replace("resolution: 0.1", "resolution: 1e40"), "resolution: .* is not within"),
+        (INFO.replace("resolution: 0.1", "resolution: nan"), "resolution: nan is not within"),
+        (INFO.replace("resolution: 0.1", "resolution: 1" + 400 * "0"), "resolution: .* is not within"),
+        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 1.0e300, 0]"), "y: .* is not within"),
+        (INFO.replace("map.pgm", '"a\\0b"'), "image"),
+        (INFO.replace("map.pgm", "a" * 300), "image"),
+    ],
+)
+def test_a_bad_map_names_its_fault(tmp_path, text, words):
+    with pytest.raises(MapError, match=words) as caught:
+        load_map(write(tmp_path, [[0]], text))
+    assert "map.yaml" in str(caught.value)
+
+
+def test_a_missing_file_and_a_broken_image(tmp_path):
+    with pytest.raises(MapError, match="cannot be read"):
+        load_map(tmp_path / "nowhere.yaml")
+    path = write(tmp_path, [[0]])
+    (tmp_path / "map.pgm").write_text("no image")
+    with pytest.raises(MapError, match="image"):
+        load_map(path)
+
+
+@pytest.mark.parametrize("name", ["a\0b", "a" * 300, "."])
+def test_a_name_that_is_no_file(name):
+    with pytest.raises(MapError, match="cannot be read"):
+        load_map(name)
+
+
+def test_beyond():
+    grid = OccupancyGrid(np.zeros((4, 6), dtype=np.int8), 0.5, -1.0, 1.0)
+    assert grid.beyond(-1.0, 3.0) == ""
+    assert grid.beyond(-1.1, 3.0) == "(-1.1, 3) is off the map, which covers x -1 .. 2, y 1 .. 3"
+
+
+def test_cells_and_points():
+    grid = OccupancyGrid(np.zeros((4, 6), dtype=np.int8), 0.5, -1.0, 1.0)
+    assert grid.cell(-0.9, 1.1) == (0, 0)
+    assert grid.cell(-1.1, 2.9) == (3, -1)
+    assert grid.centre(0, 0) == (-0.75, 1.25)
+    assert grid.contains(1.9, 2.9)
+    assert not grid.contains(2.1, 2.9)

@@ -1,0 +1,63 @@
+"""Where compiled code is kept."""
+
+import os
+import subprocess
+import sys
+
+import numba
+import pytest
+
+from rosoclingo.robot.navigation.compiled.jit import FOLDER, cache_folder, jit
+
+
+@pytest.fixture
+def sources(tmp_path):
+    for name in ("a/compiled/one.py", "b/compiled/more.py", "b/other.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("x = 1\n")
+    return tmp_path
+
+
+def test_a_change_of_any_compiled_file_leads_to_another_folder(sources):
+    """Its functions may have been compiled into those of other files."""
+    before = cache_folder(sources)
+    (sources / "b" / "other.py").write_text("x = 2\n")
+    assert cache_folder(sources) == before
+    (sources / "b" / "compiled" / "more.py").write_text("x = 2\n")
+    assert cache_folder(sources) != before
+
+
+def test_numbas_own_folder_is_used_and_left_to_others(monkeypatch, sources, tmp_path):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "numba"))
+    assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "numba")
+    assert jit(one)() == 1
+    assert str(tmp_path / "numba") == numba.config.CACHE_DIR
+
+
+def test_else_the_users_cache_folder(monkeypatch, sources, tmp_path):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "rosoclingo" / "numba")
+
+
+def test_the_packages_own_loops_are_kept_there():
+    from rosoclingo.robot.navigation.compiled.clearance import square_distance
+
+    assert square_distance.stats.cache_path.startswith(FOLDER)
+
+
+def test_a_folder_that_cannot_be_written_costs_time_only(tmp_path):
+    (tmp_path / "file").write_text("")
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "file" / "folder")}
+    code = (
+        "import numpy as np; from rosoclingo.robot.navigation.compiled.clearance import square_distance as f; "
+        "print(f(np.zeros((3, 3), dtype=np.uint8), 1.0, 1.0, 2.0))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, check=True, timeout=120
+    )
+    assert done.stdout.decode().strip() == "2.0"
+
+
+def one():
+    return 1

@@ -1,0 +1,300 @@
+"""What the documented parameters of move_base do: with each one changed something else happens."""
+
+import math
+
+import numpy as np
+import pytest
+from navigation_worlds import Drive, room, simulation
+
+from rosoclingo.robot.navigation import (
+    ClearCostmap,
+    Costmap,
+    CostmapLimits,
+    GlobalPlanner,
+    GridPlanner,
+    LocalPlanner,
+    Navigator,
+    NavigatorLimits,
+    OccupancyGrid,
+    Outcome,
+    Plan,
+    PlanOutcome,
+    Pose2D,
+    RolloutFollower,
+    RotateRecovery,
+    Velocity,
+)
+from rosoclingo.robot.navigation.local_planner import Command, FollowOutcome
+
+START, GOAL = Pose2D(1.0, 1.0), Pose2D(5.0, 1.0)
+
+
+class Counting(GlobalPlanner):
+    """A plugin that always answers the same, and counts how often it was asked."""
+
+    def __init__(self, outcome=PlanOutcome.FOUND):
+        super().__init__()
+        self.outcome, self.asked = outcome, []
+
+    def plan(self, costmap, start, goal, tolerance=None):
+        self.asked.append((start, goal))
+        found = self.outcome is PlanOutcome.FOUND
+        return Plan(self.outcome, np.array([start[:2], goal[:2]]) if found else np.empty((0, 2)))
+
+
+class Stubborn(LocalPlanner):
+    """A plugin that always answers the same."""
+
+    def __init__(self, outcome):
+        super().__init__()
+        self.outcome = outcome
+
+    def set_plan(self, points, goal):
+        pass
+
+    def compute(self, costmap, pose, velocity, period):
+        return Command(self.outcome)
+
+    def length_left(self, pose):
+        return 4.0
+
+
+class Shouting(ClearCostmap):
+    """A recovery that keeps when it was started."""
+
+    def __init__(self):
+        super().__init__("shout", {})
+        self.started = []
+
+    def start(self, now, pose):
+        self.started.append(now)
+
+
+def run(planner, follower, seconds, changing=False, recoveries=(), **limits):
+    """Tick ten times a second; return the time (s) and the result of the end, (None, None) without one."""
+    navigator = Navigator(Costmap(room()), planner, follower, list(recoveries), NavigatorLimits(**limits))
+    navigator.set_goal(0.0, GOAL)
+    for i in range(1, round(10 * seconds) + 1):
+        if changing:
+            navigator.obstacles_changed()
+        result = navigator.tick(i / 10, START, Velocity(), 0.1).result
+        if result:
+            return i / 10, result
+    return None, None
+
+
+@pytest.mark.parametrize("patience", [0.5, 2.0])
+def test_planner_patience(patience):
+    end, result = run(Counting(PlanOutcome.BLOCKED), Stubborn(FollowOutcome.DRIVING), 60, planner_patience=patience)
+    assert end == pytest.approx(patience + 0.1)
+    assert result.outcome is Outcome.NO_PLAN
+
+
+@pytest.mark.parametrize("retries", [0, 3])
+def test_max_planning_retries(retries):
+    planner = Counting(PlanOutcome.BLOCKED)
+    run(planner, Stubborn(FollowOutcome.DRIVING), 60, max_planning_retries=retries, planner_patience=50.0)
+    assert len(planner.asked) == retries + 1
+
+
+@pytest.mark.parametrize(("frequency", "least", "most"), [(0.0, 1, 1), (1.0, 9, 11), (2.0, 18, 21)])
+def test_planner_frequency(frequency, least, most):
+    planner = Counting()
+    assert run(planner, Stubborn(FollowOutcome.DRIVING), 10, True, planner_frequency=frequency) == (None, None)
+    assert least <= len(planner.asked) <= most
+
+
+@pytest.mark.parametrize("patience", [1.0, 3.0])
+def test_controller_patience(patience):
+    end, result = run(Counting(), Stubborn(FollowOutcome.BLOCKED), 60, controller_patience=patience)
+    assert patience < end < patience + 0.5
+    assert result.outcome is Outcome.NO_CONTROL
+
+
+def test_recovery_comes_when_patience_is_over_and_then_patience_begins_anew():
+    shout = Shouting()
+    limits = {"planner_patience": 1.0, "recoveries": [shout, shout]}
+    end, _ = run(Counting(PlanOutcome.BLOCKED), Stubborn(FollowOutcome.DRIVING), 60, **limits)
+    assert len(shout.started) == 2
+    assert shout.started[1] - shout.started[0] > 1.0
+    assert end - shout.started[1] > 1.0
+
+
+def test_recovery_behavior_enabled():
+    shout = Shouting()
+    limits = {"planner_patience": 1.0, "recoveries": [shout], "recovery_behavior_enabled": False}
+    run(Counting(PlanOutcome.BLOCKED), Stubborn(FollowOutcome.DRIVING), 60, **limits)
+    assert shout.started == []
+
+
+@pytest.mark.parametrize("timeout", [3.0, 8.0])
+def test_progress_timeout(timeout):
+    """The rest of the way counts: 4 m."""
+    end, result = run(Counting(), Stubborn(FollowOutcome.DRIVING), 60, progress_timeout=timeout)
+    assert timeout + 4.0 < end < timeout + 4.5
+    assert result.outcome is Outcome.NO_PROGRESS
+    assert run(Counting(), Stubborn(FollowOutcome.DRIVING), 60, progress_timeout=0.0) == (None, None)
+
+
+@pytest.mark.parametrize("timeout", [2.0, 5.0])
+def test_oscillation_timeout(timeout):
+    end, result = run(Counting(), Stubborn(FollowOutcome.DRIVING), 60, oscillation_timeout=timeout)
+    assert timeout < end < timeout + 0.5
+    assert result.outcome is Outcome.OSCILLATING
+
+
+@pytest.mark.parametrize(("distance", "ends"), [(0.3, False), (0.7, True)])
+def test_oscillation_distance(distance, ends):
+    """To and fro by half a metre."""
+    limits = NavigatorLimits(oscillation_timeout=3.0, oscillation_distance=distance, progress_timeout=0.0)
+    navigator = Navigator(Costmap(room()), Counting(), Stubborn(FollowOutcome.DRIVING), [], limits)
+    navigator.set_goal(0.0, GOAL)
+    results = []
+    for i in range(1, 100):
+        pose = Pose2D(1.0 + 0.5 * (i // 10 % 2), 1.0)
+        results.append(navigator.tick(i / 10, pose, Velocity(), 0.1).result)
+        if results[-1]:
+            break
+    assert bool(results[-1]) == ends
+
+
+def path(costmap=None, goal=GOAL, start=START, **parameters):
+    return GridPlanner(parameters).plan(costmap or Costmap(room()), start, goal)
+
+
+def test_default_tolerance():
+    walled = Costmap(room(walls=[(4.8, 0.8, 5.2, 1.2)]))
+    assert path(walled).outcome is PlanOutcome.GOAL_IN_OBSTACLE
+    plan = path(walled, default_tolerance=0.6)
+    assert plan.outcome is PlanOutcome.FOUND
+    assert 0.3 < math.hypot(*(plan.points[-1] - GOAL[:2])) <= 0.6
+
+
+def test_escape_distance():
+    beside = Pose2D(1.0, 0.2)  # the wall ends at 0.1 m, the radius is 0.18 m
+    assert path(start=beside, escape_distance=0.5).outcome is PlanOutcome.FOUND
+    assert path(start=beside, escape_distance=0.0).outcome is PlanOutcome.START_BLOCKED
+
+
+@pytest.mark.parametrize("spacing", [0.1, 0.4])
+def test_spacing(spacing):
+    gaps = np.hypot(*np.diff(path(spacing=spacing).points, axis=0).T)
+    assert spacing * 0.8 < gaps.max() <= spacing + 1e-9
+
+
+def test_comfort():
+    """Round a corner: nearer to it where comfort costs nothing, and where little room is comfort enough."""
+    corner = room(walls=[(2.0, 0.0, 4.0, 3.0)])
+
+    def clear(**parameters):
+        costmap = Costmap(corner, CostmapLimits(inflation_radius=1.0))
+        plan = path(costmap, Pose2D(5.0, 2.0), Pose2D(1.0, 2.0), **parameters)
+        return min(costmap.clearance[costmap.grid.cell(x, y)] * costmap.resolution for x, y in plan.points)
+
+    assert clear(comfort_weight=0.0) < 0.22
+    assert clear(comfort_weight=3.0, comfort_distance=0.5) > 0.3
+    assert clear(comfort_weight=3.0, comfort_distance=0.02) < 0.26
+
+
+def observed(ranges, times=6, yaw=0.0, costmap=None, **limits):
+    """A costmap that has seen beams straight ahead, from (1, 1), end at some ranges, one after the other."""
+    costmap = costmap or Costmap(room(), CostmapLimits(**limits))
+    for distance in ranges:
+        for _ in range(times):
+            costmap.observe(Pose2D(1.0, 1.0, yaw), np.zeros(1), np.array([distance]), 8.0)
+    return costmap
+
+
+@pytest.mark.parametrize(("limit", "marked"), [(2.5, True), (1.5, False)])
+def test_obstacle_range(limit, marked):
+    assert observed([2.0], obstacle_range=limit).has_marks is marked
+
+
+@pytest.mark.parametrize(("limit", "left"), [(3.0, False), (1.5, True)])
+def test_raytrace_range(limit, left):
+    """What is hit is marked where it is, further off than that, too; what is looked through is cleared so far only."""
+    costmap = observed([2.0], 30, raytrace_range=limit)
+    assert np.argwhere(costmap.marks).tolist() == [[20, 60]]
+    assert bool(observed([7.9], 30, costmap=costmap).marks[20, 60]) is left
+
+
+@pytest.mark.parametrize(("tolerance", "marked"), [(0.1, False), (0.0, True)])
+def test_static_tolerance(tolerance, marked):
+    """The wall is 4.9 m away, the hit 8 cm nearer."""
+    assert observed([4.82], static_tolerance=tolerance).has_marks is marked
+
+
+@pytest.mark.parametrize(("threshold", "outcome"), [(100, PlanOutcome.FOUND), (65, PlanOutcome.NO_PATH)])
+def test_lethal_cost_threshold(threshold, outcome):
+    grid = room()
+    grid.cells[:, 60] = np.maximum(grid.cells[:, 60], 70)
+    assert path(Costmap(grid, CostmapLimits(lethal_threshold=threshold))).outcome is outcome
+
+
+def test_costs_of_inflation():
+    cells = np.zeros((21, 21), dtype=np.int8)
+    cells[10, 10] = 100
+    limits = {"robot_radius": 0.1, "inflation_radius": 0.4}
+    soft, hard = (
+        Costmap(OccupancyGrid(cells, 0.05), CostmapLimits(**limits, cost_scaling_factor=factor)).costs()[10]
+        for factor in (3.0, 20.0)
+    )
+    assert soft[10] == hard[10] == 100
+    assert soft[11] == hard[11] == 99  # within the robot's radius
+    assert soft[14] == int(98 * math.exp(-3.0 * (0.175 - 0.1)))
+    assert hard[14] == int(98 * math.exp(-20.0 * (0.175 - 0.1)))
+    assert soft[17] > 0 == soft[19]  # 0.325 m and 0.425 m away
+
+
+def test_reset_distance():
+    far = observed([2.0])
+    ClearCostmap("reset", {"reset_distance": 5.0}).step(0.0, START, far, RolloutFollower())
+    assert far.has_marks
+    ClearCostmap("reset", {"reset_distance": 3.0}).step(0.0, START, far, RolloutFollower())
+    assert not far.has_marks
+
+
+def test_turning():
+    turn = RotateRecovery("turn", {"max_vel_theta": 0.5, "patience": 3.0})
+    turn.start(0.0, START)
+    costmap = Costmap(room())
+    steps = [turn.step(i / 10, START, costmap, RolloutFollower()) for i in range(40)]
+    assert steps[0].velocity == Velocity(0.0, 0.5)
+    assert [step.done for step in steps].index(True) == 31
+
+
+def drive(goal=GOAL, **parameters):
+    """Drive there; return the speeds (n, 2), and how far from the goal (m, rad) the robot ends."""
+    driver = Drive(simulation(room(), START, max_turn=9.0, acceleration=9.0, turn_acceleration=90.0))
+    driver.navigator.follower = RolloutFollower(parameters)
+    speeds = []
+    assert driver.to(goal, each=lambda d: speeds.append((d.robot.v, d.robot.w))).outcome is Outcome.REACHED
+    pose = driver.robot.pose
+    return np.array(speeds), pose.distance(goal), abs(math.remainder(pose.yaw - goal.yaw, 2 * math.pi))
+
+
+@pytest.mark.parametrize("most", [0.3, 0.6])
+def test_max_vel_x(most):
+    assert drive(max_vel_x=most)[0][:, 0].max() == pytest.approx(most)
+
+
+@pytest.mark.parametrize("most", [0.5, 1.5])
+def test_max_vel_theta(most):
+    turns = np.abs(drive(Pose2D(1.0, 3.0, 3.0), max_vel_theta=most)[0][:, 1])
+    assert most * 0.8 < turns.max() <= most + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("key", "axis", "most"), [("acc_lim_x", 0, 0.5), ("acc_lim_x", 0, 1.5), ("acc_lim_theta", 1, 2.0)]
+)
+def test_accelerations(key, axis, most):
+    """Of speeding up: it brakes as hard as it has to."""
+    speeds = np.abs(drive(Pose2D(4.0, 3.0, 3.0), **{key: most})[0][:, axis])
+    assert most * 0.08 < np.diff(speeds).max() <= most * 0.1 + 1e-6
+
+
+def test_goal_tolerances():
+    assert drive(xy_goal_tolerance=0.05)[1] <= 0.05
+    assert 0.1 < drive(xy_goal_tolerance=0.5)[1] <= 0.5
+    assert drive(Pose2D(5.0, 1.0, 2.0), yaw_goal_tolerance=0.05)[2] <= 0.05
+    assert 0.2 < drive(Pose2D(5.0, 1.0, 2.0), yaw_goal_tolerance=1.0)[2] <= 1.0

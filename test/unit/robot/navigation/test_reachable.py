@@ -1,0 +1,93 @@
+"""Random maps: what can be reached is found and what cannot is told, by the truth of a much finer lattice."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.ndimage import label
+
+from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
+
+CELL = 0.1  # m
+FINE = 10  # points of the lattice a cell
+STEP = CELL / FINE
+# A way along the lattice is nowhere nearer to anything than its points are, but for half a diagonal step.
+SLACK = STEP * math.sqrt(0.5)
+SPARE = 0.01  # m, on either side: a passage with less than that may count as closed
+
+maps = arrays(
+    np.int8, st.tuples(st.integers(4, 18), st.integers(4, 18)), elements=st.sampled_from([0] * 9 + [100])
+).map(lambda cells: np.pad(cells, 1, constant_values=100))
+parts = st.floats(0.001, 0.999)
+
+
+class Truth:
+    """The distances (m) of a lattice's points from what is occupied."""
+
+    def __init__(self, cells):
+        self.shape = cells.shape
+        height, width = (n * FINE + 1 for n in cells.shape)
+        y, x = np.mgrid[0:height, 0:width] * STEP
+        self.away = np.full((height, width), np.inf)
+        for row, column in np.argwhere(cells == 100):
+            dx = np.maximum(np.maximum(column * CELL - x, x - (column + 1) * CELL), 0.0)
+            dy = np.maximum(np.maximum(row * CELL - y, y - (row + 1) * CELL), 0.0)
+            self.away = np.minimum(self.away, np.hypot(dx, dy))
+
+    def joined(self, clear, start, goal):
+        """Where a way along the lattice, nowhere nearer than ``clear`` m, leads to: to a point, to any of its cell."""
+        parts, _ = label(self.away >= clear, structure=np.ones((3, 3)))
+        there = (parts == parts[start]) & (parts > 0)
+        row, column = (min(v // FINE, n - 1) * FINE for v, n in zip(goal, self.shape))
+        return there[goal], there[row : row + FINE + 1, column : column + FINE + 1].any()
+
+
+def distance(cells, x, y):
+    rows, columns = np.nonzero(cells == 100)
+    dx = np.maximum(np.maximum(columns * CELL - x, x - (columns + 1) * CELL), 0.0)
+    dy = np.maximum(np.maximum(rows * CELL - y, y - (rows + 1) * CELL), 0.0)
+    return float(np.hypot(dx, dy).min(initial=math.inf))
+
+
+@pytest.mark.slow
+@given(maps, st.floats(0.05, 0.25), st.tuples(parts, parts, parts))
+def test_what_can_be_reached_is_found_and_what_cannot_is_told(cells, radius, chosen):
+    truth = Truth(cells)
+    clear = np.argwhere(truth.away >= radius + SPARE)
+    if not len(clear):
+        return
+    start = tuple(clear[int(chosen[0] * len(clear))])
+    goal = tuple(int(part * n) for part, n in zip(chosen[1:], truth.away.shape))
+    ends = [Pose2D(c * STEP, r * STEP) for r, c in (start, goal)]
+    costmap = Costmap(OccupancyGrid(cells, CELL), CostmapLimits(robot_radius=radius))
+    plan = GridPlanner().plan(costmap, *ends)
+    if truth.joined(radius + SLACK + SPARE, start, goal)[0]:
+        assert plan.outcome is PlanOutcome.FOUND
+    # A goal that is too near to something counts as reached where the robot can stand in the goal's cell.
+    if not truth.joined(radius - SLACK, start, goal)[1]:
+        assert plan.outcome.on_map
+    if plan.outcome is PlanOutcome.FOUND:
+        check_path(cells, radius, plan.points, ends, truth.away[goal] >= radius + SPARE)
+
+
+def check_path(cells, radius, points, ends, exact):
+    """From the start to the goal, and nowhere nearer to anything than the radius."""
+    assert np.hypot(*(points[0] - ends[0][:2])) < 1e-6
+    assert np.hypot(*(points[-1] - ends[1][:2])) < (1e-6 if exact else 1.5 * CELL)
+    for a, b in zip(points[:-1], points[1:]):
+        for t in np.linspace(0.0, 1.0, 2 + int(np.hypot(*(b - a)) / 0.01)):
+            assert distance(cells, *(a + (b - a) * t)) >= radius - 1e-6
+
+
+def test_a_goal_in_what_the_map_does_not_know_is_told_as_such():
+    cells = np.zeros((20, 20), dtype=np.int8)
+    cells[10:] = -1
+    grid, start, goal = OccupancyGrid(cells, CELL), Pose2D(0.5, 0.5), Pose2D(0.5, 1.5)
+    plan = GridPlanner().plan(Costmap(grid), start, goal)
+    assert plan.outcome is PlanOutcome.GOAL_UNKNOWN
+    assert plan.outcome.on_map
+    allowed = GridPlanner().plan(Costmap(grid, CostmapLimits(allow_unknown=True)), start, goal)
+    assert allowed.outcome is PlanOutcome.FOUND

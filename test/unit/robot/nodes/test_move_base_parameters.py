@@ -1,0 +1,367 @@
+"""Every parameter of the move_base node: read under its own name, and refused by name when it cannot be right."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.robot.navigation import (
+    ClearCostmap,
+    CostmapLimits,
+    FollowerLimits,
+    GlobalPlanner,
+    GridPlanner,
+    GridPlannerLimits,
+    LocalPlanner,
+    NavigatorLimits,
+    RecoveryBehavior,
+    RolloutFollower,
+    RotateRecovery,
+)
+from rosoclingo.robot.nodes.move_base import plugins
+from rosoclingo.robot.nodes.move_base.navigation_settings import Frames, read_settings
+
+rospy = pytest.importorskip("rospy")
+ROOT = Path(__file__).resolve().parents[4]
+SQUARE = [[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]
+
+
+class OwnGlobalPlanner(GlobalPlanner):
+    """A user's planner."""
+
+
+class OwnLocalPlanner(LocalPlanner):
+    """A user's planner."""
+
+
+class OwnRecovery(RecoveryBehavior):
+    """A user's recovery."""
+
+
+class Broken(GlobalPlanner):
+    """A user's planner that cannot be made."""
+
+    def __init__(self, parameters=None):
+        raise KeyError("horizon")
+
+
+class Server:
+    """The node's private parameters, and which of them have been read."""
+
+    def __init__(self, values):
+        self.values, self.read = values, set()
+
+    def has(self, name):
+        return self._find(name) is not None
+
+    def get(self, name, default=None):
+        self.read.add(name[1:])
+        found = self._find(name)
+        return default if found is None else found
+
+    def _find(self, name):
+        value = self.values
+        for part in name[1:].split("/"):
+            value = value.get(part) if isinstance(value, dict) else None
+        return value
+
+
+@pytest.fixture
+def given(monkeypatch):
+    """Sets the node's parameters, nested as in a YAML file or with slashes in their names."""
+
+    def give(values=None, **more):
+        nested = {}
+        for name, value in {**(values or {}), **more}.items():
+            *path, last = name.split("/")
+            place = nested
+            for part in path:
+                place = place.setdefault(part, {})
+            place[last] = value
+        server = Server(nested)
+        monkeypatch.setattr(rospy, "get_param", server.get)
+        monkeypatch.setattr(rospy, "has_param", server.has)
+        monkeypatch.setattr(rospy, "resolve_name", lambda name: name.replace("~", "/move_base/"))
+        return server
+
+    return give
+
+
+def test_defaults(given):
+    given()
+    settings = read_settings()
+    assert settings.frames == Frames("map", "base_link", 0.5, "base_scan", 1.0)
+    assert settings.costmap == CostmapLimits()
+    assert settings.navigator == NavigatorLimits()
+    assert settings.controller_period == pytest.approx(0.05)
+    assert (settings.footprint, settings.map_topic, settings.obstacles) == ((), "map", True)
+    assert settings.publish_periods == (float("inf"), 0.5)
+    assert settings.update_periods == (0.2, 0.2)
+    assert settings.send_full == (False, False)
+    assert (settings.local_size, settings.local_frame, settings.rest_when_idle) == ((6.0, 6.0), "", False)
+    assert type(plugins.make_global_planner()) is GridPlanner
+    assert type(plugins.make_local_planner(0.2, ())) is RolloutFollower
+    names = [behavior.name for behavior in plugins.make_recoveries()]
+    assert names == ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
+
+
+SETTINGS = [
+    ("controller_frequency", 10, lambda s: s.controller_period, 0.1),
+    ("planner_frequency", 2, lambda s: s.navigator.planner_frequency, 2.0),
+    ("planner_patience", 1.5, lambda s: s.navigator.planner_patience, 1.5),
+    ("controller_patience", 2.5, lambda s: s.navigator.controller_patience, 2.5),
+    ("max_planning_retries", 3, lambda s: s.navigator.max_planning_retries, 3),
+    ("oscillation_timeout", 7.0, lambda s: s.navigator.oscillation_timeout, 7.0),
+    ("oscillation_distance", 0.25, lambda s: s.navigator.oscillation_distance, 0.25),
+    ("progress_timeout", 9, lambda s: s.navigator.progress_timeout, 9.0),
+    ("recovery_behavior_enabled", False, lambda s: s.navigator.recovery_behavior_enabled, False),
+    ("shutdown_costmaps", True, lambda s: s.rest_when_idle, True),
+    ("global_costmap/global_frame", "/world", lambda s: s.frames.map, "world"),
+    ("global_costmap/robot_base_frame", "robot_0/base_link", lambda s: s.frames.base, "robot_0/base_link"),
+    ("global_costmap/transform_tolerance", 1, lambda s: s.frames.tolerance, 1.0),
+    ("global_costmap/robot_radius", 0.3, lambda s: s.costmap.robot_radius, 0.3),
+    ("global_costmap/publish_frequency", 4.0, lambda s: s.publish_periods[0], 0.25),
+    ("global_costmap/update_frequency", 2.0, lambda s: s.update_periods[0], 0.5),
+    ("global_costmap/always_send_full_costmap", True, lambda s: s.send_full, (True, False)),
+    ("global_costmap/static_layer/map_topic", "/floor", lambda s: s.map_topic, "/floor"),
+    ("global_costmap/static_layer/lethal_cost_threshold", 65, lambda s: s.costmap.lethal_threshold, 65),
+    ("global_costmap/inflation_layer/inflation_radius", 0.7, lambda s: s.costmap.inflation_radius, 0.7),
+    ("global_costmap/inflation_layer/cost_scaling_factor", 3.0, lambda s: s.costmap.cost_scaling_factor, 3.0),
+    ("global_costmap/obstacle_layer/enabled", False, lambda s: s.obstacles, False),
+    ("global_costmap/obstacle_layer/observation_sources", "", lambda s: s.obstacles, False),
+    ("global_costmap/obstacle_layer/observation_sources", "front rear", lambda s: s.frames.scan_topic, "front"),
+    ("global_costmap/obstacle_layer/obstacle_range", 2.5, lambda s: s.costmap.obstacle_range, 2.5),
+    ("global_costmap/obstacle_layer/raytrace_range", 3.0, lambda s: s.costmap.raytrace_range, 3.0),
+    ("global_costmap/obstacle_layer/static_tolerance", 0.0, lambda s: s.costmap.static_tolerance, 0.0),
+    ("global_costmap/obstacle_layer/most_tolerance", 0.2, lambda s: s.costmap.most_tolerance, 0.2),
+    ("global_costmap/obstacle_layer/base_scan/topic", "scan", lambda s: s.frames.scan_topic, "scan"),
+    ("global_costmap/obstacle_layer/base_scan/expected_update_rate", 0.4, lambda s: s.frames.scan_timeout, 0.4),
+    ("local_costmap/publish_frequency", 0.0, lambda s: s.publish_periods[1], float("inf")),
+    ("local_costmap/update_frequency", 4, lambda s: s.update_periods[1], 0.25),
+    ("local_costmap/always_send_full_costmap", True, lambda s: s.send_full, (False, True)),
+    ("local_costmap/width", 4, lambda s: s.local_size, (4.0, 6.0)),
+    ("local_costmap/height", 3.5, lambda s: s.local_size, (6.0, 3.5)),
+    ("local_costmap/global_frame", "odom_combined", lambda s: s.local_frame, "odom_combined"),
+    ("GridPlanner/allow_unknown", True, lambda s: s.costmap.allow_unknown, True),
+]
+
+
+@pytest.mark.parametrize(("name", "value", "read", "expected"), SETTINGS)
+def test_each_parameter_is_read(given, name, value, read, expected):
+    given()
+    assert read(read_settings()) != expected, "the value would prove nothing"
+    given({name: value})
+    assert read(read_settings()) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("footprint", [SQUARE, str(SQUARE), "[[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]"])
+@pytest.mark.parametrize("name", ["footprint", "global_costmap/footprint"])
+def test_the_footprint(given, name, footprint):
+    given({name: footprint})
+    settings = read_settings()
+    assert settings.footprint == tuple(map(tuple, SQUARE))
+    assert settings.costmap.robot_radius == pytest.approx(0.2)
+
+
+def test_layers_of_other_names(given):
+    layers = [
+        {"name": "walls", "type": "costmap_2d::StaticLayer"},
+        {"name": "obstacles", "type": "costmap_2d::VoxelLayer"},
+        {"name": "fear", "type": "costmap_2d::InflationLayer"},
+    ]
+    given(
+        {
+            "global_costmap/plugins": layers,
+            "global_costmap/walls/map_topic": "floor",
+            "global_costmap/obstacles/obstacle_range": 2.0,
+            "global_costmap/obstacles/observation_sources": "laser",
+            "global_costmap/obstacles/laser/topic": "/scan",
+            "global_costmap/fear/inflation_radius": 0.8,
+        }
+    )
+    settings = read_settings()
+    assert (settings.map_topic, settings.frames.scan_topic) == ("floor", "/scan")
+    assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
+
+
+def test_a_configuration_from_before_layers(given):
+    given(
+        {
+            "global_costmap/obstacle_range": 2.0,
+            "global_costmap/inflation_radius": 0.8,
+            "global_costmap/observation_sources": "laser",
+            "global_costmap/laser/topic": "/scan",
+        }
+    )
+    settings = read_settings()
+    assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
+    assert settings.frames.scan_topic == "/scan"
+
+
+WRONG = [
+    *((name, value) for name, good, _, _ in SETTINGS for value in ([], {"a": 1}) if not isinstance(good, (list, dict))),
+    *((name, "much") for name, good, _, _ in SETTINGS if isinstance(good, (bool, int, float))),
+    *((name, -1.0) for name, good, _, _ in SETTINGS if isinstance(good, float)),
+    *((name, float("nan")) for name, good, _, _ in SETTINGS if isinstance(good, float)),
+    *((name, 0.0) for name in ("controller_frequency", "global_costmap/robot_radius", "local_costmap/width")),
+    ("global_costmap/footprint", "[[1, 1], [2"),
+    ("global_costmap/footprint", [[0.2, 0.2], [-0.2, 0.2]]),
+    ("global_costmap/footprint", [[0.2, "x"], [-0.2, 0.2], [0.0, -0.2]]),
+    ("global_costmap/footprint", [[0.2, float("nan")], [-0.2, 0.2], [0.0, -0.2]]),
+    ("global_costmap/footprint", [[0.0, 0.2], [0.0, -0.2], [0.4, -0.2], [0.4, 0.2]]),
+    ("global_costmap/plugins", "static_layer"),
+    ("global_costmap/obstacle_layer/base_scan/data_type", "PointCloud2"),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), WRONG, ids=lambda part: str(part))
+def test_a_wrong_value_is_refused_by_name(given, name, value):
+    given({name: value})
+    with pytest.raises(ParameterError) as caught:
+        read_settings()
+    assert name.split("/")[-1] in str(caught.value)
+
+
+def test_planners_by_class_path(given):
+    given(
+        base_global_planner=f"{__name__}.OwnGlobalPlanner",
+        base_local_planner=f"{__name__}.OwnLocalPlanner",
+        recovery_behaviors=[{"name": "shout", "type": f"{__name__}.OwnRecovery"}],
+        OwnGlobalPlanner={"anything": [1, 2]},
+        shout={"how": "loud"},
+    )
+    planner, follower = plugins.make_global_planner(), plugins.make_local_planner(0.25, ())
+    assert (type(planner), planner.parameters) == (OwnGlobalPlanner, {"anything": [1, 2]})
+    assert (type(follower), follower.radius) == (OwnLocalPlanner, 0.25)
+    [recovery] = plugins.make_recoveries()
+    assert (type(recovery), recovery.name, recovery.parameters) == (OwnRecovery, "shout", {"how": "loud"})
+    assert plugins.global_planner_namespace() == "OwnGlobalPlanner"
+    assert plugins.local_planner_namespace() == "OwnLocalPlanner"
+
+
+def test_this_packages_planners_take_their_parameters(given):
+    given(
+        GridPlanner={"comfort_weight": 1, "default_tolerance": 0.5, "allow_unknown": True},
+        RolloutFollower={"max_vel_x": 0.3, "vx_samples": 5},
+    )
+    assert plugins.make_global_planner().limits == GridPlannerLimits(comfort_weight=1.0, default_tolerance=0.5)
+    assert plugins.make_local_planner(0.2, ()).limits == FollowerLimits(max_vel_x=0.3, vx_samples=5)
+
+
+def test_names_of_the_navigation_stack_are_stood_in_for(given):
+    given(
+        base_global_planner="navfn/NavfnROS",
+        base_local_planner="dwa_local_planner/DWAPlannerROS",
+        recovery_behaviors=[
+            {"name": "reset", "type": "clear_costmap_recovery/ClearCostmapRecovery"},
+            {"name": "turn", "type": "rotate_recovery/RotateRecovery"},
+        ],
+        NavfnROS={"visualize_potential": True, "default_tolerance": 0.5, "allow_unknown": True},
+        DWAPlannerROS={"max_vel_x": 0.3, "path_distance_bias": 32.0},
+        reset={"reset_distance": 2.0, "layer_names": ["obstacles"]},
+    )
+    assert plugins.make_global_planner().limits.default_tolerance == 0.5
+    assert plugins.make_local_planner(0.2, ()).limits.max_vel_x == 0.3
+    reset, turn = plugins.make_recoveries()
+    assert (type(reset), reset.parameters) == (ClearCostmap, {"reset_distance": 2.0})
+    assert type(turn) is RotateRecovery
+    assert read_settings().costmap.allow_unknown
+    assert plugins.global_planner_namespace() == "NavfnROS"
+
+
+def test_the_usual_turning_has_parameters_too(given):
+    """Those of move_base's own rotate_recovery are there as well."""
+    given(rotate_recovery={"patience": 1.5, "sim_granularity": 0.017})
+    _, turn, _, again = plugins.make_recoveries()
+    assert turn is again
+    assert turn.parameters == {"patience": 1.5}
+    given(rotate_recovery={"patience": "long"})
+    with pytest.raises(ParameterError, match="rotate_recovery/patience must be a number"):
+        plugins.make_recoveries()
+
+
+def test_recoveries_without_turning(given):
+    given(clearing_rotation_allowed=False, conservative_reset_dist=2.0, aggressive_reset={"reset_distance": 1.0})
+    first, second = plugins.make_recoveries()
+    assert (first.parameters["reset_distance"], second.parameters["reset_distance"]) == (2.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"base_global_planner": "no.such.Planner"}, "/move_base/base_global_planner: no class 'no.such.Planner'"),
+        ({"base_global_planner": "Planner"}, "no class 'Planner'"),
+        ({"base_global_planner": f"{__name__}.OwnLocalPlanner"}, "is no subclass of .*GlobalPlanner"),
+        ({"base_global_planner": 3}, "base_global_planner must be a text"),
+        ({"base_global_planner": f"{__name__}.Broken"}, "Broken cannot be made with the parameters ~Broken"),
+        ({"GridPlanner": {"speed": 1}}, "GridPlanner/speed is unknown; known are comfort_distance"),
+        ({"GridPlanner": {"spacing": "wide"}}, "GridPlanner/spacing must be a number"),
+        ({"GridPlanner": {"spacing": -0.1}}, "GridPlanner/spacing must be a number from 0 on"),
+        ({"GridPlanner": 5}, "GridPlanner must be a mapping"),
+    ],
+)
+def test_a_wrong_global_planner_is_refused(given, values, words):
+    given(values)
+    with pytest.raises(ParameterError, match=words):
+        plugins.make_global_planner()
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"base_local_planner": f"{__name__}.OwnGlobalPlanner"}, "is no subclass of .*LocalPlanner"),
+        ({"RolloutFollower": {"vx_samples": 2.5}}, "RolloutFollower/vx_samples must be a whole number"),
+        ({"RolloutFollower": {"vx_samples": 0}}, "RolloutFollower/vx_samples must be 1 or more"),
+        ({"RolloutFollower": {"max_vel_x": True}}, "RolloutFollower/max_vel_x must be a number"),
+    ],
+)
+def test_a_wrong_local_planner_is_refused(given, values, words):
+    given(values)
+    with pytest.raises(ParameterError, match=words):
+        plugins.make_local_planner(0.2, ())
+
+
+RESET = {"name": "reset", "type": "rosoclingo.robot.navigation.recovery_behaviors.ClearCostmap"}
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"recovery_behaviors": "reset"}, "recovery_behaviors must be a list"),
+        ({"recovery_behaviors": [{"name": "reset"}]}, "needs a name and a type"),
+        ({"recovery_behaviors": ["reset"]}, "needs a name and a type"),
+        ({"recovery_behaviors": [RESET, RESET]}, "the name 'reset' is there twice"),
+        ({"recovery_behaviors": [RESET], "reset": {"reset_distance": "far"}}, "reset/reset_distance must be a number"),
+        ({"recovery_behaviors": [{"name": "a", "type": f"{__name__}.OwnLocalPlanner"}]}, "is no subclass of"),
+        ({"conservative_reset_dist": -1.0}, "conservative_reset_dist must be a number from 0 on"),
+        ({"clearing_rotation_allowed": 1}, "clearing_rotation_allowed must be true or false"),
+    ],
+)
+def test_wrong_recoveries_are_refused(given, values, words):
+    given(values)
+    with pytest.raises(ParameterError, match=words):
+        plugins.make_recoveries()
+
+
+def test_every_parameter_of_the_shipped_file_is_read(given):
+    values = yaml.safe_load((ROOT / "config" / "navigation.yaml").read_text())
+    server = given(values)
+    settings = read_settings()
+    plugins.make_global_planner()
+    plugins.make_local_planner(settings.costmap.robot_radius, settings.footprint)
+    plugins.make_recoveries()
+
+    def leaves(place, prefix=""):
+        for key, value in place.items():
+            yield from leaves(value, f"{prefix}{key}/") if isinstance(value, dict) else [f"{prefix}{key}"]
+
+    assert set(leaves(values)) <= server.read
+
+
+def test_the_documents_list_every_parameter():
+    text = (ROOT / "doc" / "simulator_and_navigation.md").read_text()
+    own = [*GridPlannerLimits._fields, *FollowerLimits._fields, *NavigatorLimits._fields, "patience"]
+    names = {name.split("/")[-1] for name, _, _, _ in SETTINGS} | set(own)
+    missing = sorted(name for name in names if f"`{name}`" not in text and f"/{name}`" not in text)
+    assert not missing

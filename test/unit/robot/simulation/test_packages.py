@@ -1,0 +1,135 @@
+"""The office's packages: what picking up and putting down do, and that nothing is ever lost or doubled."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.robot.simulation import office_packages as packages
+from rosoclingo.robot.simulation.office_packages import PackageError, PackageOffice, PackagePlace
+
+OFFICES = ("office1", "office2", "office3", "office4")
+
+
+def office(**options):
+    return PackageOffice.from_mapping({"office3": [1, 2], "office1": [10]}, OFFICES, **options)
+
+
+def test_a_package_is_carried_from_office_to_office():
+    world = office()
+    result = world.pickup("1", "office3")
+    assert result == (packages.SUCCEEDED, "picked up package 1 at office3", "office3")
+    assert result.succeeded
+    assert world.carried == ["1"]
+    assert world.deliver("1", "office2").location == "office2"
+    assert world.places[0] == PackagePlace("1", "office2", False)
+
+
+def test_places_are_ordered_by_number():
+    world = office()
+    world.put("letter", "office4")
+    world.pickup("2", "office3")
+    assert world.places == [
+        ("1", "office3", False),
+        ("2", "", True),
+        ("10", "office1", False),
+        ("letter", "office4", False),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("package", "robot_at", "outcome", "message"),
+    [
+        ("1", None, packages.NOT_AT_LABEL, "the robot is at no known location"),
+        ("4", "office3", packages.UNKNOWN_PACKAGE, "there is no package 4"),
+        ("1", "office2", packages.NOT_HERE, "package 1 is at office3, the robot at office2"),
+        ("newspaper", "office2", packages.UNKNOWN_PACKAGE, "there is no newspaper"),
+        ("10", "office1", packages.NOT_HERE, "the robot carries package 10 already"),
+    ],
+)
+def test_pickup_fails_with_a_reason_and_moves_nothing(package, robot_at, outcome, message):
+    world = office()
+    world.pickup("10", "office1")
+    before = world.places
+    result = world.pickup(package, robot_at)
+    assert (result.outcome, result.message) == (outcome, message)
+    assert result.location == (robot_at or "")
+    assert not result.succeeded
+    assert world.places == before
+
+
+@pytest.mark.parametrize(
+    ("package", "robot_at", "outcome"),
+    [
+        ("1", None, packages.NOT_AT_LABEL),
+        ("4", "office3", packages.UNKNOWN_PACKAGE),
+        ("1", "office3", packages.NOT_CARRIED),
+    ],
+)
+def test_deliver_fails_with_a_reason_and_moves_nothing(package, robot_at, outcome):
+    world = office()
+    before = world.places
+    assert world.deliver(package, robot_at).outcome == outcome
+    assert world.places == before
+
+
+def test_three_packages_at_most():
+    world = PackageOffice.from_mapping({"office1": [1, 2, 3, 4]}, OFFICES)
+    assert [world.pickup(str(package), "office1").outcome for package in range(1, 5)] == [0, 0, 0, packages.FULL]
+
+
+def test_unheard_of_packages_may_appear():
+    assert office(appear=True).pickup("4", "office2").succeeded
+    assert office(appear=True).pickup("4", None).outcome == packages.NOT_AT_LABEL
+    assert office(appear=True).deliver("4", "office2").outcome == packages.UNKNOWN_PACKAGE
+
+
+def test_packages_are_put_and_removed():
+    world = office()
+    world.pickup("1", "office3")
+    world.put("1", "office4")
+    assert world.carried == []
+    world.remove("1")
+    assert [place.package for place in world.places] == ["2", "10"]
+
+
+@pytest.mark.parametrize(
+    ("act", "fault"),
+    [
+        (lambda: PackageOffice(OFFICES, 0), "capacity must be at least 1"),
+        (lambda: PackageOffice.from_mapping([1], OFFICES), "must be a mapping"),
+        (
+            lambda: PackageOffice.from_mapping({"cellar": [1]}, OFFICES),
+            "package 1: no label cellar; known labels: office1",
+        ),
+        (lambda: PackageOffice.from_mapping({"office1": 3}, OFFICES), "packages at office1 must be a list, not 3"),
+        (lambda: PackageOffice.from_mapping({"office1": [3, 3]}, OFFICES), "package 3 is listed twice"),
+        (lambda: office().put("", "office1"), "needs an identifier"),
+        (lambda: office().remove("4"), "there is no package 4"),
+    ],
+)
+def test_what_cannot_be_is_refused(act, fault):
+    with pytest.raises(PackageError, match=fault):
+        act()
+
+
+COMMANDS = st.tuples(
+    st.sampled_from(["pickup", "deliver"]),
+    st.sampled_from(["1", "2", "3", "4", "5"]),
+    st.sampled_from([None, *OFFICES]),
+)
+
+
+@given(st.lists(COMMANDS, max_size=40))
+def test_never_more_than_three_never_lost_never_through_the_air(commands):
+    world = PackageOffice.from_mapping({"office1": [1, 2, 3, 4]}, OFFICES)
+    for verb, package, robot_at in commands:
+        before = {place.package: place for place in world.places}
+        result = getattr(world, verb)(package, robot_at)
+        after = {place.package: place for place in world.places}
+        assert set(after) == set(before) == {"1", "2", "3", "4"}
+        assert len(world.carried) <= 3
+        changed = [name for name in after if after[name] != before[name]]
+        assert changed == ([package] if result.succeeded else [])
+        if result.succeeded:
+            assert after[package].carried == (verb == "pickup")
+            assert robot_at == (before if verb == "pickup" else after)[package].location

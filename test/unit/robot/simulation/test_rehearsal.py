@@ -1,0 +1,113 @@
+"""The rehearsals of what is compiled: complete, without a function compiled twice, told once, kept."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rosoclingo.robot.navigation import Costmap, GridPlanner, OccupancyGrid
+from rosoclingo.robot.nodes import compiling
+from rosoclingo.robot.nodes.move_base.plugins import prepare
+
+HERE = Path(__file__).resolve().parents[2]
+# Other tests hand over what no robot does: so this runs in a process of its own.
+DRIVES = """
+from navigation_worlds import LONG, Drive, room, simulation
+from rosoclingo.robot.navigation import Pose2D
+from rosoclingo.robot.navigation.compiled.jit import FUNCTIONS
+from rosoclingo.robot.navigation.drive_rehearsal import rehearse as rehearse_navigation
+from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec
+from rosoclingo.robot.simulation.simulation_rehearsal import rehearse as rehearse_simulation
+
+def compiled():
+    return {(one.py_func.__module__, one.__name__): one.signatures for one in FUNCTIONS}
+
+rehearse_navigation(), rehearse_simulation()
+before = compiled()
+for name, signatures in before.items():
+    assert len(signatures) <= 1, (name, signatures)  # none where a compiled caller was kept that has it inside
+things = (ObstacleSpec("box", (2.0, 1.0), box=Box(0.3, 0.3)), ObstacleSpec("post", (4.5, 1.0), radius=0.1))
+door = DoorSpec("door", (3.0, 0.0), (3.0, 2.0), open=False)
+walls = [(2.9, 2.0, 3.1, 3.5), (2.9, 4.05, 3.1, 5.2)]
+for footprint in ((), LONG):
+    drive = Drive(simulation(room(walls=walls), Pose2D(1.0, 1.0), (door,), things, footprint=footprint))
+    drive.to(Pose2D(5.0, 1.0, 2.0))
+    drive.to(Pose2D(3.0, 3.77, 0.0))
+    drive.to(Pose2D(5.7, 5.7, 0.0))
+    drive.costmap.costs(Pose2D(1.0, 1.0, 0.5), (20, 20))
+    drive.world.place(drive.robot.spec.name, Pose2D(1.0, 1.0))
+after = compiled()
+assert after == before, {name: after[name] for name in after if after[name] != before[name]}
+print(len(after))
+"""
+
+
+def run(code, **environment):
+    path = os.pathsep.join([str(HERE), str(HERE.parents[1] / "src"), *sys.path])
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": path, **environment},
+        stdout=subprocess.PIPE,
+        check=True,
+    ).stdout.decode()
+
+
+def test_after_the_rehearsals_nothing_is_left_to_compile():
+    assert int(run(DRIVES)) > 70
+
+
+@pytest.fixture
+def folder(monkeypatch, tmp_path):
+    monkeypatch.setattr(compiling, "FOLDER", str(tmp_path))
+    return tmp_path
+
+
+def test_it_is_told_once(folder):
+    said = []
+    compiling.compile_once("simulation", said.append)
+    (line,) = said
+    assert line.startswith("compiling simulation once")
+    assert str(folder) in line
+    compiling.compile_once("simulation", said.append)
+    assert len(said) == 1
+
+
+def test_it_is_told_again_when_python_is_another(folder, monkeypatch):
+    said = []
+    compiling.compile_once("simulation", said.append)
+    monkeypatch.setattr(compiling.platform, "python_version", lambda: "another one")
+    compiling.compile_once("simulation", said.append)
+    assert len(said) == 2
+
+
+def test_without_a_folder_it_is_compiled_nevertheless(monkeypatch, tmp_path):
+    monkeypatch.setattr(compiling, "FOLDER", str(tmp_path / "no" / "where"))
+    said = []
+    compiling.compile_once("simulation", said.append)
+    assert said
+
+
+def test_the_build_puts_a_copy_where_a_node_begins_with_it(tmp_path):
+    """What is in the space's share folder is taken over by who has nothing yet."""
+    share = tmp_path / "space" / "share" / "rosoclingo" / "numba"
+    assert compiling.main([str(share)]) == 0
+    code = "from rosoclingo.robot.nodes import compiling as c; [c.compile_once(part, print) for part in c.PARTS]"
+    new = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "CMAKE_PREFIX_PATH": f"/nowhere:{tmp_path / 'space'}"}
+    assert run(code, **new) == ""
+    (kept,) = (tmp_path / "cache").iterdir()
+    assert sorted(path.name for path in kept.iterdir()) == sorted(path.name for path in next(share.iterdir()).iterdir())
+
+
+def test_what_cannot_be_copied_is_left_to_the_first_start(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert compiling.main([str(tmp_path / "file" / "numba")]) == 0
+    assert "not compiled now, but at the first start" in capsys.readouterr().out
+
+
+def test_a_map_whose_clearest_cell_is_unknown_is_prepared():
+    cells = np.full((80, 80), -1, dtype=np.int8)
+    cells[30:50, 30:50] = 0
+    prepare(GridPlanner(), Costmap(OccupancyGrid(cells, 0.05)))

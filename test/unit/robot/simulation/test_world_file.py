@@ -1,0 +1,178 @@
+"""World files: read whole, or refused with the file, the key and what is wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+
+from rosoclingo.robot.navigation import Pose2D
+from rosoclingo.robot.simulation import (
+    Box,
+    DoorSpec,
+    LaserSpec,
+    ObstacleSpec,
+    PackageSpec,
+    Simulation,
+    WorldError,
+    load_simulation,
+    load_world,
+)
+
+ROOT = Path(__file__).resolve().parents[4]
+
+
+@pytest.fixture
+def world(tmp_path):
+    """Writes a world of changed keys and returns its path."""
+    Image.fromarray(np.full((40, 40), 254, dtype=np.uint8)).save(str(tmp_path / "map.pgm"))
+    text = "{image: map.pgm, resolution: 0.1, origin: [0, 0, 0], negate: 0, occupied_thresh: 0.65, free_thresh: 0.19}"
+    (tmp_path / "map.yaml").write_text(text)
+
+    def write(**changes):
+        data = {"map": "map.yaml", "robots": [{"pose": [1, 1, 0]}]}
+        data.update(changes)
+        path = tmp_path / "world.yaml"
+        path.write_text(yaml.safe_dump({key: value for key, value in data.items() if value is not None}))
+        return path
+
+    return write
+
+
+def test_a_whole_world(world):
+    spec = load_world(
+        world(
+            interval=0.05,
+            seed=3,
+            robots=[
+                {"pose": [1, 1, 0], "laser": {"range": 4, "beams": 5, "pose": [0.1, 0]}, "drift": [0.1, 0.2]},
+                {"name": "b", "pose": [2, 2], "footprint": [[0.3, 0.4], [-0.3, 0], [0, -0.3]], "laser": False},
+            ],
+            doors=[{"name": "d", "from": [0, 0], "to": [1, 0], "open": False}],
+            obstacles=[{"name": "o", "at": [3, 3], "radius": 0.2}, {"name": "p", "at": [3, 1], "box": [0.2, 0.3]}],
+            packages=[{"id": 1, "at": "office1"}, {"id": "mail", "at": [1, 2]}],
+        )
+    )
+    assert (spec.interval, spec.seed) == (0.05, 3)
+    assert spec.robots[0].name == "robot_0"
+    assert spec.robots[0].lasers == (LaserSpec(range=4.0, beams=5, pose=Pose2D(0.1, 0.0)),)
+    assert spec.robots[0].drift == (0.1, 0.2)
+    assert spec.robots[1].lasers == ()
+    assert spec.robots[1].radius == pytest.approx(0.5)
+    assert spec.doors == (DoorSpec("d", (0.0, 0.0), (1.0, 0.0), False),)
+    assert spec.obstacles == (ObstacleSpec("o", (3.0, 3.0), 0.2), ObstacleSpec("p", (3.0, 1.0), 0.0, Box(0.2, 0.3)))
+    assert spec.packages == (PackageSpec("1", "office1"), PackageSpec("mail", (1.0, 2.0)))
+    Simulation(spec).step()
+
+
+def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
+    robots = load_world(
+        world(
+            robots=[
+                {"pose": [1, 1], "lasers": [{"beams": 5}, {"angle": 90}]},
+                {"pose": [2, 2], "lasers": []},
+                {"pose": [3, 3], "laser": None, "radius": "1e-1"},
+            ]
+        )
+    ).robots
+    assert robots[0].lasers == (LaserSpec(beams=5), LaserSpec(angle=90.0))
+    assert robots[1].lasers == robots[2].lasers == ()
+    assert robots[2].radius == 0.1
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"map": None}, "map: is missing"),
+        ({"map": "nowhere.yaml"}, "nowhere.yaml"),
+        ({"robots": []}, "needs a robot"),
+        ({"robots": 3}, "robots: must be a list"),
+        ({"robots": [3]}, r"robots\[0\]: must hold"),
+        ({"robots": [{}]}, r"robots\[0\].pose: is missing"),
+        ({"robots": [{"pose": [1]}]}, r"robots\[0\].pose: must be 2 or 3 numbers"),
+        ({"robots": [{"pose": [1, float("nan")]}]}, "finite"),
+        ({"robots": [{"pose": [1, 1], "radius": -1}]}, r"robots\[0\].radius: must be 0.01 or more"),
+        ({"robots": [{"pose": [1, 1], "radius": "big"}]}, r"robots\[0\].radius"),
+        ({"robots": [{"pose": [1, 1], "colour": "red"}]}, r"robots\[0\].colour: is no key known here"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 0]]}]}, "three corners"),
+        ({"robots": [{"pose": [1, 1], "laser": {"angle": 400}}]}, r"robots\[0\].laser.angle"),
+        ({"robots": [{"pose": [1, 1], "laser": {"beams": 1.5}}]}, "whole"),
+        ({"robots": [{"pose": [1, 1], "name": "a"}, {"pose": [2, 2], "name": "a"}]}, "robots: 'a' is there twice"),
+        ({"doors": [{"name": "d", "from": [0, 0], "to": [1, 0], "open": "yes"}]}, r"doors\[0\].open: must be true"),
+        ({"doors": [{"name": "", "from": [0, 0], "to": [1, 0]}]}, r"doors\[0\].name: must be a text"),
+        ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
+        ({"obstacles": [{"name": "o", "at": [1, 1], "radius": 1, "box": [1, 1]}]}, r"obstacles\[0\]"),
+        ({"packages": [{"id": 1, "at": 5}]}, r"packages\[0\].at"),
+        ({"packages": [{"id": None, "at": "office1"}]}, r"packages\[0\].id: must be a whole number or a text"),
+        ({"packages": [{"id": [1], "at": "office1"}]}, r"packages\[0\].id"),
+        ({"interval": 0}, "interval: must be 0.001 or more"),
+        ({"interval": 60}, "interval: must be 10.0 or less"),
+        ({"interval": float("inf")}, "interval: must be a finite number"),
+        ({"seed": 10**400}, "seed: must be a whole number"),
+        ({"robots": [{"pose": [10**400, 1]}]}, r"robots\[0\].pose: must be finite"),
+        ({"robots": [{"pose": [1, 1], "radius": float("nan")}]}, r"robots\[0\].radius: must be a finite number"),
+        ({"robots": [{"pose": [1, 1], "max_speed": 1e9}]}, r"robots\[0\].max_speed: must be 1000.0 or less"),
+        ({"robots": [{"pose": [1, 1], "drift": [0.1, -0.1]}]}, r"robots\[0\].drift: must be two relative errors"),
+        ({"robots": [{"pose": [1, 1], "footprint": 3}]}, r"robots\[0\].footprint: needs three corners"),
+        ({"robots": [{"pose": [1, 1], "footprint": "abc"}]}, r"robots\[0\].footprint: needs three corners"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], 2]}]}, r"robots\[0\].footprint: must be 2 numbers"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint: .* in a line"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [1e9, 2]]}]}, r"robots\[0\].footprint: a corner"),
+        ({"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]}, r"robots\[0\].laser.beams: must be 100000 or less"),
+        ({"robots": [{"pose": [1, 1], "laser": {"range": 1e39}}]}, r"robots\[0\].laser.range: must be 1000.0 or less"),
+        ({"robots": [{"pose": [1, 1], "laser": {"min_range": 9}}]}, r"robots\[0\].laser.min_range: must be less than"),
+        ({"robots": [{"pose": [1, 1], "laser": True}]}, r"robots\[0\].laser: must hold keys and values"),
+        ({"robots": [{"pose": [1, 1], "laser": {}, "lasers": []}]}, r"robots\[0\].lasers: .* not both"),
+        ({"robots": [{"pose": [1, 1], "lasers": 2}]}, r"robots\[0\].lasers: must be a list"),
+        ({"robots": [{"pose": [1, 1], "lasers": [{}, {"beams": 1}]}]}, r"robots\[0\].lasers\[1\].beams: must be 2 or"),
+        ({"obstacles": [{"name": "o", "at": [1, 1], "box": [1, -1]}]}, r"obstacles\[0\]: the width and depth"),
+        ({"seed": "x"}, "seed"),
+        ({"extra": 1}, "extra: is no key known here"),
+        ({"robots": [{"pose": [1, 9]}]}, r"robots\[0\].pose: \(1, 9\) is off the map, which covers x 0 .. 4, y 0 .. 4"),
+        ({"doors": [{"name": "d", "from": [-1, 0], "to": [1, 0]}]}, r"doors\[0\].from: \(-1, 0\) is off the map"),
+        ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 4.1]}]}, r"doors\[0\].to: \(1, 4.1\) is off the map"),
+        ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 0]}]}, r"doors\[0\]: has the length 0"),
+        ({"obstacles": [{"name": "o", "at": [5, 1], "radius": 1}]}, r"obstacles\[0\].at: \(5, 1\) is off the map"),
+        ({"packages": [{"id": 1, "at": [5, 5]}]}, r"packages\[0\].at: \(5, 5\) is off the map"),
+    ],
+)
+def test_a_bad_world_names_its_fault(world, changes, words):
+    with pytest.raises(WorldError, match=words) as caught:
+        load_world(world(**changes))
+    assert "world.yaml" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"robots": [{"pose": [3.95, 1]}], "map": "walled.yaml"}, "'robot_0' would stand in a wall"),
+        ({"obstacles": [{"name": "o", "at": [1, 1.2], "radius": 0.1}]}, "'robot_0' would stand in an obstacle"),
+        ({"doors": [{"name": "d", "from": [0, 1], "to": [2, 1], "open": False}]}, "'robot_0' would stand in a door"),
+        ({"robots": [{"pose": [1, 1]}, {"pose": [1.2, 1]}]}, "'robot_0' would stand in an obstacle or a robot"),
+    ],
+)
+def test_a_robot_that_cannot_stand_where_it_starts(world, tmp_path, changes, words):
+    pixels = np.full((40, 40), 254, dtype=np.uint8)
+    pixels[:, -2:] = 0
+    Image.fromarray(pixels).save(str(tmp_path / "walled.pgm"))
+    (tmp_path / "walled.yaml").write_text((tmp_path / "map.yaml").read_text().replace("map.pgm", "walled.pgm"))
+    with pytest.raises(WorldError, match=f"world.yaml: robots: robot {words}.*change its pose"):
+        load_simulation(str(world(**changes)))
+
+
+def test_no_yaml_and_no_file(tmp_path):
+    (tmp_path / "world.yaml").write_text("a: [")
+    for name in ("world.yaml", "nowhere.yaml"):
+        with pytest.raises(WorldError, match="cannot be read"):
+            load_world(tmp_path / name)
+
+
+def test_another_map(world, tmp_path):
+    assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40)
+
+
+def test_the_office_is_a_world():
+    spec = load_world(ROOT / "worlds" / "office_world.yaml")
+    assert len(spec.doors) == 7
+    Simulation(spec).step()

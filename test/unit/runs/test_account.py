@@ -1,0 +1,126 @@
+import pytest
+
+from rosoclingo.runs.account import PATIENCE, Account
+
+
+@pytest.fixture
+def lines():
+    return []
+
+
+@pytest.fixture
+def account(lines):
+    return Account(lines.append)
+
+
+def kinds(lines):
+    return [line.split()[4] for line in lines]
+
+
+def run(account):
+    account.plan(10.0, 1, [])
+    account.goal(11.0, "a", "goal(office2,office1,1)")
+    account.update(11.0, "#step 1.\n_request(goal(office2,office1,1),2).\n#end step.\n")
+    account.plan(11.1, 1, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
+    account.dispatched(11.1, ["_action_lib(move_base,office2,1)"])
+    account.status(11.2, "a", 1, "")
+    account.returned(12.0, "move_base", ["_return(move_base,office2,1)"])
+    account.update(
+        12.0, "#step 2.\n:- not _action_lib(move_base,office2,1).\n_return(move_base,office2,1).\n#end step.\n"
+    )
+    account.plan(12.1, 2, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
+
+
+def test_a_line_for_each_event(account, lines):
+    run(account)
+    assert kinds(lines) == ["plan", "request", "update", "plan", "action", "goal", "return", "update", "plan"]
+    assert lines[0].split()[:4] == ["0.0", "s", "cycle", "1"]
+    assert lines[0].endswith("nothing to do")
+    assert lines[3].endswith("move_base office2, pickup 1")
+    assert lines[-1].split()[:4] == ["2.1", "s", "cycle", "2"]
+    assert lines[-1].endswith("plan     pickup 1")
+
+
+def test_topics_that_overtake_each_other_are_put_in_order(account, lines):
+    account.plan(0.0, 1, [])
+    account.dispatched(1.0, ["_action_lib(go,x,1)"])
+    account.plan(1.0, 1, ["_action_lib(go,x,1)"])
+    account.update(1.0, "#step 1.\n_request(g(1),2).\n#end step.\n")
+    account.goal(1.1, "a", "g(1)")
+    assert kinds(lines) == ["plan", "request", "update", "plan", "action"]
+    times = [float(line.split()[0]) for line in lines]
+    assert times == sorted(times)
+
+
+def test_nothing_is_held_back_for_ever(account, lines):
+    account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
+    assert lines == []
+    account.note(PATIENCE + 0.1, "later")
+    assert kinds(lines) == ["update", "note"]
+    account.dispatched(3.0, ["_action_lib(go,x,9)"])
+    account.finish()
+    assert kinds(lines)[-1] == "action"
+
+
+def test_texts_that_are_no_atoms_are_shown_as_they_are(account, lines):
+    account.plan(0.0, 1, [])
+    account.returned(0.0, "camera", ["_seen(ball)", "((("])
+    account.update(0.0, "garbage")
+    account.finish()
+    assert "_seen(ball) from camera" in lines[1]
+    assert "((( from camera" in lines[2]
+    assert "garbage" in lines[3]
+
+
+def test_status_changes_are_told_once_with_the_reason_of_a_bad_end(account, lines):
+    account.goal(0.0, "a", "g(1)")
+    for _ in range(3):
+        account.status(0.0, "a", 0, "")
+        account.status(1.0, "a", 5, "g(1) is unknown")
+    account.status(1.0, "nobody", 3, "")
+    assert [line.split(None, 5)[-1] for line in lines[1:]] == ["g(1): rejected (is unknown)"]
+
+
+def test_cancels_name_their_goal(account, lines):
+    account.goal(0.0, "a", "g(1)")
+    account.cancel(0.0, "a")
+    account.cancel(0.0, "")
+    assert lines[1].endswith("cancel   g(1)")
+    assert lines[2].endswith("every goal")
+
+
+def test_summary(account):
+    run(account)
+    account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
+    account.packages([("1", "office2"), ("2", "carried"), ("3", "office2")])
+    account.robot("office2")
+    assert account.summary.lines() == [
+        "goal(office2,office1,1): succeeded",
+        "packages carried: 2",
+        "packages office2: 1, 3",
+        "robot: office2",
+        "actions: move_base office2",
+    ]
+    assert account.summary.seconds == pytest.approx(2.1)
+    assert len(account.summary.updates) == 2
+    assert account.summary.returns == ["_return(move_base,office2,1)"]
+
+
+def test_differences(account):
+    run(account)
+    account.robot("office2")
+    account.packages([("1", "office2")])
+    assert account.summary.differences({}) == []
+    assert account.summary.differences({"goals": ["active"], "robot": "office2", "packages": {"1": "office2"}}) == []
+    found = account.summary.differences({"goals": ["succeeded"], "packages": {"1": "office1"}, "actions": []})
+    assert [difference.split(":")[0] for difference in found] == ["goals", "packages", "actions"]
+
+
+def test_an_action_that_is_ended_early_is_no_further_action():
+    lines = []
+    account = Account(lines.append)
+    account.dispatched(1.0, ["_action_lib(go,x,1)"])
+    account.dispatched(2.0, ["_cancel(go,x,1)"])
+    account.finish()
+    assert account.summary.actions == ["_action_lib(go,x,1)"]
+    assert any(line.split()[-3:] == ["preempt", "go", "x"] for line in lines)
