@@ -97,8 +97,10 @@ class Tests:
         return self._run(name, command, UNIT_LIMIT, environment, reports)
 
     def _rostests(self, paths: Sequence[Path], suffix: str, environment: Mapping[str, str]) -> Outcome:
+        # the longest first, so that none runs alone at the end
+        longest_first = sorted(paths, key=lambda path: sum(_time_limits(path)), reverse=True)
         with ThreadPoolExecutor(CORES) as pool:
-            return sum(pool.map(lambda path: self._rostest(path, suffix, environment), paths), Outcome())
+            return sum(pool.map(lambda path: self._rostest(path, suffix, environment), longest_first), Outcome())
 
     def _rostest(self, path: Path, suffix: str, environment: Mapping[str, str]) -> Outcome:
         name = f"rostest {path.stem}{suffix}"

@@ -81,6 +81,7 @@ class SentGoal:
     """A goal and what it went through."""
 
     def __init__(self, client, text):
+        self.text = text
         self.states = []
         self.feedback = []
         self._done = threading.Event()
@@ -120,3 +121,8 @@ class Updates:
         self.texts = []
         self._subscriber = rospy.Subscriber(core + "/updates", String, lambda message: self.texts.append(message.data))
         wait_until(lambda: self._subscriber.get_num_connections() > 0, "the updates")
+
+    def wait_for(self, words):
+        """The first update with ``words``; a message about a goal may come before the update that led to it."""
+        wait_until(lambda: any(words in text for text in self.texts), f"an update with {words}")
+        return next(text for text in self.texts if words in text)

@@ -150,6 +150,7 @@ class Core(unittest.TestCase):
     def test_facts_that_make_no_sense_change_nothing(self):
         goal = self.client.send(self.errand())
         command = self.hands.take()
+        self.updates.wait_for(f"_request({goal.text},")
         before = len(self.updates.texts)
         cycle = int(command.rsplit(",", 1)[1][:-1])
         number = command.split(",")[1]
@@ -163,6 +164,7 @@ class Core(unittest.TestCase):
         self.hands.succeed(command)
         self.hands.succeed(command)
         goal.ends_as(SUCCEEDED)
+        self.updates.wait_for(command.replace("_action_lib", "_return"))
         self.assertEqual(len(self.updates.texts), before + 1)
         facts = [str(fact) for fact in parse_update(self.updates.texts[-1]).items[-2:]]
         self.assertEqual(facts, ["_seen(ball).", command.replace("_action_lib", "_return") + "."])
@@ -171,7 +173,9 @@ class Core(unittest.TestCase):
         before = len(self.updates.texts)
         self.hands.tell("_return(walk,1,1)")
         self.hands.at_once = True
-        self.client.send(self.errand()).ends_as(SUCCEEDED)
+        goal = self.client.send(self.errand())
+        goal.ends_as(SUCCEEDED)
+        self.updates.wait_for(f"_request({goal.text},")
         self.assertNotIn("_return(walk,1,1)", "".join(self.updates.texts[before:]))
 
     def test_message_for_an_unknown_interface_is_nobodys_business(self):
@@ -198,7 +202,7 @@ class Core(unittest.TestCase):
         self.hands.at_once = True
         self.client.send(self.errand()).ends_as(SUCCEEDED)
         plan = rospy.wait_for_message("rosoclingo/task_plan", TaskPlan, PATIENCE)
-        self.assertEqual(f"#step {plan.cycle} : 60.", self.updates.texts[-1].split("\n")[0])
+        self.updates.wait_for(f"#step {plan.cycle} : 60.\n")
         self.assertEqual(rospy.wait_for_message("rosoclingo/cycle", UInt32, PATIENCE).data, plan.cycle)
         self.assertGreaterEqual(plan.horizon, plan.cycle)
         self.assertEqual(plan.actions[-1], self.hands.seen[-1])

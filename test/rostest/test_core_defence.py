@@ -170,7 +170,7 @@ class CoreDefence(unittest.TestCase):
         goal.cancelled()
         self.hands.succeed(command)
         self.assertIn(goal.wait()[0], ENDED)
-        wait_until(lambda: any("cancel(3)" in text for text in self.updates.texts), "the update")
+        self.updates.wait_for("cancel(3)")
         self.assertEqual(sum("cancel(3)" in text for text in self.updates.texts), 1)
 
     def test_cancel_by_time_stamp_takes_the_older_ones(self):

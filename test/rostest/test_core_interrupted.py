@@ -88,7 +88,7 @@ class CoreInterrupted(unittest.TestCase):
         """The core serves another goal."""
         sent = Client(f"{namespace}/rosoclingo").send(goal)
         action = goal.replace("do(", "_action_lib(")[:-1]
-        wait_until(lambda: any(goal in text for text in updates.texts), "the request")
+        updates.wait_for(goal)
         sent.arrived()
         wait_until(lambda: any(action in text for text in self.plan(sent)), "a plan")
         sent.handle.cancel()

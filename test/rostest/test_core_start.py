@@ -62,7 +62,7 @@ class CoreStart(unittest.TestCase):
         with core("patient", program_files=f"[{ERRANDS}]", action_timeout=0.5):
             client, updates = Client("patient/rosoclingo"), Updates("patient/rosoclingo")
             goal = client.send("do(walk,1)")
-            wait_until(lambda: any("_return(walk,timeout,1)." in text for text in updates.texts), "the time-out")
+            updates.wait_for("_return(walk,timeout,1).")
             goal.handle.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.PREEMPTED, GoalStatus.RECALLED))
 
@@ -110,7 +110,7 @@ class CoreStart(unittest.TestCase):
             with Process(*command) as request:
                 wait_until(lambda: updates.texts, "the request")
                 request.signal(signal.SIGINT)
-                wait_until(lambda: any("cancel(1)" in text for text in updates.texts), "the cancel")
+                updates.wait_for("cancel(1)")
                 self.assertEqual(request.wait()[0], 2)
 
 

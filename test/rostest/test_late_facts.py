@@ -35,10 +35,6 @@ class Side:
     def _note(self, plan):
         self.plans[plan.cycle] = plan.horizon if plan.actions else None
 
-    def has_told(self, text):
-        """Wait for an update with ``text``."""
-        wait_until(lambda: any(text in update for update in self.updates.texts), f"an update with {text}")
-
 
 class LateFacts(unittest.TestCase):
     @classmethod
@@ -62,14 +58,14 @@ class LateFacts(unittest.TestCase):
         side.hands.succeed(side.hands.take())
         goal.ends_as(GoalStatus.SUCCEEDED)
         side.hands.tell("_battery(low,1)", origin="power")
-        side.has_told("_battery(low,3).")
+        side.updates.wait_for("_battery(low,3).")
         self.assertFalse(any("_battery(low,1)" in text for text in side.updates.texts))
         goal = side.client.send("do(run,2)")
         command = side.hands.take()
         side.hands.tell("_battery(low,now)", origin="power")
         side.hands.fail(command)
         command = side.hands.take()
-        side.has_told(f"_battery(low,{int(command.rsplit(',', 1)[1][:-1]) - 1}).")
+        side.updates.wait_for(f"_battery(low,{int(command.rsplit(',', 1)[1][:-1]) - 1}).")
         side.hands.succeed(command)
         goal.ends_as(GoalStatus.SUCCEEDED)
         side.client.send("do(never,3)").ends_as(GoalStatus.ABORTED)

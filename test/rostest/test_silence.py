@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What is missing is told within seconds: interfaces, on diagnostics and once in the log."""
 
+import importlib.util
 import sys
 import unittest
 from pathlib import Path
@@ -15,6 +16,7 @@ from interface_helpers import Process, Server, wait_until
 from rosgraph_msgs.msg import Log
 
 DATA = Path(__file__).resolve().parents[1] / "data"
+NEEDS_TF2 = unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "tf2_ros is not there for this Python")
 MISSING = "no interface 'hold' for _action_lib(hold,1,1): the interfaces are run, walk"
 
 
@@ -81,6 +83,7 @@ class Misspelt(unittest.TestCase):
         line = self.told("interface", f"_interfaces:={entry}", "_server_timout:=3", "_retries:=1")
         self.assertIn("~server_timout (is ~server_timeout meant?), ~zzz", line)
 
+    @NEEDS_TF2
     def test_office(self):
         line = self.told("office", "_labels:={hall: [1, 2]}", "_capacty:=3")
         self.assertIn("~capacty (is ~capacity meant?), ~zzz", line)
@@ -89,6 +92,7 @@ class Misspelt(unittest.TestCase):
         line = self.told("map_server", f"_map:={DATA.parents[1] / 'worlds' / 'office.yaml'}", "_frame:=x")
         self.assertIn("~frame (is ~frame_id meant?), ~zzz", line)
 
+    @NEEDS_TF2
     def test_move_base(self):
         values = ("_controler_frequency:=10", "_global_costmap:={robot_radius: 0.2, robot_radus: 0.3}")
         line = self.told("move_base", *values)

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import rospy
 import rostest
+import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
 
 PAGE = (Path(__file__).resolve().parents[2] / "doc" / "tutorial.md").read_text()
 PATIENCE = 120.0  # seconds of wall time for one command
