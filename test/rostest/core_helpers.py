@@ -107,9 +107,14 @@ class SentGoal:
         """Wait until the server has it."""
         wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
 
+    def cancel(self):
+        """Cancel it once the server has it: actionlib's client may lose a goal that is cancelled before."""
+        self.arrived()
+        self.handle.cancel()
+
     def cancelled(self):
         """Cancel it, and wait until the server knows: a cancel and an answer of an interface race each other."""
-        self.handle.cancel()
+        self.cancel()
         cancelling = (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
         wait_until(lambda: self.handle.get_goal_status() in cancelling, "the cancel to arrive")
 

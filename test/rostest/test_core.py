@@ -70,7 +70,7 @@ class Core(unittest.TestCase):
         dropped.arrived()
         refused = other.send("do(")
         self.assertIn("no ground term", refused.ends_as(REJECTED))
-        dropped.handle.cancel()
+        dropped.cancel()
         dropped.ends_as(RECALLED)
         self.hands.succeed(first)
         second = self.hands.take()
@@ -110,7 +110,7 @@ class Core(unittest.TestCase):
     def test_cancel_while_the_action_runs(self):
         goal = self.client.send(self.errand())
         command = self.hands.take()
-        goal.handle.cancel()
+        goal.cancel()
         goal.cancelled()
         self.hands.fail(command)
         self.assertIn(goal.wait()[0], (PREEMPTED, RECALLED))
@@ -224,7 +224,7 @@ class Core(unittest.TestCase):
         sent = [(chance.random() < 0.3, SentGoal(chance.choice(clients).raw, self.errand("quick"))) for _ in range(100)]
         for cancelled, goal in sent:
             if cancelled:
-                goal.handle.cancel()
+                goal.cancel()
         for cancelled, goal in sent:
             self.assertIn(goal.wait()[0], (SUCCEEDED, PREEMPTED, RECALLED) if cancelled else (SUCCEEDED,))
 

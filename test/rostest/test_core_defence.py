@@ -119,7 +119,7 @@ class CoreDefence(unittest.TestCase):
         self.assertEqual(status.level, DiagnosticStatus.WARN)
         _, values = self.diagnostics.wait_for(lambda _, one: "not returned within 3 s" in one["last error"], "it", name)
         self.assertIn("_action_lib(walk,1,1)", values["last error"])
-        goal.handle.cancel()
+        goal.cancel()
         self.assertIn(goal.wait()[0], ENDED)
 
     def take_all(self, number):
@@ -166,7 +166,7 @@ class CoreDefence(unittest.TestCase):
         goal = self.client.send("do(walk,3)")
         command = self.hands.take()
         cancel.publish(GoalID(id="nobody's"))
-        goal.handle.cancel()
+        goal.cancel()
         goal.cancelled()
         self.hands.succeed(command)
         self.assertIn(goal.wait()[0], ENDED)

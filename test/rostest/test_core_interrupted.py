@@ -91,7 +91,7 @@ class CoreInterrupted(unittest.TestCase):
         updates.wait_for(goal)
         sent.arrived()
         wait_until(lambda: any(action in text for text in self.plan(sent)), "a plan")
-        sent.handle.cancel()
+        sent.cancel()
         return sent
 
     @staticmethod
@@ -112,8 +112,7 @@ class CoreInterrupted(unittest.TestCase):
             for number, what in enumerate(["boom", "pigeons"], 1):
                 with kept_busy("/cancelled/rosoclingo"):
                     goal = Client("cancelled/rosoclingo").send(f"do({what},{number})")
-                goal.arrived()
-                goal.handle.cancel()
+                goal.cancel()
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
             self.serves("cancelled", "do(walk,3)", updates)
 
@@ -157,8 +156,7 @@ class CoreInterrupted(unittest.TestCase):
             for number in range(1, 4):
                 with kept_busy("/often/rosoclingo"):
                     goal = client.send(f"do(boom,{number})")
-                goal.arrived()
-                goal.handle.cancel()
+                goal.cancel()
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
                 self.assertLessEqual(len(children("/often/rosoclingo")), 2)
             self.serves("often", "do(walk,9)", updates)

@@ -21,7 +21,7 @@ class CorePreempt(unittest.TestCase):
         robot, client = Driver(), Client()
         goal = client.send("goal(office3,office2,1)")
         robot.wait(lambda: robot.speed[0] > 0.2)
-        goal.handle.cancel()
+        goal.cancel()
         status, result = goal.wait()
         self.assertEqual(status, GoalStatus.PREEMPTED, result)
         self.assertEqual(commands[0], "_action_lib(move_base,office2,1)")

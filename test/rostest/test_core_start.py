@@ -63,7 +63,7 @@ class CoreStart(unittest.TestCase):
             client, updates = Client("patient/rosoclingo"), Updates("patient/rosoclingo")
             goal = client.send("do(walk,1)")
             updates.wait_for("_return(walk,timeout,1).")
-            goal.handle.cancel()
+            goal.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.PREEMPTED, GoalStatus.RECALLED))
 
     def test_search_timeout(self):
