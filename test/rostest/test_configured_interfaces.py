@@ -12,6 +12,7 @@ from actionlib.msg import (
     TestAction,
     TestActionGoal,
     TestActionResult,
+    TestGoal,
     TestRequestAction,
     TestRequestResult,
     TwoIntsAction,
@@ -22,12 +23,14 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from clingo import Function, Number
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from interface_helpers import CoreSide, Process, Server, wait_until
+from rosgraph_msgs.msg import Log
 
+from rosoclingo.common.worker import Worker
+from rosoclingo.interfaces.action_runs import Limits
 from rosoclingo.interfaces.answers import Answer
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError
 from rosoclingo.interfaces.hosting import InterfacesNode
-from rosoclingo.interfaces.interface_worker import Worker
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -151,12 +154,34 @@ class SumInterface(Interface):
         if not action.parameter.arguments:
             raise RefusalError("no_numbers", "add what?")
         first, second = (argument.number for argument in action.parameter.arguments)
-        return TwoIntsGoal(first, second)
+        return TwoIntsGoal(first, second) if first else TestGoal(second)
 
     def make_answer(self, action, ended):
         if ended.status == "succeeded":
             return Answer(Number(ended.result.sum), ("calculated",)) if ended.result.sum else None
         return Answer(Function("no_sum")) if ended.status == "aborted" else super().make_answer(action, ended)
+
+
+class Reports:
+    """What the interfaces say on /diagnostics."""
+
+    def __init__(self):
+        self._found = []
+        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: self._found.extend(one.status))
+
+    def wait_for(self, name, condition):
+        """The first report of an interface of which the condition holds, and its values as a dict."""
+        found = []
+
+        def look():
+            for status in list(self._found):
+                values = {pair.key: pair.value for pair in status.values}
+                if status.name == f"rosoclingo: interface {name}" and condition(status, values):
+                    found.append((status, values))
+            return found
+
+        wait_until(look, f"a report of {name}")
+        return found[0]
 
 
 class SubclassedInterface(unittest.TestCase):
@@ -178,30 +203,53 @@ class SubclassedInterface(unittest.TestCase):
         # refused, and faults of the subclass itself
         self.assertEqual(core.run("sum", "_action_lib(sum,nothing,4)"), ["_return(sum,no_numbers,4)"])
         self.assertEqual(core.run("sum", "_action_lib(sum,two(a,b),5)"), ["_return(sum,bad_parameter,5)"])
+        self.assertEqual(core.run("sum", "_action_lib(sum,two(0,4),5)"), ["_return(sum,bad_parameter,5)"])
         core.send("sum", "_action_lib(sum,two(3,4),6)")
         server.accept().set_succeeded(TwoIntsResult(2**40))
         self.assertEqual(core.receive(), ["_return(sum,failed,6)"])
         core.send("sum", "_action_lib(sum,two(3,-3),7)")
         server.accept().set_succeeded(TwoIntsResult(0))
         self.assertEqual(core.receive(), ["_return(sum,failed,7)"])
+        core.send("sum", "_action_lib(sum,two(3,4),8)")
+        server.accept().set_succeeded(TwoIntsResult(7))
+        self.assertEqual(core.receive(), ["calculated", "_return(sum,7,8)"])
         self.check_health()
         worker.stop()
 
     def check_health(self):
-        found = {}
-
-        def note(message):
-            found.update({status.name: status for status in message.status})
-
-        rospy.Subscriber("/diagnostics", DiagnosticArray, note)
-        wait_until(lambda: "rosoclingo: interface sum" in found, "a report")
-        status = found["rosoclingo: interface sum"]
-        values = {pair.key: pair.value for pair in status.values}
+        reports = Reports()
+        status, values = reports.wait_for("sum", lambda _, values: values["succeeded"] == "4")
         self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "idle"))
-        self.assertEqual((values["server"], values["succeeded"], values["failed"]), ("adder", "3", "4"))
-        wait_until(lambda: "rosoclingo: interface absent" in found, "a report of the interface without a server")
-        status = found["rosoclingo: interface absent"]
+        self.assertEqual((values["server"], values["failed"], values["faults"]), ("adder", "5", "4"))
+        self.assertIn("TypeError: make_answer gave None", values["last fault"])
+        status, _ = reports.wait_for("absent", lambda *_: True)
         self.assertEqual((status.level, status.message), (DiagnosticStatus.WARN, "server absent is not connected"))
+
+    def test_a_fault_costs_its_actions_and_nothing_else(self):
+        core, server, worker, lines = CoreSide(), Server("trader", TwoIntsAction), Worker(), []
+        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
+        SumInterface("odd", TwoIntsAction, "trader", Limits(timeout="soon"), worker=worker)
+        SumInterface("trade", TwoIntsAction, "trader", worker=worker)
+        worker.start()
+        core.wait_for(rospy.get_name())
+        reports = Reports()
+        wait_until(lambda: log.get_num_connections() > 0, "the log")
+        core.send("trade", "_action_lib(trade,two(3,4),1)")
+        handle = server.accept()
+        core.send("odd", "_action_lib(odd,two(1,1),1)", "_action_lib(odd,two(2,2),1)")
+        odd = [server.accept() for _ in range(2)]
+        self.assertEqual([core.receive(), core.receive()], [["_return(odd,failed,1)"]] * 2)
+        for _ in odd:
+            server.cancelled().set_canceled()
+        status, _ = reports.wait_for("odd", lambda _, values: values["faults"] == "2")
+        self.assertEqual(status.level, DiagnosticStatus.ERROR)
+        self.assertIn("internal error: TypeError: '<' not supported", status.message)
+        handle.set_succeeded(TwoIntsResult(7))
+        self.assertEqual(core.receive(), ["calculated", "_return(trade,7,1)"])
+        wait_until(lambda: any("odd: internal error: TypeError" in line for line in lines), "the log")
+        told = [line for line in lines if "odd: internal error: TypeError" in line and "Traceback" in line]
+        self.assertEqual(len(told), 1)
+        worker.stop()
 
 
 class InterfaceNode(unittest.TestCase):

@@ -3,35 +3,42 @@
 import queue
 import threading
 import traceback
-from typing import Callable, Optional, TypeVar
+from typing import Callable, List, Optional, TypeVar
 
 import rospy
 
-Job = Callable[[], None]
+Job = Callable[[], object]
+Settle = Callable[[], Optional[float]]
 Answer = TypeVar("Answer")
 
 
 class Worker:
-    """Runs jobs one after the other, and ``settle`` after those that waited.
+    """Runs jobs one after the other, and settles after those that waited: what goes on with time, and what follows.
 
-    Settling happens at least every ``period`` seconds of wall time.
+    Settling happens at least every ``period`` seconds of wall time, or sooner or later where a settler returns in how
+    many seconds it wants its next turn.
 
-    An exception that reaches the worker is a fault of the node:
-    it is logged and the node shut down, as a node without its worker would only seem to live.
+    An exception that reaches the worker is a fault of the program, and its state may be half changed: it is logged with
+    its traceback and the node ends, as a node without its worker would only seem to live. What a plugin, a user's
+    subclass or a file may raise is caught where these are called.
     """
 
-    def __init__(self, settle: Job, period: float = 0.05) -> None:
+    def __init__(self, settle: Optional[Settle] = None, period: float = 0.05) -> None:
         self._queue: queue.Queue[Optional[Job]] = queue.Queue()
-        self._settle = settle
+        self._settlers: List[Settle] = [settle] if settle is not None else []
         self._period = period
         self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
+
+    def add(self, settle: Settle) -> None:
+        """Have one more settler called."""
+        self._settlers.append(settle)
 
     def start(self) -> None:
         """Begin with the jobs that were put so far."""
         self._thread.start()
 
     def put(self, job: Job) -> None:
-        """Have a job done; returns at once, from any thread."""
+        """Have a job done; returns at once, from any thread, and takes no lock that a job may hold."""
         self._queue.put(job)
 
     def ask(self, work: Callable[[], Answer], timeout: float = 30.0) -> Answer:
@@ -46,7 +53,7 @@ class Worker:
         except queue.Empty as error:
             raise rospy.ServiceException(f"{rospy.get_name()} does not answer") from error
 
-    def stop(self, timeout: float) -> None:
+    def stop(self, timeout: float = 2.0) -> None:
         """End after the jobs that wait now, and wait for that, at most ``timeout`` seconds (wall time)."""
         self._queue.put(None)
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
@@ -59,23 +66,25 @@ class Worker:
 
     def _run(self) -> None:
         try:
-            while self._once():
-                pass
+            wait: Optional[float] = self._period
+            while wait is not None:
+                wait = self._once(wait)
         except Exception:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
-            rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
-            rospy.signal_shutdown("the worker failed")
+            if not rospy.core.is_shutdown_requested():  # else topics are closed, which is no fault
+                rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
+                rospy.signal_shutdown("the worker failed")
 
-    def _once(self) -> bool:
-        """Do what waits now, or be idle for a period; False at the end."""
+    def _once(self, wait: float) -> Optional[float]:
+        """Do what comes within ``wait`` seconds, and settle; return how long to wait next, None at the end."""
         try:
-            jobs = [self._queue.get(timeout=self._period)]
+            jobs = [self._queue.get(timeout=max(wait, 0.0))]
         except queue.Empty:
-            self._settle()
-            return True
-        jobs += [self._queue.get_nowait() for _ in range(self._queue.qsize())]
+            jobs = []
+        else:
+            jobs += [self._queue.get_nowait() for _ in range(self._queue.qsize())]
         for job in jobs:
             if job is None:
-                return False
+                return None
             job()
-        self._settle()
-        return True
+        waits = [settle() for settle in list(self._settlers)]
+        return min((one for one in waits if one is not None), default=self._period)

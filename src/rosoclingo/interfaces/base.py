@@ -4,17 +4,17 @@ import abc
 import functools
 import io
 import time
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rospy
 from clingo import Function
 
+from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
 from rosoclingo.interfaces.answers import LOST, SUCCEEDED, Answer, answer, conclude
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
 from rosoclingo.interfaces.interface_state import Health
-from rosoclingo.interfaces.interface_worker import Worker
 from rosoclingo.interfaces.link import ServerLink
 from rosoclingo.interfaces.outbox import Outbox
 from rosoclingo.interfaces.templates import Ended, Scope
@@ -23,6 +23,8 @@ from rosoclingo.reasoning.keywords import Action
 
 IN_TOPIC = "in_rosoclingo"
 OUT_TOPIC = "out_rosoclingo"
+
+TICK, IDLE_TICK = 0.02, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
 
 _TAKEN = ("preempted", "recalled")  # the server has cancelled a goal though nobody here has asked for it
 _FINAL = ("preempted", "interface_lost")  # verdicts after which nothing is sent again
@@ -69,7 +71,8 @@ class Interface(abc.ABC):
 
     Several actions may be under way at once.  Whatever happens, each is answered by exactly one return: the parameter
     itself on success, otherwise a reason (answers.DEFAULT_RETURNS).  Commands that cannot be read are logged and
-    dropped.
+    dropped.  An exception of a subclass ends the action that it belongs to, its traceback is logged once, and
+    diagnostics has it until an action succeeds.
 
     Subscribes:
         out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it.
@@ -77,7 +80,8 @@ class Interface(abc.ABC):
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any; to each
             node that connects first a message without facts, which announces the interface.
-        /diagnostics (diagnostic_msgs/DiagnosticArray): server, actions under way, counts and the last failure, at 1 Hz.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): server, actions under way, counts, the last failure and
+            fault, once a second and on change.
     Actions called:
         the server that is given by name; it may come, go and come back.
 
@@ -101,11 +105,12 @@ class Interface(abc.ABC):
         self._worker = worker
         self._attempts: Dict[Action, _Attempt] = {}
         self._server = server
+        self._goal_class = type(action_type().action_goal.goal)
         self._link = ServerLink(server, action_type)
         self._outbox = Outbox(IN_TOPIC, name)
-        self._health = Health(name, server)
-        worker.add_ticker(self._tick)
-        rospy.on_shutdown(lambda: worker.post(self._shut_down))
+        self._health = Health(name, server, self._look)
+        worker.add(self._settle)
+        rospy.on_shutdown(lambda: self._post(self._shut_down))
         self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
 
     @abc.abstractmethod
@@ -120,7 +125,7 @@ class Interface(abc.ABC):
 
     def _on_message(self, message: InterfaceIO) -> None:
         if message.interface == self.name:
-            self._worker.post(functools.partial(self._read, message))
+            self._post(functools.partial(self._read, message))
 
     def _read(self, message: InterfaceIO) -> None:
         sender = message._connection_header["callerid"]
@@ -130,7 +135,8 @@ class Interface(abc.ABC):
             except FactError as error:
                 rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender, error)
             else:
-                self._obey(command, sender)
+                job = functools.partial(self._obey, command, sender)
+                self._guarded(job, self._attempts.get(command.action))
 
     def _obey(self, command: Command, sender: str) -> None:
         attempt = self._attempts.get(command.action)
@@ -148,15 +154,16 @@ class Interface(abc.ABC):
     def _begin(self, action: Action, sender: str) -> None:
         try:
             goal = self.make_goal(action)
-            goal.serialize(io.BytesIO())  # a value that does not fit its field is told now, not when it is sent
+            if not isinstance(goal, self._goal_class):
+                raise TypeError(f"make_goal gave {goal!r}: return a {self._goal_class.__name__}")
+            goal.serialize(io.BytesIO())  # a value that does not fit its field is told now: rospy could send no more
         except RefusalError as error:
             self._conclude(action, Ended(error.reason, str(error)), sender)
         except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer
-            rospy.logerr("%s: %s", self.name, action.atom, exc_info=True)
-            self._conclude(action, Ended("bad_parameter", f"{type(error).__name__}: {error}"), sender)
+            self._conclude(action, Ended("bad_parameter", self._health.fault(error)), sender)
         else:
             self._attempts[action] = _Attempt(action, goal, sender, self._limits, _now())
-            self._tick()
+            self._settle()
 
     def _handle(self, attempt: _Attempt, event: Event, ended: Optional[Ended] = None) -> None:
         if ended is not None and not attempt.run.done:
@@ -173,7 +180,7 @@ class Interface(abc.ABC):
 
     def _report(self, attempt: _Attempt, event: Event, ended: Optional[Ended]) -> None:
         taken = event is Event.ENDED and ended is not None and ended.status in _TAKEN
-        self._worker.post(functools.partial(self._handle, attempt, Event.TAKEN if taken else event, ended))
+        self._post(functools.partial(self._handle, attempt, Event.TAKEN if taken else event, ended), attempt)
 
     def _finish(self, attempt: _Attempt) -> None:
         action, ended = attempt.action, conclude(attempt.run.verdict, attempt.ended)
@@ -195,8 +202,7 @@ class Interface(abc.ABC):
                 raise TypeError(f"make_answer gave {found!r}: return an Answer")
             return found
         except Exception as error:  # noqa: BLE001 as in _begin
-            rospy.logerr("%s: %s", self.name, action.atom, exc_info=True)
-            return Answer(Function("failed"), warnings=(f"{type(error).__name__}: {error}",))
+            return Answer(Function("failed"), warnings=(self._health.fault(error),))
 
     def _is_worth_another(self, attempt: _Attempt, ended: Ended, result: Answer) -> bool:
         if ended.status == SUCCEEDED or attempt.run.verdict in _FINAL or attempt.limits.retries < 1:
@@ -205,24 +211,46 @@ class Interface(abc.ABC):
 
     # ---- time and shutdown ----------------------------------------------------------------------------------------
 
-    def _tick(self) -> bool:
+    def _settle(self) -> float:
         now = _now()
         gone = bool(self._attempts) and self._link.gone(now.wall)
         for attempt in list(self._attempts.values()):
-            if attempt.run.phase is Phase.WAITING and self._link.connected:
-                self._handle(attempt, Event.SERVER_FOUND)
-            elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
-                rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
-            elif attempt.run.phase is not Phase.WAITING and gone:
-                self._handle(attempt, Event.SERVER_LOST)
-            else:
-                self._do(attempt, attempt.run.tick(now))
-        self._health.report(now.wall, self._link.connected, [str(action.atom) for action in self._attempts])
-        return self._outbox.flush(now.wall) or bool(self._attempts)
+            self._guarded(functools.partial(self._tick, attempt, now, gone), attempt)
+        self._guarded(self._health.tick)
+        return TICK if self._outbox.flush(now.wall) or self._attempts else IDLE_TICK
+
+    def _tick(self, attempt: _Attempt, now: Instant, gone: bool) -> None:
+        if attempt.run.phase is Phase.WAITING and self._link.connected:
+            self._handle(attempt, Event.SERVER_FOUND)
+        elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
+            rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
+        elif attempt.run.phase is not Phase.WAITING and gone:
+            self._handle(attempt, Event.SERVER_LOST)
+        else:
+            self._do(attempt, attempt.run.tick(now))
+
+    def _look(self) -> Tuple[bool, List[str]]:
+        return self._link.connected, [str(action.atom) for action in self._attempts]
 
     def _shut_down(self) -> None:
         for attempt in list(self._attempts.values()):
-            self._handle(attempt, Event.SHUTDOWN)
+            self._guarded(functools.partial(self._handle, attempt, Event.SHUTDOWN), attempt)
+
+    # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
+
+    def _post(self, job: Callable[[], None], attempt: Optional[_Attempt] = None) -> None:
+        self._worker.put(functools.partial(self._guarded, job, attempt))
+
+    def _guarded(self, job: Callable[[], None], attempt: Optional[_Attempt] = None) -> None:
+        """Do what a subclass, its goals and its server have a hand in; a fault costs no more than its attempt."""
+        try:
+            job()
+        except Exception as error:  # noqa: BLE001 a subclass may give anything, such as a goal of another type
+            ended = Ended("aborted", self._health.fault(error))
+            if attempt is not None and self._attempts.pop(attempt.action, None) is not None:
+                if attempt.handle is not None:
+                    self._link.cancel(attempt.handle)
+                self._publish(attempt.action, ended, Answer(Function("failed")), attempt.asked_by)
 
     # ---- out ------------------------------------------------------------------------------------------------------
 

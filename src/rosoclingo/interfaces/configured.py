@@ -6,10 +6,10 @@ import genpy
 import rospy
 
 from rosoclingo.common.labels import LabelTable, UnknownLabelError
+from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.answers import Answer, Rule, answer, pattern_of
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec
-from rosoclingo.interfaces.interface_worker import Worker
 from rosoclingo.interfaces.message_filling import FieldError, field_faults, field_types, fill
 from rosoclingo.interfaces.templates import Ended, FillError, Scope, TemplateError, evaluate, references
 from rosoclingo.reasoning.keywords import Action
@@ -28,7 +28,6 @@ class ConfiguredInterface(Interface):
             raise ConfigError("\n".join(faults))
         action = _load(spec)
         self._spec = _with_values(spec, action.action_result.result)
-        self._goal_class = type(action.action_goal.goal)
         self._labels = labels
         super().__init__(spec.name, type(action), spec.server, spec.limits, spec.retry_on, worker=worker)
 

@@ -10,9 +10,9 @@ import yaml
 from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.private_parameters import has_parameter, read_parameter
 from rosoclingo.common.starting import node_arguments, run_node
+from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface, type_faults
-from rosoclingo.interfaces.interface_worker import Worker
 from rosoclingo.interfaces.templates import uses_labels
 
 _OVERRIDES = ("timeout", "server_timeout", "pause", "retries")

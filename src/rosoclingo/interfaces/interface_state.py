@@ -1,52 +1,64 @@
-"""How an interface is doing, for /diagnostics."""
+"""How an interface is doing, for /diagnostics and the log."""
 
-from typing import List, Optional
+import traceback
+from typing import Callable, List, Set, Tuple
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 
-PERIOD = 1.0  # seconds of wall time between two reports
+from rosoclingo.common.diagnostics import Diagnostics, Findings
 
 
 class Health:
-    """Counts what became of an interface's actions and reports it, with the state of the server, once in a while."""
+    """Counts what became of an interface's actions, and its faults; reports it with the state of the server.
 
-    def __init__(self, interface: str, server: str) -> None:
-        self._interface = interface
-        self._server = server
-        self._succeeded = 0
-        self._failed = 0
-        self._last_failure = ""
-        self._reported: Optional[float] = None
-        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
+    ``look`` tells whether the server is connected, and the actions under way.
+    """
+
+    def __init__(self, interface: str, server: str, look: Callable[[], Tuple[bool, List[str]]]) -> None:
+        self._interface, self._server, self._look = interface, server, look
+        self._succeeded = self._failed = self._faults = 0
+        self._last_failure = self._last_fault = self._fault = ""
+        self._told: Set[str] = set()
+        self._diagnostics = Diagnostics(f"rosoclingo: interface {interface}", self._describe)
+        self.tick = self._diagnostics.tick
 
     def note(self, succeeded: bool, what: str) -> None:
         """An action has ended; `what` says how, for people."""
         if succeeded:
             self._succeeded += 1
+            self._fault = ""
         else:
             self._failed += 1
             self._last_failure = what
 
-    def report(self, wall: float, connected: bool, under_way: List[str]) -> None:
-        """Publish if the last report is old enough; `wall` is steady time in seconds."""
-        if self._reported is not None and wall - self._reported < PERIOD:
-            return
-        self._reported = wall
-        message = DiagnosticArray(status=[self._status(connected, under_way)])
-        message.header.stamp = rospy.get_rostime()
-        self._publisher.publish(message)
+    def fault(self, error: Exception) -> str:
+        """Something in the program is wrong, an exception that is being handled; returns it in a line.
 
-    def _status(self, connected: bool, under_way: List[str]) -> DiagnosticStatus:
-        status = DiagnosticStatus(name=f"rosoclingo: interface {self._interface}", hardware_id="rosoclingo")
-        status.level = DiagnosticStatus.OK if connected else DiagnosticStatus.WARN
-        status.message = ", ".join(under_way) or "idle" if connected else f"server {self._server} is not connected"
+        Its traceback is logged once; the state is an error until an action succeeds.
+        """
+        self._faults += 1
+        self._fault = self._last_fault = f"internal error: {type(error).__name__}: {error}"
+        place = "".join(traceback.format_tb(error.__traceback__))
+        if place not in self._told:
+            self._told.add(place)
+            rospy.logerr("%s: %s", self._interface, self._fault, exc_info=True)
+        return self._fault
+
+    def _describe(self) -> Findings:
+        connected, under_way = self._look()
+        level, text = DiagnosticStatus.OK, ", ".join(under_way) or "idle"
+        if self._fault:
+            level, text = DiagnosticStatus.ERROR, self._fault
+        elif not connected:
+            level, text = DiagnosticStatus.WARN, f"server {self._server} is not connected"
         values = {
             "server": self._server,
             "under way": len(under_way),
             "succeeded": self._succeeded,
             "failed": self._failed,
             "last failure": self._last_failure,
+            "faults": self._faults,
+            "last fault": self._last_fault,
         }
-        status.values = [KeyValue(key, str(value)) for key, value in values.items()]
-        return status
+        return level, text, values

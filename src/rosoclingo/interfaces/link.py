@@ -3,8 +3,8 @@
 from typing import Any, Callable, Optional, Set
 
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
-from actionlib_msgs.msg import GoalID
 
+from rosoclingo.common.action_clients import cancel_goal
 from rosoclingo.interfaces.action_runs import Event
 from rosoclingo.interfaces.templates import Ended
 
@@ -71,15 +71,8 @@ class ServerLink:
         return self._client.send_goal(goal, transition_cb=lambda handle: _report_transition(handle, report))
 
     def cancel(self, handle: ClientGoalHandle) -> None:
-        """Cancel a goal.
-
-        actionlib's client takes a goal for lost that it cancels before it was acknowledged: so that one is cancelled
-        without its knowledge. A cancel that comes before its goal counts as well.
-        """
-        if handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK:
-            self._client.pub_cancel.publish(GoalID(id=handle.comm_state_machine.action_goal.goal_id.id))
-        else:
-            handle.cancel()
+        """Cancel a goal, acknowledged or not."""
+        cancel_goal(self._client, handle)
 
 
 def _report_transition(handle: ClientGoalHandle, report: Report) -> None:

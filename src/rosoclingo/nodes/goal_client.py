@@ -8,6 +8,7 @@ import rospy
 from actionlib import ActionClient, ClientGoalHandle, CommState
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 
+from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
 from rosoclingo.nodes.server_watch import UNHEARD, ServerWatch, Silence
 
@@ -21,18 +22,18 @@ OUTCOME_WORDS = {
     GoalStatus.LOST: "lost",
 }
 
-_CANCELLABLE = (CommState.PENDING, CommState.ACTIVE)
-
 
 class SentGoal:
     """One goal on its way: ``outcome`` is a word of OUTCOME_WORDS and ``message`` the reason, once it has ended."""
 
-    def __init__(self, text: str, on_change: Callable[[], None]) -> None:
+    def __init__(self, text: str, client: ActionClient, on_change: Callable[[], None]) -> None:
+        """Take a goal; ``send`` sends it."""
         self.text = text
         self.outcome = ""
         self.message = ""
         self.feedback: Optional[ROSoClingoFeedback] = None
         self.silence = Silence()
+        self._client = client
         self._on_change = on_change
         self._handle: Optional[ClientGoalHandle] = None
         self._unwanted = False
@@ -45,32 +46,28 @@ class SentGoal:
     @property
     def identifier(self) -> str:
         """Actionlib's id of the goal, empty before it was sent."""
-        return str(self._handle.comm_state_machine.action_goal.goal_id.id) if self._handle is not None else ""
+        return goal_id(self._handle) if self._handle is not None else ""
 
-    def send(self, client: ActionClient) -> None:
+    def send(self) -> None:
         """Send it; once only."""
-        self._handle = client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
+        self._handle = self._client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
 
-    def send_again(self, client: ActionClient) -> None:
-        """Send it again if the server has never told of it: rospy may drop it, and an id is taken once."""
+    def send_again(self) -> None:
+        """Send what the server never told of again, with its cancel: rospy may drop both, and an id is taken once."""
         if self._handle is not None and self._handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK:
-            client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
+            self._client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
+            if self._unwanted:
+                self.cancel()
 
     def cancel(self) -> None:
-        """Ask the server to cancel it, once it has acknowledged it; it ends when the server says so.
-
-        actionlib's client takes a goal that was cancelled before it was acknowledged for lost.
-        """
+        """Ask the server to cancel it, acknowledged or not; it ends when the server says so."""
         self._unwanted = True
-        self._cancel_if_unwanted()
+        if self._handle is not None:
+            cancel_goal(self._client, self._handle)
 
     def lose(self, why: str) -> None:
         """Nothing will be heard of it any more."""
         self._end(OUTCOME_WORDS[GoalStatus.LOST], why)
-
-    def _cancel_if_unwanted(self) -> None:
-        if self._unwanted and self._handle is not None and self._handle.get_comm_state() in _CANCELLABLE:
-            self._handle.cancel()
 
     def _on_transition(self, handle: ClientGoalHandle) -> None:
         if handle.get_comm_state() == CommState.DONE:
@@ -79,8 +76,6 @@ class SentGoal:
             message = result.message if result is not None and result.message else handle.get_goal_status_text()
             lost = status == GoalStatus.LOST
             self._end(OUTCOME_WORDS[status], f"the server no longer knows of {self.text}" if lost else message)
-        else:
-            self._cancel_if_unwanted()
 
     def _end(self, outcome: str, message: str) -> None:
         if not self.ended:
@@ -116,9 +111,9 @@ class CoreClient:
 
     def send(self, text: str) -> SentGoal:
         """Send a goal."""
-        goal = SentGoal(text, self._notify)
+        goal = SentGoal(text, self._client, self._notify)
         self.goals.append(goal)
-        goal.send(self._client)
+        goal.send()
         return goal
 
     def check(self) -> None:
@@ -140,7 +135,7 @@ class CoreClient:
             if not fault and turns >= UNHEARD and goal.silence.denied:
                 fault = "the server is there, but does not know of it"
             if turns and not fault:
-                goal.send_again(self._client)
+                goal.send_again()
             if fault:
                 goal.lose(f"nothing is heard of {goal.text} any more: {fault}")
 

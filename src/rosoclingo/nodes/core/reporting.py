@@ -1,27 +1,22 @@
 """The core's state on /diagnostics and its problems in the log."""
 
 import time
-from typing import Callable, Optional
+from typing import Callable
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from rosoclingo.common.diagnostics import Diagnostics
 from rosoclingo.reasoning import PlanMade, Problem
 from rosoclingo.reasoning.core_state import Health, Report
 
-#: Seconds of wall time between two messages, at most and at least.
-PERIOD, PAUSE = 1.0, 0.1
-
 
 class CoreHealth:
-    """Publishes once a second and on change. Time is wall time, as simulated time may stand still."""
+    """The core's state, described in wall time, as simulated time may stand still."""
 
     def __init__(self, describe: Callable[[Health, float], Report]) -> None:
-        self._describe = describe
         self._health = Health()
-        self._last: Optional[Report] = None
-        self._published = float("-inf")
-        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
+        name = rospy.get_name().strip("/") + ": core"
+        self._diagnostics = Diagnostics(name, lambda: describe(self._health, time.monotonic()))
 
     def plan_made(self, event: PlanMade) -> None:
         """There is an answer."""
@@ -34,21 +29,7 @@ class CoreHealth:
             rospy.logwarn("%s", line)
 
     def tick(self) -> None:
-        """Publish if something has changed or the last message is old; to be called often."""
-        now = time.monotonic()
-        if now - self._published < PAUSE:
-            return
-        for line in self._health.counted(now):
+        """Publish what there is to tell; to be called often."""
+        for line in self._health.counted(time.monotonic()):
             rospy.logwarn("%s", line)
-        report = self._describe(self._health, now)
-        if report == self._last and now - self._published < PERIOD:
-            return
-        self._last, self._published = report, now
-        status = DiagnosticStatus(
-            name=rospy.get_name().strip("/") + ": core", hardware_id="rosoclingo", message=report.message
-        )
-        status.level = int(report.level)
-        status.values = [KeyValue(key, value) for key, value in report.values.items()]
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = rospy.get_rostime()
-        self._publisher.publish(message)
+        self._diagnostics.tick()

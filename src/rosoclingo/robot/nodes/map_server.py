@@ -66,7 +66,7 @@ class MapServerNode:
         self._map = rospy.Publisher("map", numpy_msg(OccupancyGrid), latch=True, queue_size=1)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1)
         self._show(path or parameter("~map", str))
-        self._worker = Worker(settle=lambda: None)
+        self._worker = Worker()
         self._worker.start()
         self._services = (
             rospy.Service("static_map", GetMap, lambda _: self._worker.ask(lambda: MAP_ANSWER(map=self._message))),

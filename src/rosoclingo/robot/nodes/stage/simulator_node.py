@@ -1,11 +1,8 @@
 """The simulator as a ROS node, with stage_ros's topics."""
 
 import functools
-import queue
 import sys
-import threading
 import time
-import traceback
 from typing import Any, Callable, Dict, Optional
 
 import rospy
@@ -15,6 +12,7 @@ from std_srvs.srv import Empty, EmptyResponse, SetBool, SetBoolResponse
 from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.parameters import not_negative, parameter
+from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
@@ -82,7 +80,7 @@ class SimulatorNode:
         )
         self._speed = not_negative("~speed", 1.0)
         self._paused = parameter("~paused", bool, False)
-        self._jobs: queue.Queue[Callable[[], None]] = queue.Queue()
+        self._worker = Worker(self._go_on)
         self._clock = prompt_publisher("/clock", Clock)
         self._tf = prompt_publisher("/tf", TFMessage)
         self._collisions = rospy.Publisher("~collisions", String, queue_size=10)
@@ -96,17 +94,18 @@ class SimulatorNode:
         self._commanded_at: Dict[str, float] = {}  # each robot's last command, in simulated time
         self._stepped_at = 0.0  # in wall time
         self._origin = (0.0, 0.0)  # wall and simulated time from which the pace counts
-        self._thread = threading.Thread(target=self._run, name="simulation", daemon=True)
 
     def start(self) -> None:
         """Begin. Other threads of this process get their turn often, as a step is shorter than Python's usual turn."""
         sys.setswitchinterval(0.0005)
-        self._thread.start()
+        self._restart_pace()
+        rospy.on_shutdown(self._worker.stop)
+        self._worker.start()
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
 
     def _commander(self, name: str) -> Callable[[float, float], None]:
-        return lambda v, w: self._jobs.put(lambda: self._command(name, v, w))
+        return lambda v, w: self._worker.put(lambda: self._command(name, v, w))
 
     def _serve(self) -> tuple:
         simulation = self._simulation
@@ -144,37 +143,28 @@ class SimulatorNode:
         return StepSimulationResponse(success=fault is None, message=fault or "", time=time)
 
     def _between_steps(self, work: Callable[[], None]) -> Optional[str]:
-        """Have the simulation's thread do something; return why it could not, None if it could."""
-        answer: queue.Queue[Optional[str]] = queue.Queue(1)
+        """Have the worker do something; return why it could not, None if it could."""
 
-        def job() -> None:
-            """Do the work, and answer with its fault or None."""
+        def job() -> Optional[str]:
+            """Do the work; return its fault or None."""
             try:
                 work()
             except WorldError as error:
-                answer.put(str(error))
-            else:
-                answer.put(None)
+                return str(error)
+            return None
 
-        self._jobs.put(job)
-        try:
-            return answer.get(timeout=30.0)
-        except queue.Empty:
-            return "the simulation does not answer"
+        return self._worker.ask(job)
 
-    # ---- the simulation's thread ----------------------------------------------------------------------------------
+    # ---- the worker -----------------------------------------------------------------------------------------------
 
-    def _run(self) -> None:
-        try:
-            self._restart_pace()
-            while not rospy.is_shutdown():
-                wait = 0.1 if self._paused else self._until_next()
-                if not self._work(wait) and not self._paused:
-                    self._step()
-        except Exception:  # noqa: BLE001 the last resort: without this thread the node would only seem to live
-            if not rospy.core.is_shutdown_requested():  # else topics are closed, which is no fault
-                rospy.logfatal("the simulation failed, the node ends:\n%s", traceback.format_exc())
-                rospy.signal_shutdown("the simulation failed")
+    def _go_on(self) -> Optional[float]:
+        """Step if that is due; return how long (s of wall time) the next one has to wait."""
+        if self._paused:
+            return None
+        wait = self._until_next()
+        if wait <= 0.0:
+            self._step()
+        return wait
 
     def _until_next(self) -> float:
         """Return how long (s of wall time) the next step has to wait."""
@@ -199,17 +189,6 @@ class SimulatorNode:
 
     def _restart_pace(self) -> None:
         self._origin = (time.monotonic(), self._simulation.time)
-
-    def _work(self, wait: float) -> bool:
-        """Do the jobs that came, wait for one at most ``wait`` s; tell whether one ended the waiting."""
-        try:
-            job = self._jobs.get(timeout=wait) if wait > 0.0 else self._jobs.get_nowait()
-        except queue.Empty:
-            return False
-        job()
-        while not self._jobs.empty():
-            self._jobs.get_nowait()()
-        return wait > 0.0
 
     def _step(self) -> None:
         for collision in self._simulation.step():

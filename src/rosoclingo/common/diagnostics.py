@@ -1,0 +1,49 @@
+"""One line of /diagnostics: what a node says of one of its parts."""
+
+import time
+from typing import Callable, Mapping, Optional, Tuple
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+__all__ = ["Diagnostics", "Findings"]
+
+#: Seconds of wall time between two messages, at most and at least.
+PERIOD, PAUSE = 1.0, 0.1
+
+#: A level of DiagnosticStatus, a line for people, and values by name.
+Findings = Tuple[int, str, Mapping[str, object]]
+
+
+class Diagnostics:
+    """Publishes once a second, and on change. Time is wall time, as simulated time may stand still.
+
+    ``name`` is whose state it is; ``describe`` finds it, and is called ten times a second at most.
+
+    Publishes:
+        /diagnostics (diagnostic_msgs/DiagnosticArray)
+    """
+
+    def __init__(self, name: str, describe: Callable[[], Findings]) -> None:
+        self._name = name
+        self._describe = describe
+        self._last: Optional[Findings] = None
+        self._looked = self._published = float("-inf")
+        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
+
+    def tick(self) -> None:
+        """Publish if something has changed or the last message is old; to be called often."""
+        now = time.monotonic()
+        if now - self._looked < PAUSE:
+            return
+        self._looked = now
+        found = self._describe()
+        if found == self._last and now - self._published < PERIOD:
+            return
+        self._last, self._published = found, now
+        level, text, values = found
+        status = DiagnosticStatus(int(level), self._name, text, "rosoclingo", [])
+        status.values = [KeyValue(key, str(value)) for key, value in values.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = rospy.get_rostime()
+        self._publisher.publish(message)

@@ -1,0 +1,86 @@
+"""The worker thread: jobs in order, settling, questions, and one policy for what goes wrong."""
+
+import queue
+
+import pytest
+
+rospy = pytest.importorskip("rospy")
+worker_module = pytest.importorskip("rosoclingo.common.worker")
+PATIENCE = 30.0
+
+
+@pytest.fixture
+def make():
+    """Makes workers that are ended with the test."""
+    made = []
+
+    def one(*arguments, **settings):
+        made.append(worker_module.Worker(*arguments, **settings))
+        return made[-1]
+
+    yield one
+    for worker in made:
+        worker.stop(PATIENCE)
+        assert not worker._thread.is_alive()
+
+
+def test_jobs_are_done_in_order_and_settled_after(make):
+    seen = queue.Queue()
+    worker = make(lambda: seen.put("settled"), period=60.0)
+    for number in range(3):
+        worker.put(lambda number=number: seen.put(number))
+    assert worker.waiting
+    worker.start()
+    assert [seen.get(timeout=PATIENCE) for _ in range(4)] == [0, 1, 2, "settled"]
+
+
+def test_each_settler_has_its_turn_and_says_when_the_next_is_due(make):
+    first, second = queue.Queue(), queue.Queue()
+
+    def soon():
+        second.put(1)
+        return 0.001
+
+    worker = make(lambda: first.put(1), period=3600.0)
+    worker.add(soon)
+    worker.put(lambda: None)
+    worker.start()
+    for _ in range(20):
+        first.get(timeout=PATIENCE)
+        second.get(timeout=PATIENCE)
+
+
+def test_without_jobs_it_settles_once_a_period(make):
+    seen = queue.Queue()
+    make(lambda: seen.put(1), period=0.001).start()
+    for _ in range(3):
+        seen.get(timeout=PATIENCE)
+
+
+def test_questions_are_answered(make, monkeypatch):
+    worker = make()
+    monkeypatch.setattr(rospy, "get_name", lambda: "/node")
+    with pytest.raises(rospy.ServiceException, match="/node does not answer"):
+        worker.ask(lambda: 1, timeout=0.01)
+    worker.start()
+    assert worker.ask(lambda: 42, PATIENCE) == 42
+
+
+@pytest.mark.parametrize("at_the_end", [False, True])
+def test_an_error_ends_the_node_and_is_told_with_its_traceback(make, monkeypatch, at_the_end):
+    told, ended, after = [], [], []
+    monkeypatch.setattr(rospy, "logfatal", lambda text, *values: told.append(text % values))
+    monkeypatch.setattr(rospy, "signal_shutdown", ended.append)
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: at_the_end)
+    worker = make()
+    worker.put(lambda: 1 / 0)
+    worker.put(lambda: after.append(1))
+    worker.start()
+    worker.stop(PATIENCE)
+    assert not after, "its state may be half changed"
+    if at_the_end:
+        assert not told, "topics are closed then, which is no fault"
+    else:
+        assert len(told) == len(ended) == 1
+        assert "Traceback" in told[0]
+        assert "ZeroDivisionError" in told[0]
