@@ -21,7 +21,8 @@ from processes import ROOT, run
 
 PYTHON_FOLDERS = ("src", "scripts", "test", "bench", "doc", "setup.py")
 UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 900.0, 600.0, 180.0  # seconds
-CORES = min(os.cpu_count() or 1, 4)  # so many tests run at a time
+CORES = min(os.cpu_count() or 1, 4)  # so many unit tests run at a time
+ROSTESTS_AT_ONCE = CORES + 1  # they wait a good part of their time
 ROSTEST_MARGIN = 60.0  # seconds for master and nodes to start and stop, besides the tests' own time limits
 
 LINTERS: Dict[str, List[str]] = {
@@ -99,7 +100,7 @@ class Tests:
     def _rostests(self, paths: Sequence[Path], suffix: str, environment: Mapping[str, str]) -> Outcome:
         # the longest first, so that none runs alone at the end
         longest_first = sorted(paths, key=lambda path: sum(_time_limits(path)), reverse=True)
-        with ThreadPoolExecutor(CORES) as pool:
+        with ThreadPoolExecutor(ROSTESTS_AT_ONCE) as pool:
             return sum(pool.map(lambda path: self._rostest(path, suffix, environment), longest_first), Outcome())
 
     def _rostest(self, path: Path, suffix: str, environment: Mapping[str, str]) -> Outcome:

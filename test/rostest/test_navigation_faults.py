@@ -250,7 +250,7 @@ class NavigationFaults(unittest.TestCase):
             links.append(rospy.Subscriber("/move_base/" + name, kind, keep))
         self.driver.wait(lambda: all(link.get_num_connections() for link in links))
         links[0].publish(pose_goal(5.9, 0.0).target_pose)
-        self.driver.wait(lambda: results)
+        self.driver.wait(lambda: results and len(shown) == 4)
         self.assertEqual(results[0].status.status, SUCCEEDED)
         self.assertLess(self.driver.distance(5.9, 0.0), 0.2)
         frames = {name: message.header.frame_id for name, message in shown.items()}

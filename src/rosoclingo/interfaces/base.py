@@ -25,6 +25,7 @@ IN_TOPIC = "in_rosoclingo"
 OUT_TOPIC = "out_rosoclingo"
 
 TICK, IDLE_TICK = 0.02, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
+CANCEL_PATIENCE = 1.0  # seconds of wall time that an interface which ends waits for its server to take the cancels
 
 _TAKEN = ("preempted", "recalled")  # the server has cancelled a goal though nobody here has asked for it
 _FINAL = ("preempted", "interface_lost")  # verdicts after which nothing is sent again
@@ -233,8 +234,10 @@ class Interface(abc.ABC):
         return self._link.connected, [str(action.atom) for action in self._attempts]
 
     def _shut_down(self) -> None:
-        for attempt in list(self._attempts.values()):
+        attempts = list(self._attempts.values())
+        for attempt in attempts:
             self._guarded(functools.partial(self._handle, attempt, Event.SHUTDOWN), attempt)
+        self._link.wait_for_cancels([one.handle for one in attempts if one.handle is not None], CANCEL_PATIENCE)
 
     # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
 

@@ -1,6 +1,7 @@
 """The client's side of one actionlib server: is it there, send a goal, hear of its progress."""
 
-from typing import Any, Callable, Optional, Set
+import threading
+from typing import Any, Callable, Iterable, Optional, Set
 
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
 
@@ -27,6 +28,8 @@ _ACKNOWLEDGING = (
     CommState.WAITING_FOR_RESULT,
 )
 
+_CANCELLING = (CommState.RECALLING, CommState.PREEMPTING, CommState.WAITING_FOR_RESULT, CommState.DONE)
+
 Report = Callable[[Event, Optional[Ended]], None]
 
 
@@ -39,6 +42,7 @@ class ServerLink:
     def __init__(self, server: str, action_type: type) -> None:
         self._client = ActionClient(server, action_type)
         self._down_since: Optional[float] = None
+        self._changed = threading.Condition()
 
     @property
     def connected(self) -> bool:
@@ -68,11 +72,25 @@ class ServerLink:
 
     def send(self, goal: Any, report: Report) -> ClientGoalHandle:
         """Send a goal; `report` is called on rospy's threads and may only enqueue."""
-        return self._client.send_goal(goal, transition_cb=lambda handle: _report_transition(handle, report))
+        return self._client.send_goal(goal, transition_cb=lambda handle: self._transition(handle, report))
 
     def cancel(self, handle: ClientGoalHandle) -> None:
         """Cancel a goal, acknowledged or not."""
         cancel_goal(self._client, handle)
+
+    def wait_for_cancels(self, handles: Iterable[ClientGoalHandle], timeout: float) -> bool:
+        """Wait until the server knows of the cancels of these goals, at most ``timeout`` seconds of wall time.
+
+        A node that ends before loses what rospy has not sent yet.
+        """
+        goals = list(handles)
+        with self._changed:
+            return self._changed.wait_for(lambda: all(one.get_comm_state() in _CANCELLING for one in goals), timeout)
+
+    def _transition(self, handle: ClientGoalHandle, report: Report) -> None:
+        _report_transition(handle, report)
+        with self._changed:
+            self._changed.notify_all()
 
 
 def _report_transition(handle: ClientGoalHandle, report: Report) -> None:
