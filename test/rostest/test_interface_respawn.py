@@ -35,6 +35,7 @@ class InterfaceRespawn(unittest.TestCase):
         cls.client = ActionClient("rosoclingo", ROSoClingoAction)
         cls.client.wait_for_server()
         cls.returns = CoreSide()
+        cls.returns.wait_for("move_base_interface")
 
     def end(self, handle):
         wait_until(lambda: handle.get_comm_state() == CommState.DONE, "the goal to end")
