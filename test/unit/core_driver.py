@@ -6,6 +6,7 @@ from typing import List, Optional
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.journal import Journal
+from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 
 #: One errand per goal ``do(What,Id)``; see the file.
 ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()
@@ -15,12 +16,16 @@ class Driver:
     """A core with a journal; ``run`` lets it go as far as it goes by itself."""
 
     def __init__(
-        self, text: str = ERRANDS, settings: Optional[CoreSettings] = None, program: Optional[ReactiveProgram] = None
+        self,
+        text: str = ERRANDS,
+        settings: Optional[CoreSettings] = None,
+        program: Optional[ReactiveProgram] = None,
+        watch: SearchWatch = unwatched,
     ) -> None:
         self.program = program or ReactiveProgram.from_text(text)
         self.journal = Journal()
         settings = settings or CoreSettings(horizon_limit=8)
-        self.core = Core(self.program, lambda: self._solver(), self.journal, settings)
+        self.core = Core(self.program, lambda: self._solver(), self.journal, settings, watch)
         self.now = 1.0
         self.core.start()
         self.run()

@@ -27,7 +27,7 @@ def check_replay(program, journal, most=200):
             told_left = [action for action in plan.actions if action.cycle >= cycle]
             assert (cycle, result.horizon, len(left)) == (cycle, plan.horizon, len(told_left))
         else:
-            assert plan.actions == ()
+            assert not [action for action in plan.actions if action.cycle >= cycle]
     begun_anew = any("#anew." in event.stream for event in told)
     steps = [event.cycle for event in told]
     assert begun_anew or steps == list(range(1, len(steps) + 1)), "each cycle's update is told once"

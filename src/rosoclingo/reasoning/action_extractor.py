@@ -6,12 +6,12 @@ from clingo import Symbol
 
 from rosoclingo.reasoning.keywords import ACTION_LIB, Action, KeywordError, action_of, is_keyword
 
-DONE = 10
-"""So many of the last actions done are told with a plan; all that was ever done is what a recording is for."""
-
 
 class TaskPlan(NamedTuple):
-    """The actions of an answer by cycle, those of the past that it holds included, and what was wrong with it."""
+    """The actions of an answer by cycle, and what was wrong with it.
+
+    Of the past it holds what the solver still knows; what was done is told from the core's own record of it.
+    """
 
     actions: Tuple[Action, ...] = ()
     faults: Tuple[str, ...] = ()
@@ -27,11 +27,6 @@ class TaskPlan(NamedTuple):
     def remaining(self, cycle: int) -> Tuple[Action, ...]:
         """The actions of a cycle and later."""
         return tuple(action for action in self.actions if action.cycle >= cycle)
-
-    def told(self, cycle: int) -> Tuple[Action, ...]:
-        """What is told of the plan in a cycle: the last actions done, DONE at most, and those that remain."""
-        done = tuple(action for action in self.actions if action.cycle < cycle)
-        return done[-DONE:] + self.remaining(cycle)
 
 
 def extract_plan(answer: FrozenSet[Symbol]) -> TaskPlan:

@@ -26,6 +26,7 @@ from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
 from rosoclingo.reasoning.intake import Intake
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
+from rosoclingo.reasoning.observations import DONE
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
 from rosoclingo.reasoning.settings import CoreSettings
@@ -253,7 +254,7 @@ class Core:
             judge(goal, statuses, self._plan, self._step, result.horizon, self._speaks)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
-        told = self._plan.told(self._step)
+        told = self._told()
         for goal in self._desk.fed:
             self._tell(GoalProgress(self._step, goal.key, goal.state, told))
         actions = self._plan.at(self._step)
@@ -317,7 +318,7 @@ class Core:
             self._planner = self._planner.restarted()
 
     def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
-        """Nothing else helps: what was told and done before is forgotten, if the program has an answer then."""
+        """Nothing else helps: the program forgets what was told and done before, if it has an answer then."""
         try:
             planner, updates, result = self._planner.anew(self._step)
         except SolverError:
@@ -357,8 +358,11 @@ class Core:
 
     def _tell_plan(self, result: SolveResult) -> None:
         seconds = result.statistics
-        told = self._plan.told(self.cycle)
-        self._tell(PlanMade(self.cycle, result.horizon, told, seconds["ground"], seconds["solve"]))
+        self._tell(PlanMade(self.cycle, result.horizon, self._told(), seconds["ground"], seconds["solve"]))
+
+    def _told(self) -> Tuple[Action, ...]:
+        """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
+        return self._intake.observations.executed[-DONE:] + self._plan.remaining(self.cycle)
 
     def _problem(self, message: str, origin: str = "") -> None:
         self._tell(Problem(self.cycle, message, origin))

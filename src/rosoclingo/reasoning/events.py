@@ -32,6 +32,8 @@ class UpdateSent(Event):
 class PlanMade(Event):
     """The solver's answer for the cycle: the plan's actions by cycle, after the last few that are done.
 
+    Without a plan there are only these.
+
     ``ground`` and ``solve`` are seconds of wall time.
     """
 

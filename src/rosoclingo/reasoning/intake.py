@@ -112,7 +112,7 @@ class Intake:
         self._known.pop(fact.told or fact.atom, None)
 
     def forget_all(self) -> None:
-        """Nothing counts of what was told and done before."""
+        """Nothing counts of what was told before."""
         self._known.clear()
         self.observations.clear()
 

@@ -10,6 +10,9 @@ from rosoclingo.reasoning.keywords import RETURN, Action, Return, is_keyword, na
 #: So many are kept; what is older is taken for granted.
 MEMORY = 32
 
+#: So many of the last actions done are told with a plan; all that was ever done is what a recording is for.
+DONE = 10
+
 
 class Observation(NamedTuple):
     """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it may be about.
@@ -57,7 +60,7 @@ class Observations:
 
     @property
     def executed(self) -> Tuple[Action, ...]:
-        """The latest actions, oldest first."""
+        """The latest actions, oldest first. They were done, also if the program knows nothing of them any more."""
         return tuple(self._executed)
 
     def add_fact(self, fact: Observation) -> None:
@@ -77,6 +80,5 @@ class Observations:
         self._kept = deque((one for one in self._kept if one.atom not in atoms), maxlen=MEMORY)
 
     def clear(self) -> None:
-        """Everything begins anew."""
+        """Everything begins anew, but what was done was done."""
         self._kept.clear()
-        self._executed.clear()

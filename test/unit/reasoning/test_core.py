@@ -14,8 +14,8 @@ from rosoclingo.oclingo import (
     parse_atom,
 )
 from rosoclingo.reasoning import Core, CoreSettings, GoalProgress, PlanMade, Problem
-from rosoclingo.reasoning.action_extractor import DONE
 from rosoclingo.reasoning.journal import Journal
+from rosoclingo.reasoning.observations import DONE
 from rosoclingo.reasoning.texts import LONGEST, MOST_FACTS
 
 #: Nothing can be done before cycle 4; goals ``wait(Id)``.

@@ -4,6 +4,9 @@ The world is modelled apart from the program: a robot, packages, and what the in
 the checks of what must hold at any time; at the end all that is under way succeeds, and every goal must have ended.
 """
 
+from contextlib import ExitStack
+from unittest.mock import patch
+
 from core_driver import Driver
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -11,11 +14,28 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from office_world import OFFICES, World, mailbot
 from stream_replay import check_replay
 
-from rosoclingo.reasoning import ActionsPreempted, CoreSettings, GoalChanged, GoalRefused, PlanMade
-from rosoclingo.reasoning.action_extractor import DONE
+from rosoclingo.oclingo.solving import compaction
+from rosoclingo.reasoning import (
+    ActionsDispatched,
+    ActionsPreempted,
+    CoreSettings,
+    GoalChanged,
+    GoalRefused,
+    PlanMade,
+    stream_planner,
+)
+from rosoclingo.reasoning.observations import DONE
 
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
 TIMEOUT = 50.0
+
+#: How soon cycles are over for the solver, so that a short run meets what otherwise only a long one does.
+FORGETFUL = (
+    (stream_planner, "RECENT", 2),
+    (compaction, "RETIRE_AFTER", 6),
+    (compaction, "RETIRE_ALONG", 2),
+    (compaction, "SHOWN_STEPS", 1),
+)
 
 #: actionlib's own diagram of a goal's life on the server, by its words; the first state is pending.
 FOLLOWS = {
@@ -29,8 +49,11 @@ FOLLOWS = {
 class CoreMachine(RuleBasedStateMachine):
     """The core between clients and interfaces that do anything."""
 
-    @initialize(preempt=st.booleans())
-    def begin(self, preempt):
+    @initialize(preempt=st.booleans(), forgetful=st.booleans())
+    def begin(self, preempt, forgetful):
+        self.patches = ExitStack()
+        for module, name, value in FORGETFUL if forgetful else ():
+            self.patches.enter_context(patch.object(module, name, value))
         self.driver = Driver(
             settings=CoreSettings(horizon_limit=60, action_timeout=TIMEOUT, preempt=preempt), program=mailbot()
         )
@@ -143,6 +166,10 @@ class CoreMachine(RuleBasedStateMachine):
 
     # ---- what holds at any time
 
+    def account(self):
+        """What led here, for the message of a failure: the stream that was taken, and the problems."""
+        return "\n".join((self.driver.journal.stream, *self.driver.problems))
+
     def lives(self, key):
         return self.goals[key] is not None and not self.ended(key)
 
@@ -164,14 +191,17 @@ class CoreMachine(RuleBasedStateMachine):
     def the_past_never_changes(self):
         events = self.driver.journal.events[self.checked :]
         for event in events:
-            if isinstance(event, PlanMade) and event.actions:  # there is none in a cycle without a plan
+            if isinstance(event, PlanMade):
                 past = [action for action in event.actions if action.cycle < event.cycle]
                 done = [one for cycle in sorted(self.executed) for one in self.executed[cycle] if cycle < event.cycle]
-                assert past == done[-DONE:]
-            elif type(event).__name__ == "ActionsDispatched":
-                assert event.cycle not in self.executed
+                assert past == done[-DONE:], f"{event}\n{self.account()}"
+            elif isinstance(event, ActionsDispatched):
+                assert event.cycle not in self.executed, f"{event}\n{self.account()}"
                 self.executed[event.cycle] = sorted(event.actions, key=lambda action: str(action.atom))
         self.checked += len(events)
+        answered = {action for action in self.driver.core.plan.actions if action.cycle < self.driver.core.cycle}
+        done = {action for actions in self.executed.values() for action in actions}
+        assert answered <= done, f"{answered - done} in the answer was never done\n{self.account()}"
 
     @invariant()
     def idle_when_nothing_is_to_do(self):
@@ -182,6 +212,11 @@ class CoreMachine(RuleBasedStateMachine):
     def teardown(self):
         if not hasattr(self, "driver"):
             return
+        with self.patches:
+            self.come_to_an_end()
+
+    def come_to_an_end(self):
+        """All that is under way succeeds; then every goal has ended as it should."""
         for _ in range(300):
             if not self.driver.core.awaited:
                 break

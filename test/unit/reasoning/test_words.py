@@ -112,7 +112,8 @@ def test_observations_that_count_no_more():
     seen.add_executed(done)
     assert seen.executed == done
     seen.clear()
-    assert seen.newest_first == seen.executed == ()
+    assert seen.newest_first == ()
+    assert seen.executed == done, "what was done was done"
 
 
 def test_only_the_latest_observations_are_kept():

@@ -1,0 +1,114 @@
+"""What was done stays in the plan that is told, whatever the solver has let go of meanwhile."""
+
+from core_driver import ERRANDS, Driver
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from stream_replay import check_replay
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.reasoning import GoalProgress, Halt, PlanMade, Problem
+from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.observations import DONE
+
+#: So many cycles without an action that the solver no longer grounds the one before them.
+IDLE = 40
+
+#: Nothing can follow an errand ``do(trap,Id)``: everything begins anew after it.
+TRAP = ERRANDS + "#program cumulative(t).\n:- _action_lib(trap,I,t-2).\n"
+
+
+def be_idle(driver, cycles=IDLE):
+    """Let cycles go by in which nothing is done, for facts that nobody has told yet."""
+    for _ in range(cycles):
+        driver.facts(f"_seen({driver.core.cycle})")
+
+
+def check_past(driver):
+    """Each plan and each feedback holds the last actions done, and nothing else of the past; so does the answer."""
+    actions = [action_of(parse_atom(text)) for text in driver.journal.actions]
+    for event in (*driver.journal.of(PlanMade), *driver.journal.of(GoalProgress)):
+        past = [action for action in event.actions if action.cycle < event.cycle]
+        assert past == [action for action in actions if action.cycle < event.cycle][-DONE:], event
+    assert {one for one in driver.core.plan.actions if one.cycle < driver.core.cycle} <= set(actions)
+
+
+def test_it_stays_when_nothing_has_been_done_for_long():
+    driver = Driver().goal("a", "do(walk,1)").finish()
+    be_idle(driver)
+    driver.goal("b", "do(run,2)")
+    cycle = driver.core.cycle
+    for event in (driver.journal.of(PlanMade)[-1], driver.feedback("b")[-1]):
+        assert [str(one.atom) for one in event.actions] == ["_action_lib(walk,1,1)", f"_action_lib(run,2,{cycle})"]
+    check_past(driver)
+
+
+def test_it_stays_when_everything_begins_anew():
+    driver = Driver(TRAP).goal("a", "do(trap,1)").finish().goal("b", "do(run,2)")
+    assert any("it begins anew" in event.message for event in driver.journal.of(Problem))
+    cycle = driver.core.cycle
+    plan = [str(one.atom) for one in driver.journal.of(PlanMade)[-1].actions]
+    assert plan == ["_action_lib(trap,1,1)", f"_action_lib(run,2,{cycle})"]
+    check_past(driver)
+
+
+def test_it_stays_when_there_is_no_plan():
+    driver = Driver().goal("a", "do(walk,1)").finish().goal("b", "do(never,2)")
+    assert driver.states("b")[-1] == "aborted"
+    check_past(driver)
+
+
+EVENTS = st.lists(
+    st.one_of(
+        st.tuples(st.just("goal"), st.sampled_from(["walk", "run", "quick", "never", "trap"])),
+        st.tuples(st.just("cancel"), st.integers(1, 5)),
+        st.tuples(st.just("succeed"), st.integers(1, 5)),
+        st.tuples(st.just("fail"), st.sampled_from(["failed", "timeout", "odd(thing,17)"])),
+        st.tuples(st.just("idle"), st.sampled_from([1, IDLE])),
+        st.tuples(st.just("halt"), st.lists(st.sampled_from(["", "slow", "left"]), min_size=1, max_size=5)),
+    ),
+    max_size=20,
+)
+
+
+class Play:
+    """Does what the events say; ``halts`` are how the coming searches end: by themselves, for time, or left."""
+
+    def __init__(self):
+        self.goals, self.halts = 0, []
+        self.driver = Driver(TRAP, watch=self.watch)
+
+    def watch(self):
+        """Tell of the next search when it is to end."""
+        word = self.halts.pop(0) if self.halts else ""
+        return lambda: Halt("the test", disturbed=word == "left") if word else None
+
+    def do(self, kind, what):
+        """One event happens."""
+        if kind == "goal":
+            self.goals += 1
+            self.driver.goal(str(self.goals), f"do({what},{self.goals})")
+        elif kind == "cancel":
+            self.driver.cancel(str(what))
+        elif kind == "idle":
+            be_idle(self.driver, what)
+        elif kind == "halt":
+            self.halts = what
+        elif kind == "succeed":
+            for _ in range(what):
+                self.driver.succeed()
+        elif self.driver.core.awaited:
+            self.driver.fail(what)
+
+
+@settings(max_examples=settings.default.max_examples // 4)
+@given(EVENTS)
+def test_it_stays_whatever_happens(events):
+    play = Play()
+    for event in events:
+        play.do(*event)
+    play.halts = []
+    play.driver.finish().goal("fresh", "do(walk,99)").finish()
+    assert play.driver.states("fresh")[-1] == "succeeded"
+    check_past(play.driver)
+    if not any(kind == "halt" for kind, _ in events):
+        check_replay(play.driver.program, play.driver.journal)
