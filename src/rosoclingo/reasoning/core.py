@@ -199,7 +199,7 @@ class Core:
 
     def _give_up(self, batch: Batch) -> None:
         """Go back to a short horizon, and give up the goals; the rest of the update comes with the next one."""
-        self._plan, known = TaskPlan(), [goal for goal in self._desk.fed if goal not in batch.goals]
+        self._plan, known = TaskPlan(), self._desk.fed
         self._desk.end(self._desk.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
         for goal in known:
             self._feeder.add_cancellation(goal.identifier)

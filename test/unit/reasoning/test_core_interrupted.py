@@ -59,6 +59,14 @@ def test_a_search_that_is_left_is_made_again():
     assert driver.journal.problems == ["the search was left: the test"]
 
 
+def test_a_search_that_is_left_is_made_again_where_nothing_else_asks_for_it():
+    driver = Interrupted().goal("a", "do(walk,1)")
+    driver.core.receive("interface", ["_return(walk,failed,1)"])
+    driver.once()
+    assert driver.core.plan.actions == ()
+    assert driver.run().awaited == ["_action_lib(walk,1,3)"]
+
+
 def test_a_cancel_that_ends_a_search_is_fed_with_the_next_update():
     driver = Interrupted()
     driver.core.add_goal("a", "do(walk,1)")
@@ -162,6 +170,23 @@ def test_recovery_is_left_for_what_comes():
     assert driver.states("a") == [], "without a plan, but not yet given up"
     assert driver.run().states("a")[-1] == "aborted"
     assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
+    driver = Interrupted(ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n")
+    searches = []
+
+    def watch():
+        searches.append(None)
+        return lambda: Halt("the test", disturbed=True) if len(searches) == 4 else None
+
+    driver.core = Core(driver.program, driver.make_solver, driver.journal, CoreSettings(horizon_limit=8), watch)
+    driver.core.start()
+    driver.goal("a", "do(walk,1)").core.receive("interface", ["_return(walk,failed,1)", "_seen(rain)"])
+    assert driver.core.advance(1.0)
+    assert driver.journal.problems == ["the search was left: the test"]
+    assert driver.states("a") == [], "without a plan, but not yet given up"
+    assert driver.run().states("a") == ["active", "aborted"]
 
 
 def test_a_goal_whose_update_is_dropped_is_aborted_and_nothing_else():

@@ -79,14 +79,17 @@ def failures(under_way):
 
 def test_a_failure_may_name_its_action():
     under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)", "_action_lib(arm,c,1)")
-    take(under_way, "_return(drive,blocked(b),1)")
+    take(under_way, "_return(drive,blocked(hard,b),1)")
     assert missing(under_way) == ["_action_lib(drive,a,1)", "_action_lib(arm,c,1)"]
     with pytest.raises(ReturnError, match="returned already"):
         take(under_way, "_return(drive,b,1)")
     take(under_way, "_return(drive,a,1)")
     take(under_way, "_return(arm,failed(hard,c),1)")
     assert missing(under_way) == []
-    assert failures(under_way) == [("_return(drive,blocked(b),1)", ["b"]), ("_return(arm,failed(hard,c),1)", ["c"])]
+    assert failures(under_way) == [
+        ("_return(drive,blocked(hard,b),1)", ["b"]),
+        ("_return(arm,failed(hard,c),1)", ["c"]),
+    ]
 
 
 def test_a_failure_that_names_none_is_about_any_that_no_other_return_names():

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from core_driver import Driver
+from core_driver import ERRANDS, Driver
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, FactTaken, Halt
@@ -74,6 +74,16 @@ def test_a_late_fact_is_taken_for_the_present():
     assert driver.journal.problems == [told]
     assert not any("_shut(den,0)" in text for text in driver.journal.updates), "what was withheld is not told"
     assert any("_shut(den,2)" in text for text in driver.journal.updates)
+
+
+def test_a_late_fact_that_was_taken_for_the_present_may_be_a_reason():
+    rule = "#external _storm/1.\n#program cumulative(t).\n:- _action_lib(walk,_,t), _storm(C), C <= t.\n"
+    driver = Driver(ERRANDS + rule).goal("a", "do(walk,1)").finish().facts("_storm(1)")
+    assert driver.journal.problems == [
+        "_storm(1) from interface interface contradicts what was done and told before: taken for cycle 3"
+    ]
+    driver.goal("b", "do(walk,2)")
+    assert driver.message("b") == "do(walk,2) cannot be met since _storm(3) was told in cycle 2"
 
 
 def test_a_late_fact_without_a_goal():

@@ -1,0 +1,233 @@
+"""The core before its first update, between two cycles, and at each limit: what is told, and what is not."""
+
+from dataclasses import replace
+
+from core_driver import ERRANDS, Driver
+from test_core import Picky, Procrastinator
+from test_late_facts import BATTERY
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
+from rosoclingo.oclingo.progression.updates import Anew
+from rosoclingo.reasoning import Core, CoreSettings, Halt, PlanMade
+from rosoclingo.reasoning.journal import Journal
+
+#: A goal ``told(Id)`` is under way as long as nothing ends it, and needs no action.
+UNDER_WAY = """
+#external _request/2.
+#program cumulative(t).
+_status(I,accepted,t) :- _request(told(I),_).
+#program volatile(t).
+#program base.
+#show _action_lib/3. #show _status/3.
+"""
+
+
+class Relenting(Procrastinator):
+    """Puts its plan off until the fifth cycle, where there is nothing left to do."""
+
+    def update(self, update, stopped=None):
+        result = super().update(update, stopped)
+        return result if update.step < 5 else replace(result, answers=(frozenset(),))
+
+
+class Undecided(Driver):
+    """A driver whose searches are over before they come to a result while ``halts`` says so of their updates."""
+
+    halts = staticmethod(lambda _update: False)
+    asked = None  # the solver that took the latest update
+
+    def _solver(self):
+        driver = self
+
+        class Halting(ReactiveSolver):
+            def update(self, update, stopped=None):
+                result, driver.asked = super().update(update, stopped), self
+                return replace(result, outcome=SolveOutcome.INTERRUPTED, answers=()) if driver.halts(update) else result
+
+        return Halting(self.program, shortest=True)
+
+
+def core_of(make_solver, limit=5):
+    journal = Journal()
+    program = ReactiveProgram.from_text(ERRANDS)
+    return Core(program, lambda: make_solver(program), journal, CoreSettings(horizon_limit=limit)), journal
+
+
+class Replaceable(Driver):
+    """A driver that knows the solver in use, by which ``refused`` updates can be refused; a further one takes all."""
+
+    def _solver(self):
+        self.solver = Picky(self.program, shortest=True)
+        return self.solver
+
+
+def test_a_core_that_has_not_begun_has_no_plan():
+    core, journal = core_of(lambda _program: Procrastinator())
+    assert (core.cycle, core.plan.actions, core.live_goals, core.awaited) == (1, (), [], ())
+    assert not journal.events
+
+
+def test_an_update_that_nothing_was_taken_of_is_not_told():
+    driver = Replaceable()
+    driver.solver.refused = lambda _text: True
+    assert driver.goal("a", "do(walk,1)").states("a") == ["rejected"]
+    assert driver.journal.updates == []
+
+
+def test_a_solver_that_takes_nothing_any_more_is_replaced():
+    driver = Replaceable().goal("a", "do(walk,1)")
+    driver.solver.refused = lambda _text: True
+    assert driver.succeed().states("a")[-1] == "aborted"
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_a_fact_that_was_not_taken_is_new_when_it_is_told_again():
+    driver = Replaceable(BATTERY)
+    driver.solver.refused = lambda text: "_battery" in text
+    driver.facts("_battery(high,9)")
+    assert driver.journal.updates == ["#step 1.\n#end step.\n"]
+    driver.solver.refused = lambda _text: False
+    driver.facts("_battery(high,9)").facts("_battery(high,9)")
+    assert driver.journal.updates[1:] == ["#step 2.\n_battery(high,9).\n#end step.\n"]
+
+
+def test_a_plan_that_is_put_off_from_the_start_is_given_up_at_the_limit():
+    core, journal = core_of(lambda _program: Procrastinator())
+    core.start()
+    while core.advance(1.0):
+        assert core.cycle <= 5
+    assert core.cycle == 5
+    assert journal.problems == ["the plan was put off 5 times in a row: it is given up"]
+
+
+def test_a_plan_that_comes_to_nothing_at_the_limit_is_not_given_up():
+    core, journal = core_of(lambda _program: Relenting())
+    core.start()
+    while core.advance(1.0):
+        assert core.cycle <= 5
+    assert core.cycle == 5
+    assert journal.problems == []
+
+
+def test_nothing_is_fed_once_a_request_has_been_seen():
+    driver = Driver(UNDER_WAY).goal("a", "told(1)")
+    assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."], "the request's own cycle is the second"
+    assert driver.states("a") == ["active"]
+
+
+def test_a_fact_that_came_too_late_and_was_not_taken_is_new_when_it_is_told_again():
+    driver = Replaceable(BATTERY)
+    for number in range(7):
+        driver.goal(str(number), f"do(walk,{number})").finish()
+    driver.solver.refused = lambda text: "_battery" in text
+    driver.facts("_battery(high,1)")
+    driver.solver.refused = lambda _text: False
+    driver.facts("_battery(high,1)")
+    assert driver.problems[-1] == (
+        "_battery(high,1) from interface interface comes too late: it is taken as _battery(high,16)"
+    )
+    assert "_battery(high,16)." in driver.journal.updates[-1]
+
+
+def test_an_update_without_an_answer_has_no_plan_but_what_is_done():
+    driver = Driver()
+    driver.core.add_goal("a", "do(walk,1)")
+    driver.goal("b", "do(run,2)").goal("c", "do(never,3)").succeed()
+    told = [(event.cycle, len(event.actions)) for event in driver.journal.of(PlanMade)]
+    assert told == [(1, 0), (1, 2), (2, 1), (3, 2)]
+
+
+def test_what_the_solver_has_ignored_is_told():
+    driver = Driver(ERRANDS.replace("#external _seen/1.", "#external _seen(1..2).")).facts("_seen(3)")
+    assert driver.problems == ["Head _seen(3) has not been declared external. The entire rule will be ignored."]
+
+
+def test_the_program_hears_with_the_next_update_that_a_goal_which_it_rejects_is_over():
+    text = UNDER_WAY.replace("accepted", "rejected") + "#external _seen/1."
+    driver = Driver(text).goal("a", "told(1)")
+    assert driver.states("a") == ["rejected"]
+    driver.facts("_seen(ball)")
+    assert driver.journal.updates[-1].split()[2:4] == ["_request(cancel(1),2).", "_seen(ball)."]
+
+
+NOT_FOUND = "no plan was found before the search was ended"
+
+
+def test_where_it_stays_open_twice_in_a_row_whether_there_is_an_answer_everything_begins_anew():
+    driver = Undecided().goal("a", "do(walk,1)").finish()
+    driver.halts = lambda update: not any(isinstance(item, Anew) for item in update.items)
+    driver.goal("b", "do(run,2)")
+    assert driver.problems == [
+        f"no answer was found, whatever goals are given up: {NOT_FOUND}",
+        f"ERROR: the program has no answer after all that was done and told: {NOT_FOUND}; it begins anew",
+    ]
+    assert driver.message("b") == f"do(run,2) cannot be met: {NOT_FOUND}"
+    driver.halts = lambda _update: False
+    assert driver.goal("c", "do(walk,1)").finish().states("c")[-1] == "succeeded"
+
+
+def test_where_it_stays_open_now_and_then_whether_there_is_an_answer_nothing_begins_anew():
+    driver = Undecided()
+    for number in (1, 2, 3):
+        driver.halts = lambda _update: True
+        driver.core.add_goal(str(number), f"do(never,{number})")
+        assert driver.core.advance(1.0)
+        driver.halts = lambda _update: False
+        assert driver.run().states(str(number))[-1] == "aborted"
+        assert driver.asked.horizon == driver.core.cycle, "it goes on with a short horizon"
+    assert driver.problems == 3 * [f"no answer was found, whatever goals are given up: {NOT_FOUND}"]
+
+
+def test_without_time_for_recovery_the_goals_that_came_last_are_given_up():
+    driver = Undecided()
+    settings, over = CoreSettings(horizon_limit=8), Halt("time is over")
+    driver.core = Core(driver.program, driver._solver, driver.journal, settings, watch_recovery=lambda: lambda: over)
+    driver.core.start()
+    driver.goal("a", "do(walk,1)").core.receive("interface", ["_return(walk,failed,1)"])
+    driver.halts = lambda update: "cancel" not in str(update)
+    driver.core.add_goal("b", "do(run,2)")
+    driver.goal("c", "do(swim,3)")
+    assert [goal.key for goal in driver.core.live_goals] == ["a"]
+    assert driver.journal.updates[-1].split()[2:-2] == ["_request(cancel(2),3).", "_request(cancel(3),3)."]
+    assert driver.awaited == ["_action_lib(walk,1,3)"]
+
+
+#: What was done in cycle 1 cannot be any more in cycle 3.
+IMPOSSIBLE = BATTERY + ":- _action_lib(walk,1,t-2).\n"
+
+
+def contradicted(driver):
+    """Goal c is under way, and goal b and two facts come with the update that has no answer whatever is given up."""
+    driver.goal("a", "do(walk,1)").core.add_goal("c", "do(rest,9)")
+    driver.succeed()
+    driver.core.add_goal("b", "do(run,2)")
+    return driver.facts("_battery(high,9)", "_return(rest,failed,2)")
+
+
+def test_what_begins_anew_keeps_the_new_goals_only():
+    driver = contradicted(Driver(IMPOSSIBLE))
+    assert driver.message("c") == "do(rest,9) is given up: the program begins anew"
+    assert driver.states("b") == []
+    assert driver.awaited == ["_action_lib(run,2,4)"]
+    assert [" ".join(text.split()[1:-2]) for text in driver.journal.updates[2:]] == [
+        "3. #anew.",
+        "4. _request(do(run,2),5).",
+    ]
+    assert [event.cycle for event in driver.journal.of(PlanMade)] == [1, 1, 2, 3, 3, 4]
+    driver.facts("_battery(high,9)", "_return(run,2,4)")
+    assert "_battery(high,9)." in driver.journal.updates[-1], "what was told before is new"
+    assert driver.states("b")[-1] == "succeeded"
+
+
+def test_where_it_cannot_begin_anew_the_goals_are_given_up():
+    driver = Driver(IMPOSSIBLE)
+    solver = type("Old", (Picky,), {"refused": staticmethod(lambda text: "#anew" in text)})
+    settings = CoreSettings(horizon_limit=8)
+    driver.core = Core(driver.program, lambda: solver(driver.program, shortest=True), driver.journal, settings)
+    driver.core.start()
+    contradicted(driver)
+    assert driver.states("b")[-1] == driver.states("c")[-1] == "aborted"
+    why = "there is no plan of at most 8 steps"
+    assert driver.message("b") == f"do(run,2) cannot be met: {why}"
+    assert driver.problems[0] == f"no answer was found, whatever goals are given up: {why}"
+    assert not any("begins anew" in text for text in driver.problems)
