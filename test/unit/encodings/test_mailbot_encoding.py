@@ -260,6 +260,29 @@ def test_what_could_not_be_put_down_is_asked_for_again():
     assert ends(robot) == {1: "succeeded"}
 
 
+@pytest.mark.parametrize(
+    ("moves", "then"),
+    [
+        (0, ["deliver,7", "pickup,7", "move_base,office1", "deliver,7"]),
+        (1, ["move_base,office2", "move_base,office1", "deliver,7"]),
+    ],
+)
+def test_what_is_being_brought_back_is_asked_for_again(moves, then):
+    """As long as it is on the robot it stays there; that it is being put down is too late to change."""
+    robot = Driver.from_files(ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
+    robot.goal("first", "goal(office2,office4,7)").until("pickup")
+    for _ in range(moves):
+        robot.succeed()
+    cycle = robot.core.cycle
+    robot.core.receive("eye", [f"_blocked(office3,office4,{cycle})"])
+    robot.succeed()
+    assert robot.states("first")[-1] == "aborted"
+    robot.goal("second", "goal(office2,office1,7)").finish()
+    assert robot.states("second")[-1] == "succeeded"
+    done = [text for text in robot.journal.actions if int(text[:-1].split(",")[-1]) > cycle]
+    assert [text[len("_action_lib(") :].rpartition(",")[0] for text in done] == then
+
+
 def test_what_is_lost_on_the_way_can_be_asked_for_where_it_is():
     robot = Mailbot(6, ROW)
     robot.request(1, 1, 2)
