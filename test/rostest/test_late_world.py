@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Office and house, fed by the two topics alone: what is told late, twice or falsely makes no action and no end untrue.
 
-ROSOCLINGO_SEED chooses another course of things.
+ROSOCLINGO_SEED chooses another course of things, ROSOCLINGO_GOALS how many goals there are in each of the two.
 """
 
 import os
@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
 from carrying_world import HOUSE, OFFICE, ROBOT, Play  # noqa: E402
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
-GOALS = 100  # in each of the two worlds
+GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "100"))  # in each of the two worlds
 ENDS = {  # a goal that is recalled before it arrives has no result of its own
     GoalStatus.SUCCEEDED: "succeeded",
     GoalStatus.PREEMPTED: "canceled",
@@ -78,6 +78,8 @@ class Stage:
 
     def _changed(self, key, handle):
         self._cancel(key, handle)
+        if handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK:
+            self._happened.put((self.play.acknowledged, (key,)))
         if handle.get_comm_state() == CommState.DONE:
             status, result = handle.get_terminal_state(), handle.get_result()
             end = ENDS.get(status, "lost")
@@ -121,12 +123,12 @@ class LateWorld(unittest.TestCase):
             one.join()
         for stage in stages:
             play = stage.play
-            self.assertEqual(play.faults, [], "\n".join(play.log[-60:]))
-            self.assertIn(stage, self.ended_well, "\n".join(play.log[-60:]))
+            self.assertEqual(play.faults, [], play.story)
+            self.assertIn(stage, self.ended_well, play.story)
             self.assertNotIn(ROBOT, {one.place for one in play.things.values()})
             self.assertGreaterEqual(sum(play.ends.values()), GOALS)
             self.assertGreaterEqual(play.ends["succeeded"], GOALS // 10, play.ends)
-            self.assertGreater(min(play.ends.values()), 0, play.ends)
+            self.assertGreaterEqual(min(play.ends.values()), GOALS // 100, play.ends)
 
     def play(self, stage):
         if stage.run_to_the_end():

@@ -82,7 +82,10 @@ class Thing:
 
 @dataclass
 class Wish:
-    """A goal and what it has gone through."""
+    """A goal and what it has gone through.
+
+    ``heard`` tells that the core has it, ``known`` that it had it before it chose the action that comes next.
+    """
 
     key: str
     text: str
@@ -93,6 +96,8 @@ class Wish:
     cancelled: bool = False
     missed: bool = False
     slipped: bool = False
+    heard: bool = False
+    known: bool = False
 
 
 @dataclass
@@ -133,6 +138,8 @@ class Play:
         self.faults: List[str] = []
         self.log: List[str] = []
         self.calm = False
+        self._acting = False  # an action is under way: the core is in its cycle
+        self._answers: List[str] = []  # the latest returns, all of which it has taken
         self._together = False  # the goal that has ended could not be met beside others
         self._number = 0
         self._rumours = Rumours()
@@ -143,6 +150,12 @@ class Play:
     def over(self) -> bool:
         """Whether all goals have ended."""
         return not self._left and not self.live
+
+    @property
+    def story(self) -> str:
+        """What led to the first fault, or what happened at last."""
+        first = next((place for place, line in enumerate(self.log) if "FAULT" in line), len(self.log))
+        return "\n".join(self.log[max(0, first - 50) : first + 10])
 
     def stir(self) -> None:
         """Something happens, or nothing."""
@@ -178,6 +191,11 @@ class Play:
         self._say(f"ask {wish.key} {wish.text}")
         self._port.send(wish.key, wish.text)
 
+    def acknowledged(self, key: str) -> None:
+        """The core has the goal; what it has sent out by then may have crossed it."""
+        if key in self.live:
+            self.live[key].heard = True
+
     def _rumour(self) -> List[str]:
         """Return a fact that may be late, early, false, told twice."""
         when = self._draw.choice([self.cycle, self._draw.randint(1, self.cycle), self.cycle - 1, self.cycle + 3])
@@ -193,7 +211,8 @@ class Play:
             told = place if place != ROBOT and self._draw.random() < 0.7 else told
             fact = f"_seen({name},{told},{when})"
         elif kind == "nonsense":
-            cycle = self.cycle + self._draw.choice([-1, 1])
+            # that of a cycle that has begun by then would be the true one
+            cycle = self.cycle + (self._draw.choice([-1, 1]) if self._acting else -1)
             fact = self._draw.choice(
                 ["((", f"_return(move_base,{a},{cycle})", f"_action_lib(pickup,1,{cycle})", "_seen"]
             )
@@ -212,9 +231,25 @@ class Play:
         reason = self._reason(interface, what)
         self._rumours.returned(self.cycle)
         getattr(self, "_" + interface)(what, reason)
+        for wish in self.live.values():
+            wish.known = wish.heard
         self._rumours.takes = 0 if reason is None else self._rumours.takes + (reason == "preempted")
+        self._acting = True
         self.stir()
-        self._tell([f"_return({interface},{what if reason is None else reason},{self.cycle})"])
+        self._acting = False
+        self._answer(interface, what, what if reason is None else reason)
+
+    def _answer(self, interface: str, what: str, value: str) -> None:
+        """Tell how an action ended, maybe once more, then or later, maybe otherwise; only the first counts."""
+        again = 1.0 if self.calm else self._draw.random()
+        if again < 0.05 and self._answers:
+            self._tell([self._draw.choice(self._answers)])
+        answer = f"_return({interface},{value},{self.cycle})"
+        self._answers = [*self._answers[-4:], answer]
+        other = f"_return({interface},{self._draw.choice(['failed', what])},{self.cycle})"
+        self._tell([answer, other] if 0.05 < again < 0.1 else [answer])
+        if 0.1 < again < 0.15:
+            self._tell([other])
 
     def _reason(self, interface: str, what: str) -> Optional[str]:
         """Return why the action fails, None where it does not."""
@@ -258,7 +293,9 @@ class Play:
 
     def _deliver(self, what: str, reason: Optional[str]) -> None:
         thing, wish = self.things[what], self._wish_for(what)
-        right = {thing.origin} if wish is None else {wish.to, thing.origin} if wish.cancelled else {wish.to}
+        right = set() if wish is None else {wish.to}
+        if wish is None or wish.cancelled or not wish.known:
+            right.add(thing.origin)
         if thing.place != ROBOT or self.astray or self.robot not in right:
             self._fault(f"{what}, which is at {thing.place}, is to be put down at {self.robot}, but belongs to {right}")
         if reason is None:
