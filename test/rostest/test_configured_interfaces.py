@@ -268,11 +268,11 @@ class InterfaceNode(unittest.TestCase):
             ),
             ("arm.returns[0]: actionlib/TestResult has no field y", arm(returns=[{"return": "$result.y"}])),
             ("~names: no entry leg in ~interfaces", {"names": ["leg"]}),
-            ("~names must be a list", {"names": "pickup"}),
-            ("~labels: label a: expected", {"labels": {"a": 3}}),
-            ("~.timeout: must be a number from 0 on", {"names": ["pickup"], "timeout": -1}),
+            ("~names: must be a list of interface names, not 'pickup'", {"names": "pickup"}),
+            ("~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3", {"labels": {"a": 3}}),
+            ("~timeout: must be a number from 0 on", {"names": ["pickup"], "timeout": -1}),
             ("need a node with a single interface", {"timeout": 3}),
-            ("~server must be the name", {"names": ["pickup"], "server": 3}),
+            ("~server: must be the name of an actionlib server, not 3", {"names": ["pickup"], "server": 3}),
         ):
             for name, value in parameters.items():
                 rospy.set_param("~" + name, value)
@@ -303,12 +303,12 @@ class InterfaceNode(unittest.TestCase):
             rospy.delete_param("~" + name)
         faults = str(caught.exception).splitlines()
         beginnings = (
-            "~labels: label a: expected",
+            "~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3",
             "~names: no entry tail in ~interfaces; entries are ",
             "~server, ~timeout, ~server_timeout, ~pause and ~retries need",
-            "~server must be the name",
+            "~server: must be the name of an actionlib server, not 3",
             "~interfaces: pickup.timeout: must be a number from 0 on",
-            "~interfaces: pickup.returns[1]: unknown field 'stratus'",
+            "~interfaces: pickup.returns[1]: unknown key 'stratus' (is status meant?)",
             "~interfaces: pickup.goal.pack: rosoclingo/PickupGoal has no such field; it has package",
             "~interfaces: pickup.returns[0]: rosoclingo/PickupResult has no field y; it has outcome, message",
             "~interfaces: pickup.returns[0].when.outcome: rosoclingo/PickupResult has no constant NOT_THERE; its",

@@ -38,7 +38,12 @@ class CoreStart(unittest.TestCase):
     def test_bad_parameters(self):
         self.fails_with("~program_files", "none")
         self.fails_with("there is no file '/no/such/file.lp'", "missing", program_files="[/no/such/file.lp]")
-        self.fails_with("~horizon_limit is 0", "zero", program_files=f"[{ERRANDS}]", horizon_limit=0)
+        self.fails_with(
+            "~horizon_limit: must be a whole number from 1 on, not 0",
+            "zero",
+            program_files=f"[{ERRANDS}]",
+            horizon_limit=0,
+        )
         self.fails_with("no #const nosuch", "constant", program_files=f"[{ERRANDS}]", constants="{nosuch: 3}")
 
     def test_what_a_program_lacks_is_told_at_the_start(self):

@@ -23,10 +23,8 @@ from rosoclingo.msg import (
 )
 from rosoclingo.srv import PutPackage
 
-from rosoclingo.common.labels import LabelError
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.robot.nodes.office import OfficeNode
-from rosoclingo.robot.simulation.office_packages import PackageError
 
 
 class Robot:
@@ -154,21 +152,21 @@ class Office(unittest.TestCase):
             self.assertIn(fault, answer.message)
 
     def test_parameters_that_cannot_be_used(self):
-        for error, fault, parameters in (
-            (ParameterError, "office_test/labels is not set", {}),
-            (LabelError, "label b: expected", {"labels": {"b": 1}}),
-            (PackageError, "package 1: no label a", {"packages": {"a": [1]}}),
-            (PackageError, "capacity must be at least 1", {"capacity": 0}),
-            (ParameterError, "office_test/capacity must be a whole number, not 'many'", {"capacity": "many"}),
-            (ParameterError, "office_test/appear must be true or false, not 1", {"appear": 1}),
-            (ParameterError, "office_test/duration must be a number, not 'long'", {"duration": "long"}),
-            (ParameterError, "office_test/tolerance must be a number from 0 on, not -1.0", {"tolerance": -1}),
-            (ParameterError, "office_test/base_frame must be a text, not 3", {"base_frame": 3}),
+        for fault, parameters in (
+            ("~labels: is missing: give a mapping of names to {x, y, yaw} in the launch file, or", {}),
+            ("~labels/b: must be {x, y, yaw} or [x, y, yaw], not 1", {"labels": {"b": 1}}),
+            ("~packages/a[0]: package 1: no label a", {"packages": {"a": [1]}}),
+            ("~capacity: must be a whole number from 1 on, not 0", {"capacity": 0}),
+            ("~capacity: must be a whole number from 1 on, not 'many'", {"capacity": "many"}),
+            ("~appear: must be true or false, not 1", {"appear": 1}),
+            ("~duration: must be a number from 0 on, not 'long'", {"duration": "long"}),
+            ("~tolerance: must be a number from 0 on, not -1", {"tolerance": -1}),
+            ("~base_frame: must be a text, not 3", {"base_frame": 3}),
         ):
             values = {"labels": {"b": [1, 2]}, **parameters} if parameters else {}
             for name, value in values.items():
                 rospy.set_param("~" + name, value)
-            with self.assertRaises(error) as caught:
+            with self.assertRaises(ParameterError) as caught:
                 OfficeNode()
             self.assertIn(fault, str(caught.exception))
             for name in values:
@@ -178,7 +176,7 @@ class Office(unittest.TestCase):
         with Process("rosrun", "rosoclingo", "office", "__ns:=broken") as node:
             code, error = node.wait()
         self.assertEqual(code, 1)
-        self.assertIn("/broken/office/labels is not set", error)
+        self.assertIn("/broken/office: ~labels: is missing", error)
 
     def test_packages_that_appear_and_capacity(self):
         parameters = ["_labels:={b: [0, 0]}", "_appear:=true", "_capacity:=1", "_duration:=0"]

@@ -2,7 +2,9 @@
 
 import math
 import re
-from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, NamedTuple, Optional, Tuple
+
+from rosoclingo.common.reading import Reader
 
 DEFAULT_FRAME = "map"
 
@@ -52,22 +54,20 @@ class LabelTable:
 
     @classmethod
     def from_mapping(cls, data: Any, frame: str = DEFAULT_FRAME) -> "LabelTable":
+        """As ``read``; raises LabelError listing all faults."""
+        reader = Reader(data, "labels")
+        table = cls.read(reader, frame)
+        reader.check(LabelError)
+        return table
+
+    @classmethod
+    def read(cls, reader: Reader, frame: str = DEFAULT_FRAME) -> "LabelTable":
         """Read `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map}}` or `{name: [x, y, yaw]}`, as a YAML file holds it.
 
-        `yaw` (0) and `frame` may be left out.  Raises LabelError listing all faults.
+        `yaw` (0) and `frame` may be left out.  The reader has the faults; what has none is in the table.
         """
-        if not isinstance(data, Mapping):
-            raise LabelError(f"labels must be a mapping of names to {{x, y, yaw}}, not {data!r}")
-        labels: List[Label] = []
-        faults: List[str] = []
-        for key, value in data.items():
-            try:
-                labels.append(_read_label(key, value, frame))
-            except LabelError as error:
-                faults.append(str(error))
-        if faults:
-            raise LabelError("; ".join(faults))
-        return cls(tuple(labels))
+        found = reader.entries("a mapping of names to {x, y, yaw}")
+        return cls(tuple(_label(name, place, frame) for name, place in found))
 
     def __getitem__(self, name: object) -> Label:
         """The label of that name (text, or anything that prints as the term); raises UnknownLabelError."""
@@ -85,47 +85,25 @@ class LabelTable:
     def __len__(self) -> int:
         return len(self._labels)
 
+    @property
+    def names(self) -> Tuple[str, ...]:
+        """All names, in the table's order."""
+        return tuple(self._labels)
+
     def nearest(self, x: float, y: float, tolerance: float) -> Optional[Label]:
         """The label nearest to (x, y) that is at most `tolerance` metres away, else None."""
         label = min(self, key=lambda each: each.distance(x, y), default=None)
         return label if label is not None and label.distance(x, y) <= tolerance else None
 
 
-def _read_label(key: Any, value: Any, frame: str) -> Label:
-    name = _read_name(key)
-    if isinstance(value, Mapping):
-        unknown = sorted(str(field) for field in value if field not in ("x", "y", "yaw", "frame"))
-        if unknown:
-            raise LabelError("label {}: unknown field {}; fields are x, y, yaw, frame".format(name, ", ".join(unknown)))
-        missing = [field for field in ("x", "y") if field not in value]
-        if missing:
-            raise LabelError("label {}: {} is missing".format(name, " and ".join(missing)))
-        numbers = [value["x"], value["y"], value.get("yaw", 0.0)]
-        frame = _read_frame(name, value.get("frame", frame))
-    elif isinstance(value, (list, tuple)) and len(value) in (2, 3):
-        numbers = [*value, 0.0]  # a yaw that is given comes before
-    else:
-        raise LabelError(f"label {name}: expected {{x, y, yaw}} or [x, y, yaw], not {value!r}")
-    x, y, yaw = (_read_number(name, field, number) for field, number in zip(("x", "y", "yaw"), numbers))
-    return Label(name, x, y, yaw, frame)
-
-
-def _read_name(key: Any) -> str:
-    name = re.sub(r"\s*([(),])\s*", r"\1", str(key).strip())
+def _label(key: str, reader: Reader, frame: str) -> Label:
+    name = re.sub(r"\s*([(),])\s*", r"\1", key.strip())
     if not _NAME.match(name):
-        raise LabelError(
-            f"label {str(key)!r} is no ASP term: write it in lower case without spaces, as the program does"
-        )
-    return name
-
-
-def _read_frame(name: str, frame: Any) -> str:
-    if not isinstance(frame, str) or not frame:
-        raise LabelError(f"label {name}: frame must be the name of a tf frame, not {frame!r}")
-    return frame
-
-
-def _read_number(name: str, field: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise LabelError(f"label {name}: {field} must be a finite number, not {value!r}")
-    return float(value)
+        reader.fault("the name is no ASP term: write it in lower case without spaces, as the program does")
+    if isinstance(reader.value, (list, tuple)):
+        x, y, yaw = (*reader.numbers((2, 3), wanted="[x, y] or [x, y, yaw] in finite numbers"), 0.0)[:3]
+        return Label(name, x, y, yaw, frame)
+    x, y, yaw = reader.at("x").number(), reader.at("y").number(), reader.at("yaw").number(0.0)
+    frame = reader.at("frame").text(frame, wanted="the name of a tf frame")
+    reader.close("{x, y, yaw} or [x, y, yaw]")
+    return Label(name, x, y, yaw, frame)

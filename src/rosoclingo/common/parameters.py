@@ -1,50 +1,97 @@
-"""Reading a node's parameters, with an error that names the parameter."""
+"""A node's private parameters, read with all their faults at once. One that nobody reads is probably misspelt."""
 
-import math
-from typing import Any
+from typing import AbstractSet, Any, Callable, Dict, Iterator, List, Mapping, Optional, Set, Type
 
 import rospy
 
-from rosoclingo.common.private_parameters import read_parameter
+from rosoclingo.common.reading import MISSING, Reader, likely
 
-_WORDS = {
-    bool: "true or false",
-    int: "a whole number",
-    float: "a number",
-    str: "a text",
-    dict: "a mapping",
-    list: "a list",
-}
+__all__ = ["ParameterError", "Parameters", "unread", "warn_of_unread"]
+
+#: What the libraries of ROS read, when it pleases them.
+OF_ROS = frozenset(
+    {
+        "actionlib_client_pub_queue_size",
+        "actionlib_client_sub_queue_size",
+        "actionlib_server_pub_queue_size",
+        "actionlib_server_sub_queue_size",
+        "actionlib_status_frequency",
+        "status_frequency",
+        "status_list_timeout",
+        "tf_prefix",
+    }
+)
+
+_READ: Set[str] = set()
 
 
 class ParameterError(ValueError):
-    """A parameter that the node cannot work with; the message names it and says what it has to be."""
+    """Parameters that the node cannot work with; the message names each and says what it has to be."""
 
 
-def parameter(name: str, kind: type, default: Any = None) -> Any:
-    """The value of a ROS parameter, or `default`; raises ParameterError if it is missing or not of that kind."""
-    value = read_parameter(name, default)
-    if value is None:
-        mend = f"give it in the launch file, or on the command line as {name.replace('~', '_', 1)}:=..."
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} is not set; {mend}")
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be {_WORDS[kind]}, not {value!r}")
-    return value
+class Parameters(Reader):
+    """The node's private parameters, or ``values`` in their place; what is asked for is noted as read."""
+
+    def __init__(self, values: Optional[Mapping[str, Any]] = None) -> None:
+        super().__init__(_private() if values is None else values, "~")
+
+    def at(self, key: str) -> Reader:
+        """The parameter of a name, with slashes where it is in a group."""
+        _READ.add(key)
+        where = f" in the launch file, or on the command line as _{key}:=..."
+        return Reader(self._find(key), f"~{key}", "", where, "/", self.faults)
+
+    def has(self, key: str) -> bool:
+        """Whether there is a parameter of that name, which is not noted as read by this."""
+        return self._find(key) is not MISSING
+
+    def _find(self, key: str) -> Any:
+        found: Any = self.value
+        for part in key.split("/"):
+            found = found.get(part, MISSING) if isinstance(found, Mapping) else MISSING
+        return found
+
+    def group(self, name: str) -> Callable[[str], Reader]:
+        """Return what finds the parameters of a group by their names in it."""
+        return lambda key: self.at(f"{name}/{key}")
+
+    def check(self, error: Type[Exception] = ParameterError) -> None:
+        """Raise ParameterError, or another, with all faults that were noted so far, if there are any."""
+        super().check(error)
 
 
-def finite(name: str, default: float) -> float:
-    """The value of a ROS parameter that is a finite number; raises ParameterError."""
-    value = float(parameter(name, float, default))
-    if not math.isfinite(value):
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be a finite number, not {value!r}")
-    return value
+def warn_of_unread() -> None:
+    """Say once which private parameters the node, which has read all it wants, does not know."""
+    found = unread(_private(), frozenset(_READ))
+    if found:
+        rospy.logwarn("%s: parameters that it does not read: %s", rospy.get_name(), ", ".join(found))
 
 
-def not_negative(name: str, default: float) -> float:
-    """The value of a ROS parameter that is a finite number from 0 on; raises ParameterError."""
-    value = float(parameter(name, float, default))
-    if not 0.0 <= value < float("inf"):
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be a number from 0 on, not {value!r}")
-    return value
+def unread(values: Mapping[str, Any], read: AbstractSet[str]) -> List[str]:
+    """The parameters that nobody has ``read`` (names with slashes), each with the likely name where there is one.
+
+    Where a group as a whole, or nothing of it, was read, it counts as one.
+    """
+    return [_described(name, read) for name in sorted(_unread(values, read, "")) if name not in OF_ROS]
+
+
+def _unread(values: Mapping[str, Any], read: AbstractSet[str], group: str) -> Iterator[str]:
+    for key, value in values.items():
+        name = f"{group}{key}"
+        if name in read:
+            continue
+        if isinstance(value, dict) and any(one.startswith(name + "/") for one in read):
+            yield from _unread(value, read, name + "/")
+        else:
+            yield name
+
+
+def _described(name: str, read: AbstractSet[str]) -> str:
+    group, slash, last = name.rpartition("/")
+    known = sorted({one[len(group + slash) :].split("/")[0] for one in read if one.startswith(group + slash)})
+    return f"~{name}{likely(last, known, '~' + group + slash)}"
+
+
+def _private() -> Dict[str, Any]:
+    values = rospy.get_param("~", {})
+    return values if isinstance(values, dict) else {}

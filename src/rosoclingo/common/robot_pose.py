@@ -6,7 +6,7 @@ import rospy
 import tf2_ros
 
 from rosoclingo.common.labels import DEFAULT_FRAME
-from rosoclingo.common.parameters import not_negative, parameter
+from rosoclingo.common.parameters import Parameters
 
 
 class RobotPose:
@@ -21,17 +21,17 @@ class RobotPose:
 
     """
 
-    def __init__(self) -> None:
-        self.map_frame = parameter("~map_frame", str, DEFAULT_FRAME)
-        self._base_frame = parameter("~base_frame", str, "base_link")
-        self._max_age = not_negative("~pose_max_age", 5.0)
+    def __init__(self, given: Parameters) -> None:
+        self.map_frame = given.at("map_frame").text(DEFAULT_FRAME)
+        self.base_frame = given.at("base_frame").text("base_link")
+        self._max_age = given.at("pose_max_age").number(5.0, low=0.0)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
     def look_up(self) -> Optional[Tuple[float, float]]:
         """The robot's x and y in metres in the map frame; None, with a warning, if unknown or too old."""
         try:
-            transform = self._buffer.lookup_transform(self.map_frame, self._base_frame, rospy.Time(0))
+            transform = self._buffer.lookup_transform(self.map_frame, self.base_frame, rospy.Time(0))
         except tf2_ros.TransformException as error:
             rospy.logwarn("no pose of the robot: %s", error)
             return None

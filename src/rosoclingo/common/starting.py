@@ -62,7 +62,7 @@ def run_node(
     """
     import rospy
 
-    from rosoclingo.common.private_parameters import warn_of_unread
+    from rosoclingo.common.parameters import warn_of_unread
 
     rospy.init_node(name)
     try:

@@ -1,21 +1,22 @@
 """The interface node: reads its parameters and runs the interfaces that they describe."""
 
 import os
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
+from typing import Callable, Mapping, Sequence, Tuple
 
 import rospkg
 import rospy
-import yaml
 
-from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
-from rosoclingo.common.private_parameters import has_parameter, read_parameter
+from rosoclingo.common.labels import DEFAULT_FRAME, LabelTable
+from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.reading import Reader, likely, read_yaml
 from rosoclingo.common.starting import node_arguments, run_node
 from rosoclingo.common.worker import Worker
+from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface, type_faults
 from rosoclingo.interfaces.templates import uses_labels
 
-_OVERRIDES = ("timeout", "server_timeout", "pause", "retries")
+_LIMITS = ("timeout", "server_timeout", "pause", "retries")
 
 
 class InterfacesNode:
@@ -51,16 +52,16 @@ def run(node_name: str, names: Sequence[str] = ()) -> int:
 
 def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ...]]:
     """The parameters. Raises ConfigError listing all that is wrong with them."""
-    faults: List[str] = []
-    labels = _labels(faults)
-    entries, where = _entries(rospy.loginfo if names else rospy.logwarn)
-    known, found = survey(entries)
-    specs = _choose(known, read_parameter("~names", list(names)), faults) if known else ()
-    found += [fault for spec in specs for fault in type_faults(spec)]
-    specs = _override(specs, faults)
-    faults += [f"{where} {fault}" for fault in found]
-    if faults:
-        raise ConfigError("\n".join(faults))
+    given = Parameters()
+    places, frame = given.at("labels"), given.at("frame").text(DEFAULT_FRAME)
+    labels = LabelTable.read(places, frame) if places.given else LabelTable()
+    entries = _entries(given.at("interfaces"), rospy.loginfo if names else rospy.logwarn)
+    known = survey(entries)
+    specs = _choose(known, given.at("names"), names) if known else ()
+    entries.faults += [entries.source + fault for spec in specs for fault in type_faults(spec)]
+    specs = _override(specs, given)
+    given.faults += entries.faults
+    given.check(ConfigError)
     _warn(labels, specs)
     return labels, specs
 
@@ -73,51 +74,29 @@ def _warn(labels: LabelTable, specs: Tuple[InterfaceSpec, ...]) -> None:
             rospy.logwarn(text, rospy.get_name(), spec.name)
 
 
-def _labels(faults: List[str]) -> LabelTable:
-    try:
-        return LabelTable.from_mapping(read_parameter("~labels", {}), read_parameter("~frame", DEFAULT_FRAME))
-    except LabelError as error:
-        faults.append(f"~labels: {error}")
-        return LabelTable()
-
-
-def _entries(say: Callable[..., None]) -> Tuple[Any, str]:
-    """The entries, and how messages call the place where they stand; ``say`` hears where they are not the user's."""
-    entries = read_parameter("~interfaces")
-    if entries is not None:
-        return entries, "~interfaces:"
+def _entries(given: Reader, say: Callable[..., None]) -> Reader:
+    """The entries, each in messages with the place where they stand; ``say`` hears where they are not the user's."""
+    if given.given:
+        return Reader(given.value, source="~interfaces: ")
     path = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "config", "interfaces.yaml")
     say("%s: ~interfaces is not set: the entries are those of %s", rospy.get_name(), path)
-    with open(path, encoding="utf-8") as stream:
-        return yaml.safe_load(stream), f"{path}:"
+    return read_yaml(path, "the interfaces of", ConfigError)
 
 
-def _choose(specs: Mapping[str, InterfaceSpec], names: Any, faults: List[str]) -> Tuple[InterfaceSpec, ...]:
-    if not isinstance(names, list):
-        faults.append(f"~names must be a list of interface names, not {names!r}")
-        return tuple(specs.values())
-    missing = [str(name) for name in names if name not in specs]
-    if missing:
-        message = "~names: no entry {} in ~interfaces; entries are {}"
-        faults.append(message.format(", ".join(missing), ", ".join(specs)))
-    return tuple(specs[name] for name in names or specs if name in specs)
+def _choose(specs: Mapping[str, InterfaceSpec], given: Reader, names: Sequence[str]) -> Tuple[InterfaceSpec, ...]:
+    chosen = given.texts(tuple(names), "a list of interface names") or tuple(specs)
+    for name in chosen:
+        if name not in specs:
+            given.fault(f"no entry {name} in ~interfaces{likely(name, specs)}; entries are {', '.join(specs)}")
+    return tuple(specs[name] for name in chosen if name in specs)
 
 
-def _override(specs: Tuple[InterfaceSpec, ...], faults: List[str]) -> Tuple[InterfaceSpec, ...]:
-    given: Dict[str, Any] = {name: read_parameter("~" + name) for name in _OVERRIDES if has_parameter("~" + name)}
-    server = read_parameter("~server")
-    if not given and server is None:
-        return specs
-    if len(specs) > 1:
-        overrides = "~server, ~timeout, ~server_timeout, ~pause and ~retries"
-        faults.append(f"{overrides} need a node with a single interface (~names)")
-    if server is not None and (not isinstance(server, str) or not server):
-        faults.append(f"~server must be the name of an actionlib server, not {server!r}")
-    if len(specs) != 1:
-        return specs
-    spec = specs[0]
-    try:
-        return (spec._replace(server=server or spec.server, limits=read_limits(given, "~", spec.limits)),)
-    except ConfigError as error:
-        faults.append(str(error))
-        return specs
+def _override(specs: Tuple[InterfaceSpec, ...], given: Parameters) -> Tuple[InterfaceSpec, ...]:
+    server = given.at("server")
+    name = server.text("", wanted="the name of an actionlib server")
+    limits = read_limits(given, specs[0].limits if specs else DEFAULT_LIMITS)
+    own = [one for one in ("server", *_LIMITS) if given.at(one).given]
+    if own and len(specs) > 1:
+        text = "~server, ~timeout, ~server_timeout, ~pause and ~retries need a node with a single interface (~names)"
+        given.faults.append(text)
+    return (specs[0]._replace(server=name or specs[0].server, limits=limits),) if own and len(specs) == 1 else specs

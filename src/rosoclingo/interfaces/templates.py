@@ -12,11 +12,12 @@ A text that is one reference stands for the value itself; other texts may hold r
 """
 
 import re
-from typing import Any, Callable, Dict, List, Mapping, Match, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Match, NamedTuple, Optional, Tuple
 
 from clingo import Symbol, SymbolType
 
 from rosoclingo.common.labels import Label, LabelTable
+from rosoclingo.common.reading import likely
 from rosoclingo.interfaces.values import TermError, as_text
 
 LABEL_FIELDS = ("pose", "x", "y", "yaw", "frame")
@@ -70,59 +71,62 @@ def evaluate(template: Any, scope: Scope) -> Any:
     return _INSIDE.sub(lambda match: _substitute(match, scope), template)
 
 
-def check(template: Any, names: Tuple[str, ...] = GOAL_NAMES, place: str = "") -> None:
-    """Raise TemplateError if the template holds a reference that is malformed or not among `names`."""
+def texts_in(template: Any, place: str = "") -> Iterator[Tuple[str, str]]:
+    """All texts of a template, wherever in it, each with its place."""
     if isinstance(template, Mapping):
         for key, value in template.items():
-            check(value, names, f"{place}.{key}")
+            yield from texts_in(value, f"{place}.{key}")
     elif isinstance(template, (list, tuple)):
         for index, value in enumerate(template):
-            check(value, names, f"{place}[{index}]")
+            yield from texts_in(value, f"{place}[{index}]")
     elif isinstance(template, str):
-        for reference in references(template, place):
-            _check_reference(reference, names, place)
+        yield place, template
 
 
-def references(template: str, place: str = "") -> List[str]:
+def faults(template: Any, names: Tuple[str, ...] = GOAL_NAMES, place: str = "") -> List[str]:
+    """The references of a template that are malformed or not among `names`, each with its place."""
+    found = []
+    for where, text in texts_in(template, place):
+        try:
+            for reference in references(text):
+                _check_reference(reference, names)
+        except TemplateError as error:
+            found.append(f"{where}: {error}")
+    return found
+
+
+def references(template: str) -> List[str]:
     """The references in one text, without dollar and braces.  Raises TemplateError."""
     whole = _WHOLE.match(template)
     if whole:
         return [whole.group(1) or whole.group(2)]
-    found = []
-    for match in _INSIDE.finditer(template):
-        if match.group(0) == "$":
-            raise TemplateError(
-                f"{place}: {template!r}: write $name alone, ${{name}} inside a text, $$ for a dollar sign"
-            )
-        if match.group(1) is not None:
-            found.append(match.group(1))
-    return found
+    found = list(_INSIDE.finditer(template))
+    if any(match.group(0) == "$" for match in found):
+        raise TemplateError(f"{template!r}: write $name alone, ${{name}} inside a text, $$ for a dollar sign")
+    return [match.group(1) for match in found if match.group(1) is not None]
 
 
 def uses_labels(template: Any) -> bool:
     """Whether some reference of the template asks for a label."""
-    if isinstance(template, Mapping):
-        return any(uses_labels(value) for value in template.values())
-    if isinstance(template, (list, tuple)):
-        return any(uses_labels(value) for value in template)
-    steps = [reference.split(".") for reference in references(template)] if isinstance(template, str) else []
+    steps = [reference.split(".") for _, text in texts_in(template) for reference in references(text)]
     return any(one[0] != "result" and one[-1] in LABEL_FIELDS for one in steps)
 
 
-def _check_reference(reference: str, names: Tuple[str, ...], place: str) -> None:
+def _check_reference(reference: str, names: Tuple[str, ...]) -> None:
     head, _, tail = reference.partition(".")
     if not head.isdigit() and head not in names:
+        near = likely(head, names, "$")
         known = ", ".join("$" + name for name in names)
-        raise TemplateError(f"{place}: no ${reference}; known are {known}, $1, $2 ...")
+        raise TemplateError(f"no ${reference}{near}; known are {known}, $1, $2 ...")
     if head in ("cycle", "now", "status", "text") and tail:
-        raise TemplateError(f"{place}: ${head} has no .{tail}")
+        raise TemplateError(f"${head} has no .{tail}")
     if head.isdigit() or head == "parameter":
         steps = tail.split(".") if tail else []
         wrong = [step for step in steps[:-1] if not step.isdigit()]
         wrong += [step for step in steps[-1:] if not step.isdigit() and step not in LABEL_FIELDS]
         if wrong or head == "0" or "0" in steps:
-            message = "{}: ${}: after a term come argument numbers from 1 on and at last one of {}"
-            raise TemplateError(message.format(place, reference, ", ".join(LABEL_FIELDS)))
+            message = "${}: after a term come argument numbers from 1 on and at last one of {}"
+            raise TemplateError(message.format(reference, ", ".join(LABEL_FIELDS)))
 
 
 def _substitute(match: Match[str], scope: Scope) -> str:
@@ -196,6 +200,9 @@ __all__ = [
     "Scope",
     "TemplateError",
     "TermError",
-    "check",
     "evaluate",
+    "faults",
+    "references",
+    "texts_in",
+    "uses_labels",
 ]

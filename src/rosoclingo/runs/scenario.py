@@ -22,18 +22,21 @@ long the whole may take, in simulated seconds.
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 import yaml
 
-#: What an event can do, and the type of what is done.
-VERBS: Dict[str, type] = {"request": str, "cancel": object, "facts": list, "call": str}
+from rosoclingo.common.reading import MISSING, Reader, read_yaml
 
-_WHEN = {"time", "cycle", "delay"}
-_EXTRAS = {"client", "origin"}
-_KEYS = {"title", "launch", "packages", "events", "expect", "timeout"}
-_EXPECTED = {"goals", "packages", "robot", "actions"}
-_OUTCOMES = {"succeeded", "canceled", "rejected", "aborted"}
+#: What an event can do: in words what is done, and what reads it.
+VERBS: Dict[str, Tuple[str, Callable[[Any], Any]]] = {
+    "request": ("a goal as text", lambda value: value if isinstance(value, str) else None),
+    "cancel": ("a goal's identity", lambda value: value),
+    "facts": ("a list of atoms", lambda value: value if isinstance(value, list) else None),
+    "call": ("the name of a service", lambda value: value if isinstance(value, str) else None),
+}
+
+OUTCOMES = ("succeeded", "canceled", "rejected", "aborted")
 
 
 class ScenarioError(ValueError):
@@ -80,79 +83,72 @@ class Scenario:
 
     @classmethod
     def from_file(cls, path: Path) -> "Scenario":
-        """Read a YAML file; raises ScenarioError."""
-        try:
-            return cls.from_text(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, ScenarioError) as error:
-            raise ScenarioError(f"{path}: {error}") from error
+        """Read a YAML file; raises ScenarioError with all its faults."""
+        return cls._from(read_yaml(path, "scenario", ScenarioError))
 
     @classmethod
     def from_text(cls, text: str) -> "Scenario":
-        """Read YAML; raises ScenarioError."""
+        """Read YAML; raises ScenarioError with all its faults."""
         try:
-            data = yaml.safe_load(text)
+            return cls._from(Reader(yaml.safe_load(text)))
         except yaml.YAMLError as error:
             raise ScenarioError(f"this is no YAML: {error}") from error
-        _check_keys(data, _KEYS, "the scenario")
-        if not isinstance(data.get("events"), list):
-            raise ScenarioError("events: give a list of events")
-        return cls(
-            title=str(data.get("title", "")),
-            events=tuple(_event(one, f"event {number}") for number, one in enumerate(data["events"], 1)),
-            packages={str(key): str(value) for key, value in _map(data, "packages").items()},
-            expect=_expectation(_map(data, "expect")),
-            timeout=_number(data.get("timeout", cls.timeout), "timeout"),
-            launch=str(data.get("launch", cls.launch)),
+
+    @classmethod
+    def _from(cls, reader: Reader) -> "Scenario":
+        scenario = cls(
+            title=reader.at("title").text(""),
+            events=tuple(_event(one) for one in reader.at("events").items("a list of events", MISSING)),
+            packages=_places(reader.at("packages")),
+            expect=_expectation(reader.at("expect")),
+            timeout=_seconds(reader.at("timeout"), cls.timeout),
+            launch=reader.at("launch").text(cls.launch),
         )
+        reader.close()
+        reader.check(ScenarioError)
+        return scenario
 
 
-def _event(data: Any, place: str) -> ScenarioEvent:
-    _check_keys(data, _WHEN | _EXTRAS | {"with"} | set(VERBS), place)
-    verbs = [verb for verb in VERBS if verb in data]
-    if len(verbs) != 1:
-        raise ScenarioError("{}: give one of {}".format(place, ", ".join(VERBS)))
-    if ("time" in data) == ("cycle" in data):
-        raise ScenarioError(f"{place}: give either 'time' or 'cycle'")
-    value = data[verbs[0]]
-    if not isinstance(value, VERBS[verbs[0]]):
-        raise ScenarioError(f"{place}: {value!r} is nothing to {verbs[0]}")
-    cycle = data.get("cycle")
-    if cycle is not None and (not isinstance(cycle, int) or cycle < 1):
-        raise ScenarioError(f"{place}: cycle: {cycle!r} is no cycle")
-    moment = _number(data.get("delay" if cycle else "time", 0.0), place)
-    if "with" in data and verbs != ["call"]:
-        raise ScenarioError(f"{place}: 'with' goes with 'call' alone")
-    fields = _map(data, "with", f"{place}: with")
-    extras = {key: str(data[key]) for key in _EXTRAS if key in data}
-    return ScenarioEvent(verbs[0], value, moment, cycle, **extras, fields=fields)
+def _event(reader: Reader) -> ScenarioEvent:
+    verbs = {verb: value for verb, value in ((verb, reader.at(verb)) for verb in VERBS) if value.given}
+    verb, value = next(iter(verbs.items()), ("", reader))
+    time, cycle, delay, fields = (reader.at(key) for key in ("time", "cycle", "delay", "with"))
+    event = ScenarioEvent(
+        verb,
+        value.read(VERBS[verb][0], VERBS[verb][1]) if verb else None,
+        _seconds(delay if cycle.given else time, 0.0),
+        cycle.whole(low=1) if cycle.given else None,
+        reader.at("client").text(ScenarioEvent.client),
+        reader.at("origin").text(ScenarioEvent.origin),
+        dict(fields.mapping("a mapping of the request's fields", {})),
+    )
+    reader.close()
+    if isinstance(reader.value, dict):
+        if len(verbs) != 1:
+            reader.fault("give one of {}".format(", ".join(VERBS)))
+        if time.given == cycle.given:
+            reader.fault("give either 'time' or 'cycle'")
+        if fields.given and verb != "call":
+            fields.fault("goes with 'call' alone")
+    return event
 
 
-def _expectation(data: Dict[str, Any]) -> Dict[str, Any]:
-    _check_keys(data, _EXPECTED, "expect")
-    unknown = [str(one) for one in data.get("goals", []) if one not in _OUTCOMES]
-    if unknown:
-        raise ScenarioError("expect: goals: {} is none of {}".format(unknown[0], ", ".join(sorted(_OUTCOMES))))
-    if "packages" in data:
-        data = {**data, "packages": {str(key): str(value) for key, value in _map(data, "packages").items()}}
-    return data
+def _expectation(reader: Reader) -> Dict[str, Any]:
+    goals, packages, robot, actions = (reader.at(key) for key in ("goals", "packages", "robot", "actions"))
+    found = {
+        "goals": [one.choice(OUTCOMES) for one in goals.items("a list of outcomes")],
+        "packages": _places(packages),
+        "robot": robot.text(""),
+        "actions": list(actions.texts((), "a list of atoms as text")),
+    }
+    reader.close()
+    return {key: value for key, value in found.items() if reader.at(key).given}
 
 
-def _check_keys(data: Any, known: "set[str]", place: str) -> None:
-    if not isinstance(data, dict):
-        raise ScenarioError("{}: give a map with the keys {}".format(place, ", ".join(sorted(known))))
-    unknown: List[str] = [str(key) for key in data if key not in known]
-    if unknown:
-        raise ScenarioError("{}: '{}' is none of {}".format(place, unknown[0], ", ".join(sorted(known))))
+def _places(reader: Reader) -> Dict[str, str]:
+    """Return where packages are, by their names; both are terms, so that numbers may be written as such."""
+    return {name: str(place.value) for name, place in reader.entries("a mapping of packages to labels", {})}
 
 
-def _map(data: Mapping[str, Any], key: str, place: str = "") -> Dict[Any, Any]:
-    found = data.get(key) or {}
-    if not isinstance(found, dict):
-        raise ScenarioError(f"{place or key}: give a map")
-    return found
-
-
-def _number(value: Any, place: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < float("inf"):
-        raise ScenarioError(f"{place}: {value!r} is no number of seconds")
-    return float(value)
+def _seconds(reader: Reader, default: float) -> float:
+    return reader.number(default, low=0.0, wanted="a number of seconds from 0 on")

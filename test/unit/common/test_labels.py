@@ -41,17 +41,17 @@ def test_unknown_label_tells_the_known_ones():
     ("data", "fault"),
     [
         ([1, 2], "must be a mapping of names"),
-        ({"a": 3}, "label a: expected"),
-        ({"a": [1, 2, 3, 4]}, "label a: expected"),
-        ({"a": {"x": 1}}, "label a: y is missing"),
-        ({"a": {"x": 1, "y": 2, "z": 3}}, "label a: unknown field z"),
-        ({"a": {"x": 1, "y": 2, "u": 3, "z": 4, "b": 5}}, "label a: unknown field b, u, z"),
-        ({"a": {"x": "1", "y": 2}}, "label a: x must be a finite number, not '1'"),
-        ({"a": {"x": True, "y": 2}}, "label a: x must be a finite number"),
-        ({"a": [math.nan, 2]}, "label a: x must be a finite number"),
-        ({"a": {"x": 1, "y": 2, "frame": ""}}, "label a: frame must be"),
-        ({"a": {"x": 1, "y": 2, "frame": 3}}, "label a: frame must be .*, not 3"),
-        ({"Office 1": [1, 2]}, "label 'Office 1' is no ASP term"),
+        ({"a": 3}, r"labels.a: must be {x, y, yaw} or \[x, y, yaw\], not 3"),
+        ({"a": [1, 2, 3, 4]}, r"labels.a: must be \[x, y\] or \[x, y, yaw\] in finite numbers, not \[1, 2, 3, 4\]"),
+        ({"a": {"x": 1}}, "labels.a.y: is missing: give a finite number"),
+        ({"a": {"x": 1, "y": 2, "z": 3}}, "labels.a: unknown key 'z'; keys are x, y, yaw, frame"),
+        ({"a": {"x": 1, "y": 2, "yav": 3}}, r"labels.a: unknown key 'yav' \(is yaw meant\?\)"),
+        ({"a": {"x": "1", "y": 2}}, "labels.a.x: must be a finite number, not '1'"),
+        ({"a": {"x": True, "y": 2}}, "labels.a.x: must be a finite number"),
+        ({"a": [math.nan, 2]}, "labels.a: must be .* in finite numbers, not .nan"),
+        ({"a": {"x": 1, "y": 2, "frame": ""}}, "labels.a.frame: must be the name of a tf frame"),
+        ({"a": {"x": 1, "y": 2, "frame": 3}}, "labels.a.frame: must be .*, not 3"),
+        ({"Office 1": [1, 2]}, "labels.Office 1: the name is no ASP term: write it in lower case without"),
     ],
 )
 def test_faults_are_named(data, fault):
@@ -60,8 +60,8 @@ def test_faults_are_named(data, fault):
 
 
 def test_all_faults_at_once():
-    with pytest.raises(LabelError, match=r"label a: .*; label b: "):
-        LabelTable.from_mapping({"a": 3, "b": 4})
+    with pytest.raises(LabelError, match=r"labels.a: .*\nlabels.b.x: .*\nlabels.b: unknown key"):
+        LabelTable.from_mapping({"a": 3, "b": {"y": 1, "u": 1}})
 
 
 def test_nearest_within_tolerance():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rosoclingo.common.private_parameters import unread
+from rosoclingo.common.parameters import unread
 from rosoclingo.common.starting import missing, needed_modules
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"

@@ -7,6 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.action_runs import Limits
 from rosoclingo.interfaces.config import ConfigError, read_limits, read_spec, read_specs, survey
 
@@ -53,29 +54,34 @@ def test_everything_given():
 @pytest.mark.parametrize(
     ("entry", "fault"),
     [
-        ([], "arm: must be a mapping with type"),
-        ({}, "arm.type: is missing"),
-        ({"type": "Test"}, "arm.type: 'Test' is no action type"),
-        ({**TYPE, "sever": "x"}, "arm: unknown field 'sever'; fields are server, type"),
-        ({**TYPE, "server": ""}, "arm.server: must be a text"),
+        ([], "arm: must be a mapping with the keys type"),
+        ({}, "arm.type: is missing: give an action type like move_base_msgs/MoveBaseAction"),
+        ({"type": "Test"}, "arm.type: must be an action type like .*, not 'Test'"),
+        ({**TYPE, "returns": [{"stratus": "aborted"}]}, r"arm.returns\[0\]: unknown key 'stratus' \(is status meant"),
+        ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(is \$parameter meant\?\); known are"),
+        ({**TYPE, "sever": "x"}, r"arm: unknown key 'sever' \(is server meant\?\); keys are type, server"),
+        ({**TYPE, "server": ""}, "arm.server: must be the name of an actionlib server"),
         ({**TYPE, "goal": 3}, "arm.goal: must be a mapping"),
-        ({**TYPE, "goal": {"x": "$y"}}, r"arm: goal.x: no \$y"),
+        ({**TYPE, "goal": {"x": "$y"}}, r"arm.goal.x: no \$y"),
         ({**TYPE, "timeout": -1}, "arm.timeout: must be a number from 0 on"),
         ({**TYPE, "timeout": "soon"}, "arm.timeout: must be"),
         ({**TYPE, "timeout": True}, "arm.timeout: must be"),
-        ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be above 0"),
+        ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be a number above 0"),
         ({**TYPE, "server_timeout": float("inf")}, "arm.server_timeout: must be"),
         ({**TYPE, "pause": -1}, "arm.pause: must be a number from 0 on"),
         ({**TYPE, "retries": 1.5}, "arm.retries: must be a whole number"),
         ({**TYPE, "retry_on": "failed"}, "arm.retry_on: must be a list"),
         ({**TYPE, "returns": {}}, "arm.returns: must be a list"),
         ({**TYPE, "returns": [3]}, r"arm.returns\[0\]: must be a mapping"),
-        ({**TYPE, "returns": [{"status": "lost"}]}, r"arm.returns\[0\]: no status 'lost'; statuses are succeeded"),
-        ({**TYPE, "returns": [{"text": "("}]}, r"arm.returns\[0\]: text '\(' is no regular expression"),
-        ({**TYPE, "returns": [{"when": {"x": "/(/"}}]}, r"arm.returns\[0\].when.x: text '\(' is no regular expression"),
-        ({**TYPE, "returns": [{"when": 3}]}, r"arm.returns\[0\]: when must be a mapping"),
-        ({**TYPE, "returns": [{"facts": "a"}]}, r"arm.returns\[0\]: facts must be a list"),
-        ({**TYPE, "returns": [{"return": "$what"}]}, r"returns\[0\]\[0\]: no \$what"),
+        (
+            {**TYPE, "returns": [{"status": "lost"}]},
+            r"arm.returns\[0\].status: must be one of succeeded, .*, not 'lost'",
+        ),
+        ({**TYPE, "returns": [{"text": "("}]}, r"arm.returns\[0\].text: '\(' is no regular expression"),
+        ({**TYPE, "returns": [{"when": {"x": "/(/"}}]}, r"arm.returns\[0\].when.x: '\(' is no regular expression"),
+        ({**TYPE, "returns": [{"when": 3}]}, r"arm.returns\[0\].when: must be a mapping"),
+        ({**TYPE, "returns": [{"facts": "a"}]}, r"arm.returns\[0\].facts: must be a list"),
+        ({**TYPE, "returns": [{"return": "$what"}]}, r"arm.returns\[0\].return: no \$what"),
     ],
 )
 def test_faults_are_named(entry, fault):
@@ -96,7 +102,11 @@ def test_all_faults_at_once():
 
 @pytest.mark.parametrize(
     ("data", "fault"),
-    [(None, "must be a mapping of interface names"), ([1], "must be a mapping"), ({}, "has no entries; write one")],
+    [
+        (None, "is missing: give a mapping of interface names"),
+        ([1], "must be a mapping"),
+        ({}, "has no entries; write one"),
+    ],
 )
 def test_no_entries(data, fault):
     with pytest.raises(ConfigError, match=fault):
@@ -104,23 +114,26 @@ def test_no_entries(data, fault):
 
 
 def test_what_is_usable_of_a_faulty_entry_is_there_to_be_checked_further():
-    specs, faults = survey(
-        {"arm": {**TYPE, "timeout": -1, "goal": {"x": "$y", "z": "$", "goal": 1}}, "leg": {"type": 3}}
+    reader = Reader(
+        {"arm": {**TYPE, "timeout": -1, "goal": {"x": "$y", "z": "$", "goal": 1}}, "leg": {"type": 3}},
+        source="~interfaces: ",
     )
-    assert faults == [
-        "arm: goal.x: no $y; known are $parameter, $cycle, $now, $1, $2 ...",
-        "arm: goal.z: '$': write $name alone, ${name} inside a text, $$ for a dollar sign",
-        "arm.timeout: must be a number from 0 on, not -1",
-        "leg.type: 3 is no action type; write package/NameAction",
+    specs = survey(reader)
+    assert reader.faults == [
+        "~interfaces: arm.goal.x: no $y; known are $parameter, $cycle, $now, $1, $2 ...",
+        "~interfaces: arm.goal.z: '$': write $name alone, ${name} inside a text, $$ for a dollar sign",
+        "~interfaces: arm.timeout: must be a number from 0 on, not -1",
+        "~interfaces: leg.type: must be an action type like move_base_msgs/MoveBaseAction, not 3",
     ]
     assert specs["arm"].type == "actionlib/TestAction"
     assert specs["leg"].type == ""
 
 
 def test_limits_alone():
-    assert read_limits({"timeout": 7}, "~", Limits(1.0, 2.0, 3)) == Limits(7.0, 2.0, 3)
-    with pytest.raises(ConfigError, match=r"~\.retries"):
-        read_limits({"retries": -1}, "~")
+    assert read_limits(Reader({"timeout": 7}), Limits(1.0, 2.0, 3)) == Limits(7.0, 2.0, 3)
+    reader = Reader({"retries": -1}, "~")
+    assert read_limits(reader) == Limits()
+    assert reader.faults == ["~retries: must be a whole number from 0 on, not -1"]
 
 
 SCALARS = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("$parameter"))

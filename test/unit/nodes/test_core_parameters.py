@@ -42,29 +42,39 @@ def test_all_parameters(program):
 @pytest.mark.parametrize(
     ("name", "value", "mend"),
     [
-        ("program_files", [], "give a list of paths"),
-        ("program_files", [3], "give a list of paths"),
+        ("program_files", [], "must be a list of paths of ASP programs"),
+        ("program_files", [3], "must be a list of paths of ASP programs"),
         ("program_files", ["/no/such/file.lp"], "there is no file '/no/such/file.lp'"),
-        ("constants", [1], "give a map"),
+        ("constants", [1], "must be a map of names to values"),
         ("constants", {"n": "X"}, "no ASP term"),
-        ("labels", 3, "give a map"),
+        ("labels", 3, "must be a map whose keys are the labels"),
         ("labels", {"Office One": {}}, "no ASP term"),
-        ("horizon_limit", 0, "whole number from 1"),
-        ("horizon_limit", 1.5, "whole number from 1"),
-        ("horizon_limit", True, "whole number from 1"),
-        ("action_timeout", -1, "give seconds"),
-        ("action_timeout", "long", "give seconds"),
-        ("search_timeout", float("inf"), "give seconds"),
-        ("recovery_timeout", -0.1, "give seconds"),
-        ("goals_at_once", -1, "whole number from 0"),
-        ("preempt", 1, "give true or false"),
-        ("preempt", "true", "give true or false"),
+        ("horizon_limit", 0, "must be a whole number from 1 on"),
+        ("horizon_limit", 1.5, "must be a whole number from 1 on"),
+        ("horizon_limit", True, "must be a whole number from 1 on"),
+        ("action_timeout", -1, "must be seconds, 0 for no limit"),
+        ("action_timeout", "long", "must be seconds, 0 for no limit"),
+        ("search_timeout", float("inf"), "must be seconds, 0 for no limit"),
+        ("recovery_timeout", -0.1, "must be seconds, 0 for no limit"),
+        ("goals_at_once", -1, "must be a whole number from 0 on"),
+        ("preempt", 1, "must be true or false"),
+        ("preempt", "true", "must be true or false"),
     ],
 )
 def test_bad_parameters_name_themselves_and_the_mend(program, name, value, mend):
     with pytest.raises(ParameterError, match=re.escape(mend)) as error:
         core_parameters({"program_files": [program], name: value})
     assert f"~{name}" in str(error.value)
+
+
+def test_all_faults_at_once():
+    with pytest.raises(ParameterError) as error:
+        core_parameters({"program_files": 3, "constants": {"n": "X"}, "preempt": 1})
+    assert [line.split(":")[0] for line in str(error.value).splitlines()] == [
+        "~preempt",
+        "~program_files",
+        "~constants/n",
+    ]
 
 
 def test_no_program():

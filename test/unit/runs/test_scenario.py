@@ -53,29 +53,33 @@ def test_when_events_are_due():
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("", "the scenario: give a map"),
+        ("", "events: is missing: give a list of events"),
+        ("3", "must be a mapping with the keys title, events, packages, expect, timeout, launch, not 3"),
         ("[", "no YAML"),
-        ("events: 3", "events: give a list"),
-        ("title: x", "events: give a list"),
-        ("events: []\nevnts: []", "'evnts' is none of"),
-        ("events: [3]", "event 1: give a map"),
-        ("events: [{time: 1}]", "event 1: give one of request, cancel, facts, call"),
+        ("events: 3", "events: must be a list of events, not 3"),
+        ("title: x", "events: is missing: give a list of events"),
+        ("events: []\nevnts: []", "unknown key 'evnts' (is events meant?); keys are title, events"),
+        ("events: [3]", "events[0]: must be a mapping with the keys request, cancel"),
+        ("events: [{time: 1}]", "events[0]: give one of request, cancel, facts, call"),
         ("events: [{time: 1, request: a, cancel: 1}]", "give one of"),
         ("events: [{request: g(1)}]", "either 'time' or 'cycle'"),
         ("events: [{time: 1, cycle: 1, request: g(1)}]", "either 'time' or 'cycle'"),
-        ("events: [{time: -1, request: g(1)}]", "no number of seconds"),
-        ("events: [{time: soon, request: g(1)}]", "no number of seconds"),
-        ("events: [{cycle: 0, request: g(1)}]", "is no cycle"),
-        ("events: [{cycle: x, request: g(1)}]", "is no cycle"),
-        ("events: [{time: 1, request: 3}]", "nothing to request"),
-        ("events: [{time: 1, facts: a}]", "nothing to facts"),
-        ("events: [{time: 1, call: 3}]", "nothing to call"),
-        ("events: [{time: 1, call: a, with: 3}]", "event 1: with: give a map"),
-        ("events: [{time: 1, request: a, with: {b: 1}}]", "event 1: 'with' goes with 'call' alone"),
-        ("events: []\nexpect: {goals: [preempted]}", "preempted is none of"),
-        ("events: []\nexpect: {goal: []}", "'goal' is none of"),
-        ("events: []\npackages: [1]", "packages: give a map"),
-        ("events: []\ntimeout: long", "timeout: 'long' is no number"),
+        ("events: [{time: -1, request: g(1)}]", "events[0].time: must be a number of seconds from 0 on, not -1"),
+        ("events: [{time: soon, request: g(1)}]", "must be a number of seconds from 0 on, not 'soon'"),
+        ("events: [{cycle: 0, request: g(1)}]", "events[0].cycle: must be a whole number from 1 on, not 0"),
+        ("events: [{cycle: x, request: g(1)}]", "events[0].cycle: must be a whole number from 1 on"),
+        ("events: [{time: 1, request: 3}]", "events[0].request: must be a goal as text, not 3"),
+        ("events: [{time: 1, facts: a}]", "events[0].facts: must be a list of atoms, not 'a'"),
+        ("events: [{time: 1, call: 3}]", "events[0].call: must be the name of a service, not 3"),
+        ("events: [{time: 1, call: a, with: 3}]", "events[0].with: must be a mapping of the request's fields, not 3"),
+        ("events: [{time: 1, request: a, with: {b: 1}}]", "events[0].with: goes with 'call' alone"),
+        (
+            "events: []\nexpect: {goals: [preempted]}",
+            "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'preempted'",
+        ),
+        ("events: []\nexpect: {goal: []}", "expect: unknown key 'goal' (is goals meant?); keys are goals, packages"),
+        ("events: []\npackages: [1]", "packages: must be a mapping of packages to labels, not [1]"),
+        ("events: []\ntimeout: long", "timeout: must be a number of seconds from 0 on, not 'long'"),
     ],
 )
 def test_faults_name_their_place(text, fault):
@@ -98,5 +102,20 @@ def test_what_need_not_be_said():
 
 
 def test_yes_is_no_number_of_seconds():
-    with pytest.raises(ScenarioError, match="True is no number of seconds"):
+    with pytest.raises(ScenarioError, match="must be a number of seconds from 0 on, not True"):
         Scenario.from_text('events: [{time: yes, request: "g(1)"}]')
+
+
+def test_all_faults_at_once(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text("events: [{time: 1, requst: g(1)}, {cycle: 0, cancel: 1}]\nexpect: {goals: [won]}\nlunch: house")
+    with pytest.raises(ScenarioError) as error:
+        Scenario.from_file(path)
+    assert [line.replace(f"scenario {path}: ", "") for line in str(error.value).splitlines()] == [
+        "events[0]: unknown key 'requst' (is request meant?); "
+        "keys are request, cancel, facts, call, time, cycle, delay, with, client, origin",
+        "events[0]: give one of request, cancel, facts, call",
+        "events[1].cycle: must be a whole number from 1 on, not 0",
+        "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'won'",
+        "unknown key 'lunch' (is launch meant?); keys are title, events, packages, expect, timeout, launch",
+    ]

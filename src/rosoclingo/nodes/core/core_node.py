@@ -7,7 +7,6 @@ import rospy
 from actionlib import ActionServer, ServerGoalHandle
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
-from rosoclingo.common.private_parameters import private_values
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction
 from rosoclingo.nodes.core.goal_handles import GoalHandles
@@ -79,7 +78,7 @@ class CoreNode:
     """
 
     def __init__(self) -> None:
-        self._parameters = core_parameters(private_values())
+        self._parameters = core_parameters()
         self._ending = False
         self._cancels: Set[str] = set()  # keys of goals whose cancel waits
         self._last_time = 0.0

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
-from rosoclingo.common.parameters import ParameterError
+from rosoclingo.common.parameters import ParameterError, Parameters
+from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.reasoning import CoreSettings
@@ -23,23 +24,26 @@ class CoreParameters:
     recovery_timeout: float = 5.0
 
 
-def core_parameters(values: Mapping[str, Any]) -> CoreParameters:
-    """Check the values of the node's private parameters; raises ParameterError for the first one that is unusable."""
-    defaults = CoreSettings()
+def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:
+    """The node's private parameters, or ``values`` in their place; raises ParameterError with all their faults."""
+    given, defaults = Parameters(values), CoreSettings()
+    limit = "seconds, 0 for no limit"
     settings = CoreSettings(
-        horizon_limit=_whole(values, "horizon_limit", defaults.horizon_limit),
-        action_timeout=_seconds(values, "action_timeout", defaults.action_timeout),
-        preempt=_switch(values, "preempt", defaults.preempt),
-        goals_at_once=_whole(values, "goals_at_once", defaults.goals_at_once, 0),
+        horizon_limit=given.at("horizon_limit").whole(defaults.horizon_limit, low=1),
+        action_timeout=given.at("action_timeout").number(defaults.action_timeout, low=0.0, wanted=limit),
+        preempt=given.at("preempt").flag(defaults.preempt),
+        goals_at_once=given.at("goals_at_once").whole(defaults.goals_at_once, low=0),
     )
-    return CoreParameters(
-        program_files=_files(values),
-        constants=_constants(values),
-        labels=_labels(values),
+    found = CoreParameters(
+        program_files=_files(given.at("program_files")),
+        constants={name: _term(value, str(value.value)) for name, value in _constants(given.at("constants"))},
+        labels=_labels(given.at("labels")),
         settings=settings,
-        search_timeout=_seconds(values, "search_timeout", CoreParameters.search_timeout),
-        recovery_timeout=_seconds(values, "recovery_timeout", CoreParameters.recovery_timeout),
+        search_timeout=given.at("search_timeout").number(CoreParameters.search_timeout, low=0.0, wanted=limit),
+        recovery_timeout=given.at("recovery_timeout").number(CoreParameters.recovery_timeout, low=0.0, wanted=limit),
     )
+    given.check()
+    return found
 
 
 def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]]:
@@ -67,58 +71,30 @@ def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> List
     return [f"~constants: {warning}" for warning in remarks.warnings]
 
 
-def _files(values: Mapping[str, Any]) -> Tuple[str, ...]:
-    found = values.get("program_files", [])
-    names: List[Any] = [found] if isinstance(found, str) else found
-    if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
-        raise ParameterError(f"~program_files is {found!r}: give a list of paths of ASP programs")
+def _files(reader: Reader) -> Tuple[str, ...]:
+    wanted = "a list of paths of ASP programs"
+    names = (reader.text(wanted=wanted),) if isinstance(reader.value, str) else reader.texts(wanted=wanted, some=True)
     for name in names:
         if not Path(name).is_file():
-            raise ParameterError(f"~program_files: there is no file '{name}'")
-    return tuple(names)
+            reader.fault(f"there is no file '{name}'")
+    return names
 
 
-def _constants(values: Mapping[str, Any]) -> Dict[str, str]:
-    found = values.get("constants", {})
-    if not isinstance(found, dict):
-        raise ParameterError(f"~constants is {found!r}: give a map of names to values, {{offices: 4}}")
-    for name, value in found.items():
-        _term(str(value), f"~constants: the value of '{name}'")
-    return {str(name): str(value) for name, value in found.items()}
+def _constants(reader: Reader) -> List[Tuple[str, Reader]]:
+    return reader.entries("a map of names to values, {offices: 4}", {})
 
 
-def _labels(values: Mapping[str, Any]) -> Tuple[str, ...]:
-    found = values.get("labels", {})
-    if not isinstance(found, (dict, list)):
-        raise ParameterError(f"~labels is {found!r}: give a map whose keys are the labels, or a list of them")
-    for label in found:
-        _term(str(label), "~labels: the label")
-    return tuple(str(label) for label in found)
+def _labels(reader: Reader) -> Tuple[str, ...]:
+    if isinstance(reader.value, list):
+        return tuple(_term(label, str(label.value)) for label in reader.items())
+    return tuple(
+        _term(reader, name) for name, _ in reader.entries("a map whose keys are the labels, or a list of them", {})
+    )
 
 
-def _term(text: str, what: str) -> None:
+def _term(reader: Reader, text: str) -> str:
     try:
         parse_term(text)
     except ProgressionError as error:
-        raise ParameterError(f"{what} '{text}' is no ASP term: {error}") from error
-
-
-def _whole(values: Mapping[str, Any], name: str, default: int, least: int = 1) -> int:
-    found = values.get(name, default)
-    if isinstance(found, bool) or not isinstance(found, int) or found < least:
-        raise ParameterError(f"~{name} is {found!r}: give a whole number from {least}")
-    return found
-
-
-def _seconds(values: Mapping[str, Any], name: str, default: float) -> float:
-    found = values.get(name, default)
-    if isinstance(found, bool) or not isinstance(found, (int, float)) or not 0 <= found < float("inf"):
-        raise ParameterError(f"~{name} is {found!r}: give seconds, 0 for no limit")
-    return float(found)
-
-
-def _switch(values: Mapping[str, Any], name: str, default: bool) -> bool:
-    found = values.get(name, default)
-    if not isinstance(found, bool):
-        raise ParameterError(f"~{name} is {found!r}: give true or false")
-    return found
+        reader.fault(f"'{text}' is no ASP term: {error}")
+    return text

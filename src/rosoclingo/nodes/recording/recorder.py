@@ -15,7 +15,7 @@ import genpy
 import rosgraph
 import rospy
 
-from rosoclingo.common.parameters import ParameterError, not_negative, parameter
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
 
 __all__ = ["RECORDED", "RecorderNode", "is_recording"]
@@ -57,15 +57,16 @@ class RecorderNode:
     """
 
     def __init__(self) -> None:
-        topics = parameter("~topics", list)
-        if not topics or not all(isinstance(topic, str) for topic in topics):
-            raise ParameterError(f"parameter {rospy.resolve_name('~topics')} must be a list of topics, not {topics!r}")
-        self._patience = not_negative("~patience", 10.0)
+        given = Parameters()
+        topics = given.at("topics").texts(wanted="a list of topics", some=True)
+        self._patience = given.at("patience").number(10.0, low=0.0)
+        path = _path(given.at("bag").text(""))
+        given.check()
         self._signals = 0
         self._ending = threading.Event()
         self._come: Deque[Tuple[str, Any, genpy.Time]] = deque()
         self._flushed = time.monotonic()
-        self._bag = _open_bag(_path(), rospy.resolve_name(NOTES))
+        self._bag = _open_bag(path, rospy.resolve_name(NOTES))
         self._subscribers = [self._subscribe(rospy.resolve_name(topic)) for topic in topics]
         rospy.on_shutdown(self._linger)
 
@@ -137,8 +138,8 @@ def _bytes(message: Any) -> bytes:
     return buffer.getvalue()
 
 
-def _path() -> Path:
-    name = parameter("~bag", str, "") or datetime.now().strftime("mailbot_%Y-%m-%d-%H-%M-%S.bag")
+def _path(name: str) -> Path:
+    name = name or datetime.now().strftime("mailbot_%Y-%m-%d-%H-%M-%S.bag")
     return Path(os.path.abspath(os.path.expanduser(name)))
 
 

@@ -9,8 +9,8 @@ from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rosoclingo.common.labels import DEFAULT_FRAME, LabelTable
-from rosoclingo.common.parameters import ParameterError, not_negative, parameter
+from rosoclingo.common.labels import LabelTable
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import PackageStates, TaskPlan
@@ -56,15 +56,18 @@ class MarkersNode:
     """
 
     def __init__(self) -> None:
-        self._pose = RobotPose()
-        self._map_frame = parameter("~map_frame", str, DEFAULT_FRAME)
-        self._base_frame = parameter("~base_frame", str, "base_link")
-        self._labels = LabelTable.from_mapping(parameter("~labels", dict), self._map_frame)
-        self._given = _panel(), not_negative("~size", 0.0)
-        self._title = parameter("~title", str, "")
+        given = Parameters()
+        self._pose = RobotPose(given)
+        self._map_frame, self._base_frame = self._pose.map_frame, self._pose.base_frame
+        self._labels = LabelTable.read(given.at("labels"), self._map_frame)
+        panel = given.at("panel").numbers((0, 2), (), "[x, y] in metres")
+        self._given = (*panel, HEIGHT) if panel else None, given.at("size").number(0.0, low=0.0)
+        self._title = given.at("title").text("")
+        radius = given.at("robot_radius").number(0.18, low=0.0)
+        given.check()
         self._panel, self._size = self._given[0] or NOWHERE, self._given[1] or 1.0
         self._groups: Dict[str, List[Shape]] = {
-            "robot": robot_shapes(self._base_frame, not_negative("~robot_radius", 0.18)),
+            "robot": robot_shapes(self._base_frame, radius),
             "labels": label_shapes(self._labels),
         }
         self._plan: Optional[TaskPlan] = None
@@ -132,15 +135,6 @@ def _actions(texts: List[str]) -> List[Action]:
         except (ProgressionError, KeywordError) as error:
             rospy.logwarn("not shown: %s", error)
     return actions
-
-
-def _panel() -> Optional[Tuple[float, float, float]]:
-    values = parameter("~panel", list, [])
-    if not values:
-        return None
-    if len(values) != 2 or not all(isinstance(value, (int, float)) for value in values):
-        raise ParameterError(f"parameter {rospy.resolve_name('~panel')} must be [x, y] in metres, not {values!r}")
-    return (float(values[0]), float(values[1]), HEIGHT)
 
 
 def _marker(shape: Shape, index: int) -> Marker:

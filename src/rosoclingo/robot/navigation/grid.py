@@ -1,13 +1,13 @@
 """Occupancy grids, read from the files that map_server reads (PGM or PNG with YAML)."""
 
-import contextlib
 import math
 from pathlib import Path
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
 
 import numpy as np
-import yaml
 from PIL import Image
+
+from rosoclingo.common.reading import Reader, read_yaml
 
 __all__ = ["FREE", "OCCUPIED", "UNKNOWN", "MapError", "OccupancyGrid", "load_map", "read_map_info"]
 
@@ -76,22 +76,20 @@ def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
 
     Raises MapError.
     """
-    path = Path(path)
-    try:
-        info = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        raise MapError(f"map {path}: cannot be read: {error}") from error
-    if not isinstance(info, dict):
-        raise MapError(f"map {path}: the file must hold keys and values (image, resolution, origin ...)")
-    return {
-        "image": _image_path(path, info),
-        "resolution": _number(path, info, "resolution", low=1e-6, high=1e6),
-        "origin": _origin(path, info),
-        "negate": bool(_number(path, info, "negate", default=0)),
-        "occupied_thresh": _number(path, info, "occupied_thresh", low=0.0, high=1.0),
-        "free_thresh": _number(path, info, "free_thresh", low=0.0, high=1.0),
-        "mode": _mode(path, info),
+    reader = read_yaml(path, "map", MapError)
+    info = {
+        "image": Path(path).parent / reader.at("image").text(wanted="the image's file name"),
+        "resolution": reader.at("resolution").number(low=1e-6, high=1e6),
+        "origin": _origin(reader.at("origin")),
+        "negate": _negate(reader.at("negate")),
+        "occupied_thresh": reader.at("occupied_thresh").number(low=0.0, high=1.0),
+        "free_thresh": reader.at("free_thresh").number(low=0.0, high=1.0),
+        "mode": reader.at("mode").choice(MODES, "trinary"),
     }
+    if not isinstance(reader.value, dict):
+        reader.fault("the file must hold keys and values (image, resolution, origin ...)")
+    reader.check(MapError)
+    return info
 
 
 def load_map(path: Union[str, Path]) -> OccupancyGrid:
@@ -142,47 +140,14 @@ def _occupancy(levels: Tuple[np.ndarray, np.ndarray], info: Mapping[str, Any]) -
     return np.where(occupied, OCCUPIED, np.where(free, FREE, between)).astype(np.int8)
 
 
-def _image_path(path: Path, info: Mapping[str, Any]) -> Path:
-    image = info.get("image")
-    if not isinstance(image, str) or not image:
-        raise MapError(f"map {path}: image: the image's file name is missing")
-    return path.parent / image
+def _negate(reader: Reader) -> bool:
+    return reader.value if isinstance(reader.value, bool) else bool(reader.number(0.0))
 
 
-def _mode(path: Path, info: Mapping[str, Any]) -> str:
-    mode = info.get("mode", "trinary")
-    if mode not in MODES:
-        raise MapError("map {}: mode: {!r} is none of {}".format(path, mode, ", ".join(MODES)))
-    return str(mode)
-
-
-def _origin(path: Path, info: Mapping[str, Any]) -> Tuple[float, float]:
-    origin = info.get("origin")
-    if not isinstance(origin, (list, tuple)) or len(origin) not in (2, 3):
-        raise MapError(f"map {path}: origin: must be [x, y, yaw] in m, m, rad")
-    numbers = dict(zip(("x", "y", "yaw"), origin))
-    x, y = (_number(path, numbers, key, low=-FAR, high=FAR) for key in ("x", "y"))
-    if _number(path, numbers, "yaw", default=0) != 0:
-        raise MapError(f"map {path}: origin: a turned map (yaw) is not supported; turn the image, and make the yaw 0")
-    return x, y
-
-
-def _number(
-    path: Path,
-    info: Mapping[str, Any],
-    key: str,
-    default: Optional[float] = None,
-    low: float = -math.inf,
-    high: float = math.inf,
-) -> float:
-    value = info.get(key, default)
-    if isinstance(value, bool) and default is not None:
-        value = int(value)
-    if isinstance(value, str):  # such as 5e-2, a number to map_server, a text to PyYAML
-        with contextlib.suppress(ValueError):
-            value = float(value)
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise MapError(f"map {path}: {key}: must be a number, is {value!r}")
-    if not low <= value <= high:
-        raise MapError(f"map {path}: {key}: {value} is not within {low} .. {high}")
-    return float(value)
+def _origin(reader: Reader) -> Tuple[float, float]:
+    origin = reader.numbers((2, 3), wanted="[x, y, yaw] in m, m, rad")
+    if max(map(abs, origin[:2])) > FAR:
+        reader.fault(f"x and y must be within {FAR:g} m, not {list(origin[:2])}")
+    if origin[2:] not in ((), (0.0,)):
+        reader.fault("a turned map (yaw) is not supported; turn the image, and make the yaw 0")
+    return origin[0], origin[1]

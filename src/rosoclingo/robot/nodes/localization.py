@@ -20,7 +20,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
-from rosoclingo.common.parameters import finite, not_negative, parameter
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D, quaternion_to_yaw, yaw_to_quaternion
 from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
@@ -69,11 +69,13 @@ class FakeLocalizationNode:
     """
 
     def __init__(self) -> None:
-        self._odom = parameter("~odom_frame_id", str, "odom").lstrip("/")
-        self._base = parameter("~base_frame_id", str, "base_link").lstrip("/")
-        self._global = parameter("~global_frame_id", str, "map").lstrip("/")
-        self._world_in_map = Pose2D(*(-finite("~delta_" + axis, 0.0) for axis in ("x", "y", "yaw")))
-        self._tolerance = rospy.Duration(not_negative("~transform_tolerance", 0.1))
+        given = Parameters()
+        self._odom = given.at("odom_frame_id").text("odom").lstrip("/")
+        self._base = given.at("base_frame_id").text("base_link").lstrip("/")
+        self._global = given.at("global_frame_id").text("map").lstrip("/")
+        self._world_in_map = Pose2D(*(-given.at("delta_" + axis).number(0.0) for axis in ("x", "y", "yaw")))
+        self._tolerance = rospy.Duration(given.at("transform_tolerance").number(0.1, low=0.0))
+        given.check()
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._pose = prompt_publisher("amcl_pose", PoseWithCovarianceStamped, 10, latch=True)

@@ -11,7 +11,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapRequest, LoadMapResponse
 from rospy.numpy_msg import numpy_msg
 
-from rosoclingo.common.parameters import parameter
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import grid
 from rosoclingo.robot.nodes.sendable import sendable
@@ -62,10 +62,13 @@ class MapServerNode:
     """
 
     def __init__(self, path: str = "") -> None:
-        self._frame = parameter("~frame_id", str, "map")
+        given = Parameters()
+        self._frame = given.at("frame_id").text("map")
+        path = path or given.at("map").text()
+        given.check()
         self._map = rospy.Publisher("map", numpy_msg(OccupancyGrid), latch=True, queue_size=1)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1)
-        self._show(path or parameter("~map", str))
+        self._show(path)
         self._worker = Worker()
         self._worker.start()
         self._services = (

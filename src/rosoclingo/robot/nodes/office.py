@@ -10,7 +10,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.common.parameters import not_negative, parameter
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import (
@@ -100,16 +100,15 @@ class OfficeNode:
     """
 
     def __init__(self) -> None:
-        self._pose = RobotPose()
-        self._labels = LabelTable.from_mapping(parameter("~labels", dict), self._pose.map_frame)
-        self._office = PackageOffice.from_mapping(
-            parameter("~packages", dict, {}),
-            tuple(label.name for label in self._labels),
-            parameter("~capacity", int, DEFAULT_CAPACITY),
-            parameter("~appear", bool, False),
-        )
-        self._duration = not_negative("~duration", 3.0)
-        self._tolerance = not_negative("~tolerance", 0.5)
+        given = Parameters()
+        self._pose = RobotPose(given)
+        self._labels = LabelTable.read(given.at("labels"), self._pose.map_frame)
+        capacity = given.at("capacity").whole(DEFAULT_CAPACITY, low=1)
+        self._office = PackageOffice(self._labels.names, capacity, given.at("appear").flag(False))
+        self._office.read(given.at("packages"))
+        self._duration = given.at("duration").number(3.0, low=0.0)
+        self._tolerance = given.at("tolerance").number(0.5, low=0.0)
+        given.check()
         self._jobs: Deque[_Job] = deque()
         self._servers: Tuple[ActionServer, ...] = ()
         self._last_time = 0.0

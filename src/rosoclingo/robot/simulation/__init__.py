@@ -14,10 +14,10 @@ if TYPE_CHECKING:
         ObstacleSpec,
         PackageSpec,
         RobotSpec,
+        WorldError,
         WorldSpec,
     )
     from rosoclingo.robot.simulation.world_file import load_world
-    from rosoclingo.robot.simulation.world_reader import WorldError
 
 __all__ = [
     "Box",
@@ -49,7 +49,7 @@ __getattr__ = loader(
         "Robot": "simulated_robot",
         "RobotSpec": "spec",
         "Simulation": "simulation",
-        "WorldError": "world_reader",
+        "WorldError": "spec",
         "WorldSpec": "spec",
         "load_simulation": "simulation",
         "load_world": "world_file",

@@ -1,6 +1,8 @@
 """Packages in the simulated office: where each one is, and what picking up and putting down do to it."""
 
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+from rosoclingo.common.reading import Reader
 
 DEFAULT_CAPACITY = 3
 
@@ -62,25 +64,23 @@ class PackageOffice:
         self._locations: Dict[str, Optional[str]] = {}
 
     @classmethod
-    def from_mapping(
-        cls,
-        packages: Mapping[object, object],
-        labels: Tuple[str, ...],
-        capacity: int = DEFAULT_CAPACITY,
-        appear: bool = False,
-    ) -> "PackageOffice":
-        """An office with `{label: [package, ...]}`, as config/office_packages.yaml holds it; raises PackageError."""
-        if not isinstance(packages, Mapping):
-            raise PackageError(f"packages must be a mapping of labels to lists of packages, not {packages!r}")
-        office = cls(labels, capacity, appear)
-        for location, there in packages.items():
-            if not isinstance(there, (list, tuple)):
-                raise PackageError(f"packages at {location} must be a list, not {there!r}")
-            for package in there:
-                if str(package) in office._locations:
-                    raise PackageError(f"{words_for(package)} is listed twice")
-                office.put(str(package), str(location))
+    def from_mapping(cls, packages: Any, labels: Tuple[str, ...], appear: bool = False) -> "PackageOffice":
+        """An office with packages as ``read`` takes them; raises PackageError with all faults."""
+        office, reader = cls(labels, appear=appear), Reader(packages, "packages")
+        office.read(reader)
+        reader.check(PackageError)
         return office
+
+    def read(self, reader: Reader) -> None:
+        """Put `{label: [package, ...]}`, as config/office_packages.yaml holds it; the reader has the faults."""
+        for location, there in reader.entries("a mapping of labels to lists of packages", {}):
+            for package in there.items("a list of packages"):
+                if str(package.value) in self._locations:
+                    package.fault(f"{words_for(package.value)} is listed twice")
+                try:
+                    self.put(str(package.value), location)
+                except PackageError as error:
+                    package.fault(str(error))
 
     @property
     def places(self) -> List[PackagePlace]:

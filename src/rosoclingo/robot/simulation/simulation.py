@@ -16,9 +16,8 @@ from rosoclingo.robot.simulation.compiled.shapes import (
     inside,
 )
 from rosoclingo.robot.simulation.simulated_robot import Robot, Surroundings
-from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldSpec
+from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
-from rosoclingo.robot.simulation.world_reader import WorldError
 
 __all__ = ["Collision", "Simulation", "load_simulation"]
 

@@ -6,9 +6,23 @@ from typing import NamedTuple, Optional, Tuple, Union
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OccupancyGrid
 
-__all__ = ["Box", "DoorSpec", "LaserSpec", "ObstacleSpec", "PackageSpec", "Point", "RobotSpec", "WorldSpec"]
+__all__ = [
+    "Box",
+    "DoorSpec",
+    "LaserSpec",
+    "ObstacleSpec",
+    "PackageSpec",
+    "Point",
+    "RobotSpec",
+    "WorldError",
+    "WorldSpec",
+]
 
 Point = Tuple[float, float]
+
+
+class WorldError(ValueError):
+    """A world that cannot be, or a change that it does not allow; the message names the place."""
 
 
 class LaserSpec(NamedTuple):

@@ -9,9 +9,8 @@ import numpy as np
 from PIL import Image
 
 from rosoclingo.robot.navigation.grid import read_map_info
-from rosoclingo.robot.simulation.spec import LaserSpec, ObstacleSpec, Point, RobotSpec, WorldSpec
+from rosoclingo.robot.simulation.spec import LaserSpec, ObstacleSpec, Point, RobotSpec, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
-from rosoclingo.robot.simulation.world_reader import WorldError
 
 __all__ = ["StageWorld", "stage_world", "write_stage_world"]
 

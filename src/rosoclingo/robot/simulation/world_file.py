@@ -2,13 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import Tuple, Union
+from typing import Any, Optional, Tuple, Union
 
 import numpy as np
-import yaml
 
+from rosoclingo.common.reading import MISSING, Reader, read_yaml
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.navigation.grid import MapError, load_map
+from rosoclingo.robot.navigation.grid import MapError, OccupancyGrid, load_map
 from rosoclingo.robot.simulation.spec import (
     Box,
     DoorSpec,
@@ -17,9 +17,9 @@ from rosoclingo.robot.simulation.spec import (
     PackageSpec,
     Point,
     RobotSpec,
+    WorldError,
     WorldSpec,
 )
-from rosoclingo.robot.simulation.world_reader import MISSING, WorldError, WorldReader
 
 __all__ = ["load_world"]
 
@@ -30,48 +30,51 @@ MOST, MOST_BEAMS = 1000.0, 100000
 def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
     """Read a world file and its map (``map_file``: that one instead). Raises WorldError, which names file and key."""
     path = Path(path)
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        raise WorldError(f"world {path}: cannot be read: {error}") from error
-    try:
-        return _world(WorldReader(data, "", f"world {path}"), path.parent, map_file)
-    except MapError as error:
-        raise WorldError(f"world {path}: map: {error}") from error
-
-
-def _world(reader: WorldReader, folder: Path, map_file: str) -> WorldSpec:
-    named = folder / reader.text("map", map_file or MISSING)
-    chosen = map_file or str(named)
-    grid = load_map(chosen)
+    reader = read_yaml(path, "world", WorldError)
+    named = reader.at("map").text(map_file or MISSING)
     spec = WorldSpec(
-        grid,
-        tuple(_robot(item, f"robot_{i}") for i, item in enumerate(reader.each("robots"))),
-        tuple(_door(item) for item in reader.each("doors")),
-        tuple(_obstacle(item) for item in reader.each("obstacles")),
-        tuple(_package(item) for item in reader.each("packages")),
-        float(reader.number("interval", 0.1, low=0.001, high=10.0)),
-        reader.number("seed", 0, low=0, whole=True),
-        chosen,
+        _map(reader.at("map"), map_file or (named and str(path.parent / named))),
+        tuple(_robot(item, f"robot_{i}") for i, item in enumerate(reader.at("robots").items())),
+        tuple(_door(item) for item in reader.at("doors").items()),
+        tuple(_obstacle(item) for item in reader.at("obstacles").items()),
+        tuple(_package(item) for item in reader.at("packages").items()),
+        reader.at("interval").number(0.1, low=0.001, high=10.0),
+        reader.at("seed").whole(0, low=0),
+        map_file or str(path.parent / named),
     )
-    reader.finish()
+    reader.close()
+    reader.check(WorldError)
+    _check_names(reader, spec)
+    _check_points(reader, spec)
+    reader.check(WorldError)
+    return spec
+
+
+def _map(reader: Reader, path: str) -> OccupancyGrid:
+    """Return the map of a world; an empty one where there is none that can be read."""
+    try:
+        if path:
+            return load_map(path)
+    except MapError as error:
+        reader.fault(str(error))
+    return OccupancyGrid(np.zeros((1, 1), dtype=np.int8), 1.0)
+
+
+def _check_names(reader: Reader, spec: WorldSpec) -> None:
     if not spec.robots:
-        raise reader.error("robots", "a world needs a robot")
+        reader.at("robots").fault("a world needs a robot")
     for key, names in (
         ("robots", [r.name for r in spec.robots]),
         ("doors", [d.name for d in spec.doors]),
         ("obstacles", [o.name for o in spec.obstacles]),
         ("packages", [p.id for p in spec.packages]),
     ):
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise reader.error(key, f"{twice[0]!r} is there twice")
-    _check_points(reader, spec)
-    return spec
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            reader.at(key).fault(f"{name!r} is there twice")
 
 
-def _check_points(reader: WorldReader, spec: WorldSpec) -> None:
-    """Raise WorldError for what lies off the map."""
+def _check_points(reader: Reader, spec: WorldSpec) -> None:
+    """Note what lies off the map, and doors that are none."""
     points = [(f"robots[{i}].pose", robot.pose[:2]) for i, robot in enumerate(spec.robots)]
     points += [(f"doors[{i}].from", door.start) for i, door in enumerate(spec.doors)]
     points += [(f"doors[{i}].to", door.end) for i, door in enumerate(spec.doors)]
@@ -80,111 +83,111 @@ def _check_points(reader: WorldReader, spec: WorldSpec) -> None:
     for key, (x, y) in points:
         beyond = spec.grid.beyond(x, y)
         if beyond:
-            raise reader.error(key, beyond)
+            reader.at(key).fault(beyond)
     for i, door in enumerate(spec.doors):
         if door.start == door.end:
-            raise reader.error(f"doors[{i}]", "has the length 0: from and to must be different")
+            reader.at(f"doors[{i}]").fault("has the length 0: from and to must be different")
 
 
-def _robot(reader: WorldReader, name: str) -> RobotSpec:
+def _robot(reader: Reader, name: str) -> RobotSpec:
     base = RobotSpec()
-    footprint = _footprint(reader)
+    footprint = _footprint(reader.at("footprint"))
     # The circle around the footprint: how far off the robot's outermost corner is.
     radius = max((math.hypot(*corner) for corner in footprint), default=base.radius)
     spec = RobotSpec(
-        reader.text("name", name),
-        Pose2D(*reader.numbers("pose", (2, 3))),
-        float(reader.number("radius", radius, low=0.01, high=MOST)),
+        reader.at("name").text(name),
+        Pose2D(*reader.at("pose").numbers((2, 3))),
+        reader.at("radius").number(radius, low=0.01, high=MOST),
         footprint,
-        float(reader.number("max_speed", base.max_speed, low=0.0, high=MOST)),
-        float(reader.number("max_turn", base.max_turn, low=0.0, high=MOST)),
-        float(reader.number("acceleration", base.acceleration, low=0.0)),
-        float(reader.number("turn_acceleration", base.turn_acceleration, low=0.0)),
+        reader.at("max_speed").number(base.max_speed, low=0.0, high=MOST),
+        reader.at("max_turn").number(base.max_turn, low=0.0, high=MOST),
+        reader.at("acceleration").number(base.acceleration, low=0.0),
+        reader.at("turn_acceleration").number(base.turn_acceleration, low=0.0),
         _lasers(reader),
-        _point(reader.numbers("drift", (2,), base.drift)),
+        _point(reader.at("drift").numbers((2,), base.drift)),
     )
     if not all(0.0 <= error <= 1.0 for error in spec.drift):
-        raise reader.error("drift", f"must be two relative errors from 0 to 1, is {list(spec.drift)}")
-    reader.finish()
+        reader.at("drift").fault(f"must be two relative errors from 0 to 1, not {list(spec.drift)}")
+    reader.close()
     return spec._replace(radius=radius) if footprint else spec
 
 
-def _footprint(reader: WorldReader) -> Tuple[Point, ...]:
+def _footprint(reader: Reader) -> Tuple[Point, ...]:
     """Return the corners of a robot's footprint, none for a disc."""
-    corners = reader.get("footprint", None) or []
-    if not isinstance(corners, list) or 0 < len(corners) < 3:
-        raise reader.error("footprint", f"needs three corners or more, a list of [x, y], is {corners!r}")
-    points = tuple(_point(reader.floats("footprint", corner, (2,))) for corner in corners)
-    if max((abs(v) for point in points for v in point), default=0.0) > MOST:
-        raise reader.error("footprint", f"a corner is more than {MOST} m off")
-    if points and np.linalg.matrix_rank(np.subtract(points, points[0]), tol=1e-3) < 2:
-        raise reader.error("footprint", "its corners lie in a line: a robot has a length and a width")
+    points = tuple(_point(corner.numbers((2,))) for corner in reader.items("a list of three corners [x, y] or more"))
+    if 0 < len(points) < 3:
+        reader.fault(f"needs three corners [x, y] or more, not {reader.value!r}")
+    elif max((abs(v) for point in points for v in point), default=0.0) > MOST:
+        reader.fault(f"a corner is more than {MOST} m off")
+    elif points and np.linalg.matrix_rank(np.subtract(points, points[0]), tol=1e-3) < 2:
+        reader.fault("its corners lie in a line: a robot has a length and a width")
     return points
 
 
-def _lasers(reader: WorldReader) -> Tuple[LaserSpec, ...]:
+def _lasers(reader: Reader) -> Tuple[LaserSpec, ...]:
     """Return the lasers: one by ``laser``, several by ``lasers``, one of defaults without either."""
-    value = reader.get("laser", {})
-    several = reader.each("lasers")
-    if "lasers" not in reader.data:
-        several = [] if value in (False, None) else [WorldReader(value, reader.place + ".laser", reader.file)]
-    elif "laser" in reader.data:
-        raise reader.error("lasers", "a robot has either laser or lasers, not both")
-    return tuple(_laser(laser) for laser in several)
+    one, several = reader.at("laser"), reader.at("lasers")
+    if several.given:
+        if one.given:
+            several.fault("a robot has either laser or lasers, not both")
+        return tuple(_laser(laser) for laser in several.items())
+    return () if one.value in (False, None) else (_laser(one),)
 
 
-def _laser(reader: WorldReader) -> LaserSpec:
+def _laser(reader: Reader) -> LaserSpec:
     base = LaserSpec()
     spec = LaserSpec(
-        float(reader.number("range", base.range, low=0.01, high=MOST)),
-        float(reader.number("angle", base.angle, low=0.0, high=360.0)),
-        reader.number("beams", base.beams, low=2, high=MOST_BEAMS, whole=True),
-        float(reader.number("noise", base.noise, low=0.0, high=MOST)),
-        float(reader.number("rate", base.rate, low=0.01)),
-        Pose2D(*reader.numbers("pose", (2, 3), base.pose)),
-        float(reader.number("min_range", base.min_range, low=0.0)),
+        reader.at("range").number(base.range, low=0.01, high=MOST),
+        reader.at("angle").number(base.angle, low=0.0, high=360.0),
+        reader.at("beams").whole(base.beams, low=2, high=MOST_BEAMS),
+        reader.at("noise").number(base.noise, low=0.0, high=MOST),
+        reader.at("rate").number(base.rate, low=0.01),
+        Pose2D(*reader.at("pose").numbers((2, 3), base.pose)),
+        reader.at("min_range").number(base.min_range, low=0.0),
     )
     if spec.min_range >= spec.range:
-        raise reader.error("min_range", f"must be less than the range, {spec.range}, is {spec.min_range}")
-    reader.finish()
+        reader.at("min_range").fault(f"must be less than the range, {spec.range}, not {spec.min_range}")
+    reader.close()
     return spec
 
 
-def _door(reader: WorldReader) -> DoorSpec:
+def _door(reader: Reader) -> DoorSpec:
     spec = DoorSpec(
-        reader.text("name"),
-        _point(reader.numbers("from", (2,))),
-        _point(reader.numbers("to", (2,))),
-        reader.flag("open", True),
+        reader.at("name").text(),
+        _point(reader.at("from").numbers((2,))),
+        _point(reader.at("to").numbers((2,))),
+        reader.at("open").flag(True),
     )
-    reader.finish()
+    reader.close()
     return spec
 
 
-def _obstacle(reader: WorldReader) -> ObstacleSpec:
-    size = reader.get("box", None)
+def _obstacle(reader: Reader) -> ObstacleSpec:
+    box, faults = reader.at("box"), len(reader.faults)
     spec = ObstacleSpec(
-        reader.text("name"),
-        _point(reader.numbers("at", (2,))),
-        float(reader.number("radius", 0.0, low=0.0)),
-        Box(*reader.floats("box", size, (2, 3))) if size is not None else None,
+        reader.at("name").text(),
+        _point(reader.at("at").numbers((2,))),
+        reader.at("radius").number(0.0, low=0.0),
+        Box(*box.numbers((2, 3))) if box.given else None,
     )
     problem = spec.problem()
-    if problem:
-        raise reader.error("", problem)
-    reader.finish()
+    if problem and len(reader.faults) == faults:
+        reader.fault(problem)
+    reader.close()
     return spec
 
 
-def _package(reader: WorldReader) -> PackageSpec:
-    at = reader.get("at")
-    place = at if isinstance(at, str) and at else _point(reader.floats("at", at, (2,)))
-    name = reader.get("id")
-    if isinstance(name, bool) or not isinstance(name, (int, str)) or name == "":
-        raise reader.error("id", f"must be a whole number or a text, is {name!r}")
-    spec = PackageSpec(str(name), place)
-    reader.finish()
+def _package(reader: Reader) -> PackageSpec:
+    at = reader.at("at")
+    place = at.text() if isinstance(at.value, str) else _point(at.numbers((2,), wanted="a label or [x, y]"))
+    spec = PackageSpec(reader.at("id").read("a whole number or a text", _name, empty=""), place)
+    reader.close()
     return spec
+
+
+def _name(value: Any) -> Optional[str]:
+    good = isinstance(value, (int, str)) and not isinstance(value, bool) and value != ""
+    return str(value) if good else None
 
 
 def _point(numbers: Tuple[float, ...]) -> Point:

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from rosoclingo.common.parameters import ParameterError
+from rosoclingo.common import parameters
+from rosoclingo.common.parameters import ParameterError, Parameters, unread
 from rosoclingo.robot.navigation import (
     ClearCostmap,
     CostmapLimits,
@@ -46,27 +47,6 @@ class Broken(GlobalPlanner):
         raise KeyError("horizon")
 
 
-class Server:
-    """The node's private parameters, and which of them have been read."""
-
-    def __init__(self, values):
-        self.values, self.read = values, set()
-
-    def has(self, name):
-        return self._find(name) is not None
-
-    def get(self, name, default=None):
-        self.read.add(name[1:])
-        found = self._find(name)
-        return default if found is None else found
-
-    def _find(self, name):
-        value = self.values
-        for part in name[1:].split("/"):
-            value = value.get(part) if isinstance(value, dict) else None
-        return value
-
-
 @pytest.fixture
 def given(monkeypatch):
     """Sets the node's parameters, nested as in a YAML file or with slashes in their names."""
@@ -79,18 +59,31 @@ def given(monkeypatch):
             for part in path:
                 place = place.setdefault(part, {})
             place[last] = value
-        server = Server(nested)
-        monkeypatch.setattr(rospy, "get_param", server.get)
-        monkeypatch.setattr(rospy, "has_param", server.has)
-        monkeypatch.setattr(rospy, "resolve_name", lambda name: name.replace("~", "/move_base/"))
-        return server
+        monkeypatch.setattr(rospy, "get_param", lambda name, default=None: nested if name == "~" else default)
+        monkeypatch.setattr(parameters, "_READ", set())
 
     return give
 
 
+def settings_of():
+    """What the node reads; raises ParameterError with all faults."""
+    found = Parameters()
+    settings = read_settings(found)
+    found.check()
+    return settings
+
+
+def made(find, *arguments):
+    """The plugins that the parameters name, made; raises ParameterError with all faults."""
+    found = Parameters()
+    make = find(found, *arguments)
+    found.check()
+    return make()
+
+
 def test_defaults(given):
     given()
-    settings = read_settings()
+    settings = settings_of()
     assert settings.frames == Frames("map", "base_link", 0.5, "base_scan", 1.0)
     assert settings.costmap == CostmapLimits()
     assert settings.navigator == NavigatorLimits()
@@ -100,9 +93,9 @@ def test_defaults(given):
     assert settings.update_periods == (0.2, 0.2)
     assert settings.send_full == (False, False)
     assert (settings.local_size, settings.local_frame, settings.rest_when_idle) == ((6.0, 6.0), "", False)
-    assert type(plugins.make_global_planner()) is GridPlanner
-    assert type(plugins.make_local_planner(0.2, ())) is RolloutFollower
-    names = [behavior.name for behavior in plugins.make_recoveries()]
+    assert type(made(plugins.global_planner)) is GridPlanner
+    assert type(made(plugins.local_planner, 0.2, ())) is RolloutFollower
+    names = [behavior.name for behavior in made(plugins.recoveries)]
     assert names == ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
 
 
@@ -150,16 +143,16 @@ SETTINGS = [
 @pytest.mark.parametrize(("name", "value", "read", "expected"), SETTINGS)
 def test_each_parameter_is_read(given, name, value, read, expected):
     given()
-    assert read(read_settings()) != expected, "the value would prove nothing"
+    assert read(settings_of()) != expected, "the value would prove nothing"
     given({name: value})
-    assert read(read_settings()) == pytest.approx(expected)
+    assert read(settings_of()) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("footprint", [SQUARE, str(SQUARE), "[[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]"])
 @pytest.mark.parametrize("name", ["footprint", "global_costmap/footprint"])
 def test_the_footprint(given, name, footprint):
     given({name: footprint})
-    settings = read_settings()
+    settings = settings_of()
     assert settings.footprint == tuple(map(tuple, SQUARE))
     assert settings.costmap.robot_radius == pytest.approx(0.2)
 
@@ -180,7 +173,7 @@ def test_layers_of_other_names(given):
             "global_costmap/fear/inflation_radius": 0.8,
         }
     )
-    settings = read_settings()
+    settings = settings_of()
     assert (settings.map_topic, settings.frames.scan_topic) == ("floor", "/scan")
     assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
 
@@ -194,9 +187,29 @@ def test_a_configuration_from_before_layers(given):
             "global_costmap/laser/topic": "/scan",
         }
     )
-    settings = read_settings()
+    settings = settings_of()
     assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
     assert settings.frames.scan_topic == "/scan"
+
+
+def test_what_a_layer_has_is_not_read_from_the_costmap(given):
+    values = {"global_costmap": {"inflation_radius": 0.8, "inflation_layer": {"inflation_radius": 0.7}}}
+    given(values)
+    assert settings_of().costmap.inflation_radius == 0.7
+    [told] = unread(values, parameters._READ)
+    assert told.startswith("~global_costmap/inflation_radius")
+
+
+def test_all_faults_are_told_at_once(given):
+    given({"controller_frequency": 0, "global_costmap/footprint": [[1, 1]], "base_global_planner": "no.Planner"})
+    found = Parameters()
+    read_settings(found)
+    plugins.global_planner(found)
+    assert [fault.split(":")[0] for fault in found.faults] == [
+        "~global_costmap/footprint",
+        "~controller_frequency",
+        "~base_global_planner",
+    ]
 
 
 WRONG = [
@@ -219,7 +232,7 @@ WRONG = [
 def test_a_wrong_value_is_refused_by_name(given, name, value):
     given({name: value})
     with pytest.raises(ParameterError) as caught:
-        read_settings()
+        settings_of()
     assert name.split("/")[-1] in str(caught.value)
 
 
@@ -231,10 +244,10 @@ def test_planners_by_class_path(given):
         OwnGlobalPlanner={"anything": [1, 2]},
         shout={"how": "loud"},
     )
-    planner, follower = plugins.make_global_planner(), plugins.make_local_planner(0.25, ())
+    planner, follower = made(plugins.global_planner), made(plugins.local_planner, 0.25, ())
     assert (type(planner), planner.parameters) == (OwnGlobalPlanner, {"anything": [1, 2]})
     assert (type(follower), follower.radius) == (OwnLocalPlanner, 0.25)
-    [recovery] = plugins.make_recoveries()
+    [recovery] = made(plugins.recoveries)
     assert (type(recovery), recovery.name, recovery.parameters) == (OwnRecovery, "shout", {"how": "loud"})
     assert plugins.global_planner_namespace() == "OwnGlobalPlanner"
     assert plugins.local_planner_namespace() == "OwnLocalPlanner"
@@ -245,8 +258,8 @@ def test_this_packages_planners_take_their_parameters(given):
         GridPlanner={"comfort_weight": 1, "default_tolerance": 0.5, "allow_unknown": True},
         RolloutFollower={"max_vel_x": 0.3, "vx_samples": 5},
     )
-    assert plugins.make_global_planner().limits == GridPlannerLimits(comfort_weight=1.0, default_tolerance=0.5)
-    assert plugins.make_local_planner(0.2, ()).limits == FollowerLimits(max_vel_x=0.3, vx_samples=5)
+    assert made(plugins.global_planner).limits == GridPlannerLimits(comfort_weight=1.0, default_tolerance=0.5)
+    assert made(plugins.local_planner, 0.2, ()).limits == FollowerLimits(max_vel_x=0.3, vx_samples=5)
 
 
 def test_names_of_the_navigation_stack_are_stood_in_for(given):
@@ -261,65 +274,71 @@ def test_names_of_the_navigation_stack_are_stood_in_for(given):
         DWAPlannerROS={"max_vel_x": 0.3, "path_distance_bias": 32.0},
         reset={"reset_distance": 2.0, "layer_names": ["obstacles"]},
     )
-    assert plugins.make_global_planner().limits.default_tolerance == 0.5
-    assert plugins.make_local_planner(0.2, ()).limits.max_vel_x == 0.3
-    reset, turn = plugins.make_recoveries()
+    assert made(plugins.global_planner).limits.default_tolerance == 0.5
+    assert made(plugins.local_planner, 0.2, ()).limits.max_vel_x == 0.3
+    reset, turn = made(plugins.recoveries)
     assert (type(reset), reset.parameters) == (ClearCostmap, {"reset_distance": 2.0})
     assert type(turn) is RotateRecovery
-    assert read_settings().costmap.allow_unknown
+    assert settings_of().costmap.allow_unknown
     assert plugins.global_planner_namespace() == "NavfnROS"
 
 
 def test_the_usual_turning_has_parameters_too(given):
     """Those of move_base's own rotate_recovery are there as well."""
     given(rotate_recovery={"patience": 1.5, "sim_granularity": 0.017})
-    _, turn, _, again = plugins.make_recoveries()
+    _, turn, _, again = made(plugins.recoveries)
     assert turn is again
     assert turn.parameters == {"patience": 1.5}
     given(rotate_recovery={"patience": "long"})
-    with pytest.raises(ParameterError, match="rotate_recovery/patience must be a number"):
-        plugins.make_recoveries()
+    with pytest.raises(ParameterError, match="~rotate_recovery/patience: must be a number from 0 on"):
+        made(plugins.recoveries)
 
 
 def test_recoveries_without_turning(given):
     given(clearing_rotation_allowed=False, conservative_reset_dist=2.0, aggressive_reset={"reset_distance": 1.0})
-    first, second = plugins.make_recoveries()
+    first, second = made(plugins.recoveries)
     assert (first.parameters["reset_distance"], second.parameters["reset_distance"]) == (2.0, 1.0)
 
 
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"base_global_planner": "no.such.Planner"}, "/move_base/base_global_planner: no class 'no.such.Planner'"),
+        ({"base_global_planner": "no.such.Planner"}, "~base_global_planner: no class 'no.such.Planner'"),
         ({"base_global_planner": "Planner"}, "no class 'Planner'"),
         ({"base_global_planner": f"{__name__}.OwnLocalPlanner"}, "is no subclass of .*GlobalPlanner"),
-        ({"base_global_planner": 3}, "base_global_planner must be a text"),
+        ({"base_global_planner": 3}, "base_global_planner: must be a text"),
         ({"base_global_planner": f"{__name__}.Broken"}, "Broken cannot be made with the parameters ~Broken"),
-        ({"GridPlanner": {"speed": 1}}, "GridPlanner/speed is unknown; known are comfort_distance"),
-        ({"GridPlanner": {"spacing": "wide"}}, "GridPlanner/spacing must be a number"),
-        ({"GridPlanner": {"spacing": -0.1}}, "GridPlanner/spacing must be a number from 0 on"),
-        ({"GridPlanner": 5}, "GridPlanner must be a mapping"),
+        ({"GridPlanner": {"speed": 1}}, "~GridPlanner: unknown key 'speed'; keys are comfort_weight, comfort_distance"),
+        ({"GridPlanner": {"spacing": "wide"}}, "~GridPlanner/spacing: must be a number from 0 on, not 'wide'"),
+        ({"GridPlanner": {"spacing": -0.1}}, "~GridPlanner/spacing: must be a number from 0 on, not -0.1"),
+        ({"GridPlanner": 5}, "~GridPlanner: must be a mapping"),
     ],
 )
 def test_a_wrong_global_planner_is_refused(given, values, words):
     given(values)
     with pytest.raises(ParameterError, match=words):
-        plugins.make_global_planner()
+        made(plugins.global_planner)
 
 
 @pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"base_local_planner": f"{__name__}.OwnGlobalPlanner"}, "is no subclass of .*LocalPlanner"),
-        ({"RolloutFollower": {"vx_samples": 2.5}}, "RolloutFollower/vx_samples must be a whole number"),
-        ({"RolloutFollower": {"vx_samples": 0}}, "RolloutFollower/vx_samples must be 1 or more"),
-        ({"RolloutFollower": {"max_vel_x": True}}, "RolloutFollower/max_vel_x must be a number"),
+        (
+            {"RolloutFollower": {"vx_samples": 2.5}},
+            "~RolloutFollower/vx_samples: must be a whole number from 1 on, not 2.5",
+        ),
+        (
+            {"RolloutFollower": {"vx_samples": 0}},
+            "~RolloutFollower/vx_samples: must be a whole number from 1 on, not 0",
+        ),
+        ({"RolloutFollower": {"max_vel_x": True}}, "~RolloutFollower/max_vel_x: must be a number"),
     ],
 )
 def test_a_wrong_local_planner_is_refused(given, values, words):
     given(values)
     with pytest.raises(ParameterError, match=words):
-        plugins.make_local_planner(0.2, ())
+        made(plugins.local_planner, 0.2, ())
 
 
 RESET = {"name": "reset", "type": "rosoclingo.robot.navigation.recovery_behaviors.ClearCostmap"}
@@ -328,35 +347,34 @@ RESET = {"name": "reset", "type": "rosoclingo.robot.navigation.recovery_behavior
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"recovery_behaviors": "reset"}, "recovery_behaviors must be a list"),
-        ({"recovery_behaviors": [{"name": "reset"}]}, "needs a name and a type"),
-        ({"recovery_behaviors": ["reset"]}, "needs a name and a type"),
+        ({"recovery_behaviors": "reset"}, "~recovery_behaviors: must be a list"),
+        ({"recovery_behaviors": [{"name": "reset"}]}, r"~recovery_behaviors\[0\]/type: is missing"),
+        ({"recovery_behaviors": ["reset"]}, r"~recovery_behaviors\[0\]: must be a mapping with name and type, not"),
         ({"recovery_behaviors": [RESET, RESET]}, "the name 'reset' is there twice"),
-        ({"recovery_behaviors": [RESET], "reset": {"reset_distance": "far"}}, "reset/reset_distance must be a number"),
+        (
+            {"recovery_behaviors": [RESET], "reset": {"reset_distance": "far"}},
+            "~reset/reset_distance: must be a number",
+        ),
         ({"recovery_behaviors": [{"name": "a", "type": f"{__name__}.OwnLocalPlanner"}]}, "is no subclass of"),
-        ({"conservative_reset_dist": -1.0}, "conservative_reset_dist must be a number from 0 on"),
-        ({"clearing_rotation_allowed": 1}, "clearing_rotation_allowed must be true or false"),
+        ({"conservative_reset_dist": -1.0}, "~conservative_reset_dist: must be a number from 0 on"),
+        ({"clearing_rotation_allowed": 1}, "~clearing_rotation_allowed: must be true or false"),
     ],
 )
 def test_wrong_recoveries_are_refused(given, values, words):
     given(values)
     with pytest.raises(ParameterError, match=words):
-        plugins.make_recoveries()
+        made(plugins.recoveries)
 
 
 def test_every_parameter_of_the_shipped_file_is_read(given):
     values = yaml.safe_load((ROOT / "config" / "navigation.yaml").read_text())
-    server = given(values)
-    settings = read_settings()
-    plugins.make_global_planner()
-    plugins.make_local_planner(settings.costmap.robot_radius, settings.footprint)
-    plugins.make_recoveries()
+    given(values)
+    settings = settings_of()
+    made(plugins.global_planner)
+    made(plugins.local_planner, settings.costmap.robot_radius, settings.footprint)
+    made(plugins.recoveries)
 
-    def leaves(place, prefix=""):
-        for key, value in place.items():
-            yield from leaves(value, f"{prefix}{key}/") if isinstance(value, dict) else [f"{prefix}{key}"]
-
-    assert set(leaves(values)) <= server.read
+    assert unread(values, parameters._READ) == []
 
 
 def test_the_documents_list_every_parameter():

@@ -96,13 +96,19 @@ def test_packages_are_put_and_removed():
     ("act", "fault"),
     [
         (lambda: PackageOffice(OFFICES, 0), "capacity must be at least 1"),
-        (lambda: PackageOffice.from_mapping([1], OFFICES), "must be a mapping"),
+        (lambda: PackageOffice.from_mapping([1], OFFICES), "packages: must be a mapping of labels to lists"),
         (
             lambda: PackageOffice.from_mapping({"cellar": [1]}, OFFICES),
-            "package 1: no label cellar; known labels: office1",
+            r"packages.cellar\[0\]: package 1: no label cellar; known labels: office1",
         ),
-        (lambda: PackageOffice.from_mapping({"office1": 3}, OFFICES), "packages at office1 must be a list, not 3"),
-        (lambda: PackageOffice.from_mapping({"office1": [3, 3]}, OFFICES), "package 3 is listed twice"),
+        (
+            lambda: PackageOffice.from_mapping({"office1": 3}, OFFICES),
+            "packages.office1: must be a list of packages, not 3",
+        ),
+        (
+            lambda: PackageOffice.from_mapping({"office1": [3, 3]}, OFFICES),
+            r"packages.office1\[1\]: package 3 is listed twice",
+        ),
         (lambda: office().put("", "office1"), "needs an identifier"),
         (lambda: office().remove("4"), "there is no package 4"),
     ],

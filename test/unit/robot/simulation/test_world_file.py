@@ -87,14 +87,17 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
         ({"map": None}, "map: is missing"),
         ({"map": "nowhere.yaml"}, "nowhere.yaml"),
         ({"robots": []}, "needs a robot"),
-        ({"robots": 3}, "robots: must be a list"),
-        ({"robots": [3]}, r"robots\[0\]: must hold"),
+        ({"robots": 3}, "robots: must be a list, not 3"),
+        ({"robots": [3]}, r"robots\[0\]: must be a mapping with the keys footprint, name"),
         ({"robots": [{}]}, r"robots\[0\].pose: is missing"),
-        ({"robots": [{"pose": [1]}]}, r"robots\[0\].pose: must be 2 or 3 numbers"),
+        ({"robots": [{"pose": [1]}]}, r"robots\[0\].pose: must be 2 or 3 finite numbers"),
         ({"robots": [{"pose": [1, float("nan")]}]}, "finite"),
-        ({"robots": [{"pose": [1, 1], "radius": -1}]}, r"robots\[0\].radius: must be 0.01 or more"),
+        (
+            {"robots": [{"pose": [1, 1], "radius": -1}]},
+            r"robots\[0\].radius: must be a number from 0.01 to 1000, not -1",
+        ),
         ({"robots": [{"pose": [1, 1], "radius": "big"}]}, r"robots\[0\].radius"),
-        ({"robots": [{"pose": [1, 1], "colour": "red"}]}, r"robots\[0\].colour: is no key known here"),
+        ({"robots": [{"pose": [1, 1], "colour": "red"}]}, r"robots\[0\]: unknown key 'colour'; keys are"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 0]]}]}, "three corners"),
         ({"robots": [{"pose": [1, 1], "laser": {"angle": 400}}]}, r"robots\[0\].laser.angle"),
         ({"robots": [{"pose": [1, 1], "laser": {"beams": 1.5}}]}, "whole"),
@@ -104,31 +107,52 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
         ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
         ({"obstacles": [{"name": "o", "at": [1, 1], "radius": 1, "box": [1, 1]}]}, r"obstacles\[0\]"),
         ({"packages": [{"id": 1, "at": 5}]}, r"packages\[0\].at"),
-        ({"packages": [{"id": None, "at": "office1"}]}, r"packages\[0\].id: must be a whole number or a text"),
+        ({"packages": [{"id": None, "at": "office1"}]}, r"packages\[0\].id: is missing: give a whole number or a text"),
         ({"packages": [{"id": [1], "at": "office1"}]}, r"packages\[0\].id"),
-        ({"interval": 0}, "interval: must be 0.001 or more"),
-        ({"interval": 60}, "interval: must be 10.0 or less"),
-        ({"interval": float("inf")}, "interval: must be a finite number"),
-        ({"seed": 10**400}, "seed: must be a whole number"),
-        ({"robots": [{"pose": [10**400, 1]}]}, r"robots\[0\].pose: must be finite"),
-        ({"robots": [{"pose": [1, 1], "radius": float("nan")}]}, r"robots\[0\].radius: must be a finite number"),
-        ({"robots": [{"pose": [1, 1], "max_speed": 1e9}]}, r"robots\[0\].max_speed: must be 1000.0 or less"),
+        ({"interval": 0}, "interval: must be a number from 0.001 to 10, not 0"),
+        ({"interval": 60}, "interval: must be a number from 0.001 to 10, not 60"),
+        ({"interval": float("inf")}, "interval: must be a number from 0.001 to 10, not inf"),
+        ({"seed": 10**400}, "seed: must be a whole number from 0 on, not 1000"),
+        ({"robots": [{"pose": [10**400, 1]}]}, r"robots\[0\].pose: must be 2 or 3 finite numbers"),
+        (
+            {"robots": [{"pose": [1, 1], "radius": float("nan")}]},
+            r"robots\[0\].radius: must be a number from 0.01 to 1000, not nan",
+        ),
+        (
+            {"robots": [{"pose": [1, 1], "max_speed": 1e9}]},
+            r"robots\[0\].max_speed: must be a number from 0 to 1000, not 1000000000.0",
+        ),
         ({"robots": [{"pose": [1, 1], "drift": [0.1, -0.1]}]}, r"robots\[0\].drift: must be two relative errors"),
-        ({"robots": [{"pose": [1, 1], "footprint": 3}]}, r"robots\[0\].footprint: needs three corners"),
-        ({"robots": [{"pose": [1, 1], "footprint": "abc"}]}, r"robots\[0\].footprint: needs three corners"),
-        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], 2]}]}, r"robots\[0\].footprint: must be 2 numbers"),
+        ({"robots": [{"pose": [1, 1], "footprint": 3}]}, r"robots\[0\].footprint: must be a list of three corners"),
+        ({"robots": [{"pose": [1, 1], "footprint": "abc"}]}, r"robots\[0\].footprint: must be a list of three corners"),
+        (
+            {"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], 2]}]},
+            r"robots\[0\].footprint\[2\]: must be 2 finite numbers",
+        ),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint: .* in a line"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [1e9, 2]]}]}, r"robots\[0\].footprint: a corner"),
-        ({"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]}, r"robots\[0\].laser.beams: must be 100000 or less"),
-        ({"robots": [{"pose": [1, 1], "laser": {"range": 1e39}}]}, r"robots\[0\].laser.range: must be 1000.0 or less"),
+        (
+            {"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]},
+            r"robots\[0\].laser.beams: must be a whole number from 2 to 100000, not 1000000000",
+        ),
+        (
+            {"robots": [{"pose": [1, 1], "laser": {"range": 1e39}}]},
+            r"robots\[0\].laser.range: must be a number from 0.01 to 1000, not 1e[+]39",
+        ),
         ({"robots": [{"pose": [1, 1], "laser": {"min_range": 9}}]}, r"robots\[0\].laser.min_range: must be less than"),
-        ({"robots": [{"pose": [1, 1], "laser": True}]}, r"robots\[0\].laser: must hold keys and values"),
+        (
+            {"robots": [{"pose": [1, 1], "laser": True}]},
+            r"robots\[0\].laser: must be a mapping with the keys range, angle",
+        ),
         ({"robots": [{"pose": [1, 1], "laser": {}, "lasers": []}]}, r"robots\[0\].lasers: .* not both"),
         ({"robots": [{"pose": [1, 1], "lasers": 2}]}, r"robots\[0\].lasers: must be a list"),
-        ({"robots": [{"pose": [1, 1], "lasers": [{}, {"beams": 1}]}]}, r"robots\[0\].lasers\[1\].beams: must be 2 or"),
+        (
+            {"robots": [{"pose": [1, 1], "lasers": [{}, {"beams": 1}]}]},
+            r"robots\[0\].lasers\[1\].beams: must be a whole number from 2 to",
+        ),
         ({"obstacles": [{"name": "o", "at": [1, 1], "box": [1, -1]}]}, r"obstacles\[0\]: the width and depth"),
         ({"seed": "x"}, "seed"),
-        ({"extra": 1}, "extra: is no key known here"),
+        ({"extra": 1}, "unknown key 'extra'; keys are map, robots"),
         ({"robots": [{"pose": [1, 9]}]}, r"robots\[0\].pose: \(1, 9\) is off the map, which covers x 0 .. 4, y 0 .. 4"),
         ({"doors": [{"name": "d", "from": [-1, 0], "to": [1, 0]}]}, r"doors\[0\].from: \(-1, 0\) is off the map"),
         ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 4.1]}]}, r"doors\[0\].to: \(1, 4.1\) is off the map"),
@@ -141,6 +165,21 @@ def test_a_bad_world_names_its_fault(world, changes, words):
     with pytest.raises(WorldError, match=words) as caught:
         load_world(world(**changes))
     assert "world.yaml" in str(caught.value)
+
+
+def test_all_faults_at_once(world):
+    path = world(map="nowhere.yaml", seed=-1, robots=[{"pos": [1, 1]}, {"pose": [1, 1], "laser": {"beems": 3}}])
+    with pytest.raises(WorldError) as caught:
+        load_world(path)
+    faults = [line.replace(f"world {path}: ", "") for line in str(caught.value).splitlines()]
+    assert [fault.split(": ")[0] for fault in faults] == [
+        "map",
+        "robots[0].pose",
+        "robots[0]",
+        "robots[1].laser",
+        "seed",
+    ]
+    assert faults[2].startswith("robots[0]: unknown key 'pos' (is pose meant?); keys are ")
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from std_srvs.srv import Empty, EmptyResponse
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import Costmap, MapError, Navigator, Outcome, PatienceClock, Pose2D, Result, Velocity
 from rosoclingo.robot.nodes.compiling import compile_once
@@ -28,7 +29,7 @@ from rosoclingo.robot.nodes.map_server import grid_from_message
 from rosoclingo.robot.nodes.move_base.display import Display, View
 from rosoclingo.robot.nodes.move_base.make_plan import PlanService
 from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
-from rosoclingo.robot.nodes.move_base.plugins import make_global_planner, make_local_planner, make_recoveries, prepare
+from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, prepare, recoveries
 from rosoclingo.robot.nodes.move_base.reports import Reports, stamped_pose
 from rosoclingo.robot.nodes.move_base.sensing import Located, Sensing
 from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
@@ -63,10 +64,13 @@ class MoveBaseNode:
     """
 
     def __init__(self) -> None:
-        self._settings = read_settings()
-        self._planner = make_global_planner()
-        self._follower = make_local_planner(self._settings.costmap.robot_radius, self._settings.footprint)
-        self._recoveries = make_recoveries()
+        given = Parameters()
+        self._settings = read_settings(given)
+        plan = global_planner(given)
+        follow = local_planner(given, self._settings.costmap.robot_radius, self._settings.footprint)
+        recover = recoveries(given)
+        given.check()
+        self._planner, self._follower, self._recoveries = plan(), follow(), recover()
         self._navigator: Optional[Navigator] = None
         self._ready = False
         self._prepares = True  # until it is done, or fails, which costs nothing but its gain

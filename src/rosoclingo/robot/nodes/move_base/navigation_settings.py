@@ -1,13 +1,14 @@
 """The parameters of the move_base node: read, checked, and turned into planners and settings."""
 
+import contextlib
 import math
-from typing import Any, Dict, NamedTuple, Tuple
+from typing import NamedTuple, Tuple
 
 import rospy
 import yaml
 
-from rosoclingo.common.parameters import ParameterError, not_negative, parameter
-from rosoclingo.common.private_parameters import read_parameter
+from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation import CostmapLimits, NavigatorLimits
 from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radii
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
@@ -18,6 +19,8 @@ LAYERS = {
     "obstacle_layer": ("ObstacleLayer", "VoxelLayer"),
     "inflation_layer": ("InflationLayer",),
 }
+
+READ = "LaserScan"  # the only data type of an observation source
 
 
 class Frames(NamedTuple):
@@ -51,60 +54,64 @@ class Settings(NamedTuple):
     rest_when_idle: bool
 
 
-def read_settings() -> Settings:
-    """Read the node's parameters. Raises ParameterError."""
-    radius, footprint = _body()
-    sources = parameter(_layer("obstacle_layer", "observation_sources"), str, "base_scan").split()
+def read_settings(given: Parameters) -> Settings:
+    """Read the node's parameters, which have the faults."""
+    radius, footprint = _body(given)
+    in_layer = _Layers(given)
+    sources = in_layer("obstacle_layer", "observation_sources").text("base_scan", empty=True).split()
     if len(sources) > 1:
         rospy.logwarn("of the observation sources %s only the first one is read", ", ".join(sources))
     source = sources[0] if sources else "base_scan"
-    kind = parameter(_layer("obstacle_layer", source + "/data_type"), str, "LaserScan")
-    if kind != "LaserScan":
-        raise ParameterError(f"the observation source {source!r} must have the data_type LaserScan, not {kind!r}")
+    kind = in_layer("obstacle_layer", source + "/data_type")
+    kind.read(f"{READ}, the only type that is read", lambda value: value if value == READ else None, READ)
+    whole, local = given.group("global_costmap"), given.group("local_costmap")
     return Settings(
         Frames(
-            parameter("~global_costmap/global_frame", str, "map").lstrip("/"),
-            parameter("~global_costmap/robot_base_frame", str, "base_link").lstrip("/"),
-            not_negative("~global_costmap/transform_tolerance", 0.5),
-            parameter(_layer("obstacle_layer", source + "/topic"), str, source),
-            not_negative(_layer("obstacle_layer", source + "/expected_update_rate"), 1.0),
+            whole("global_frame").text("map").lstrip("/"),
+            whole("robot_base_frame").text("base_link").lstrip("/"),
+            whole("transform_tolerance").number(0.5, low=0.0),
+            in_layer("obstacle_layer", source + "/topic").text(source),
+            in_layer("obstacle_layer", source + "/expected_update_rate").number(1.0, low=0.0),
         ),
-        _costmap(radius, way_radii(radius, footprint)),
-        _navigator(),
-        1.0 / _positive("~controller_frequency", 20.0),
+        _costmap(given, in_layer, radius, way_radii(radius, footprint)),
+        _navigator(given),
+        1.0 / given.at("controller_frequency").number(20.0, above=0.0),
         footprint,
-        parameter(_layer("static_layer", "map_topic"), str, "map"),
-        bool(sources) and parameter(_layer("obstacle_layer", "enabled"), bool, True),
-        (_period("~global_costmap/publish_frequency", 0.0), _period("~local_costmap/publish_frequency", 2.0)),
-        (_period("~global_costmap/update_frequency", 5.0), _period("~local_costmap/update_frequency", 5.0)),
-        (
-            parameter("~global_costmap/always_send_full_costmap", bool, False),
-            parameter("~local_costmap/always_send_full_costmap", bool, False),
-        ),
-        (_positive("~local_costmap/width", 6.0), _positive("~local_costmap/height", 6.0)),
-        parameter("~local_costmap/global_frame", str, "").lstrip("/"),
-        parameter("~shutdown_costmaps", bool, False),
+        in_layer("static_layer", "map_topic").text("map"),
+        in_layer("obstacle_layer", "enabled").flag(True) and bool(sources),
+        (_period(whole("publish_frequency"), 0.0), _period(local("publish_frequency"), 2.0)),
+        (_period(whole("update_frequency"), 5.0), _period(local("update_frequency"), 5.0)),
+        (whole("always_send_full_costmap").flag(False), local("always_send_full_costmap").flag(False)),
+        (local("width").number(6.0, above=0.0), local("height").number(6.0, above=0.0)),
+        local("global_frame").text("").lstrip("/"),
+        given.at("shutdown_costmaps").flag(False),
     )
 
 
-def _layer(usual: str, key: str) -> str:
-    """Return the name of a parameter of a layer, whatever ``plugins`` calls the layer.
+class _Layers:
+    """Finds a parameter of a layer, whatever ``plugins`` calls the layer.
 
     What the layer's namespace lacks may be in the costmap's own, where configurations older than layers have it.
     """
-    layer = usual
-    for plugin in parameter("~global_costmap/plugins", list, []):
-        fit = isinstance(plugin, dict) and str(plugin.get("type", "")).endswith(LAYERS[usual])
-        if fit and isinstance(plugin.get("name"), str):
-            layer = plugin["name"]
-    names = (f"~global_costmap/{layer}/{key}", f"~global_costmap/{key}")
-    return names[1] if not rospy.has_param(names[0]) and rospy.has_param(names[1]) else names[0]
+
+    def __init__(self, given: Parameters) -> None:
+        self._given = given
+        self._names = {usual: usual for usual in LAYERS}
+        for plugin in given.at("global_costmap/plugins").items("a list of layers"):
+            plugin.mapping("a mapping with name and type")
+            name, kind = plugin.at("name").text(), plugin.at("type").text()
+            self._names.update({usual: name for usual, ends in LAYERS.items() if kind.endswith(ends)})
+
+    def __call__(self, usual: str, key: str) -> Reader:
+        """Return the parameter of a layer by the layer's usual name."""
+        in_layer, own = f"global_costmap/{self._names[usual]}/{key}", f"global_costmap/{key}"
+        return self._given.at(own if self._given.has(own) and not self._given.has(in_layer) else in_layer)
 
 
-def _costmap(radius: float, ways: Tuple[float, ...]) -> CostmapLimits:
+def _costmap(given: Parameters, in_layer: _Layers, radius: float, ways: Tuple[float, ...]) -> CostmapLimits:
     base = CostmapLimits()
     lengths = {
-        key: not_negative(_layer(layer, key), getattr(base, key))
+        key: in_layer(layer, key).number(getattr(base, key), low=0.0)
         for layer, key in (
             ("inflation_layer", "inflation_radius"),
             ("inflation_layer", "cost_scaling_factor"),
@@ -114,51 +121,40 @@ def _costmap(radius: float, ways: Tuple[float, ...]) -> CostmapLimits:
             ("obstacle_layer", "most_tolerance"),
         )
     }
-    threshold = parameter(_layer("static_layer", "lethal_cost_threshold"), int, base.lethal_threshold)
-    unknown = parameter(f"~{global_planner_namespace()}/allow_unknown", bool, base.allow_unknown)
+    threshold = in_layer("static_layer", "lethal_cost_threshold").whole(base.lethal_threshold)
+    unknown = given.at(f"{global_planner_namespace()}/allow_unknown").flag(base.allow_unknown)
     return CostmapLimits(
         robot_radius=radius, lethal_threshold=threshold, allow_unknown=unknown, way_radii=ways, **lengths
     )
 
 
-def _navigator() -> NavigatorLimits:
-    values: Dict[str, Any] = {}
-    for key, default in zip(NavigatorLimits._fields, NavigatorLimits()):
-        kind = type(default)
-        values[key] = parameter("~" + key, kind, default)
-        if kind is float and not 0.0 <= values[key] < math.inf:
-            raise ParameterError("parameter {} must be 0 or more".format(rospy.resolve_name("~" + key)))
-    return NavigatorLimits(**values)
+def _navigator(given: Parameters) -> NavigatorLimits:
+    defaults = NavigatorLimits()._asdict()
+    return NavigatorLimits(**{key: given.at(key).like(default) for key, default in defaults.items()})
 
 
-def _body() -> Tuple[float, Tuple[Tuple[float, float], ...]]:
+def _body(given: Parameters) -> Tuple[float, Tuple[Tuple[float, float], ...]]:
     """Return the radius to plan with and the footprint, empty for a disc."""
-    text = read_parameter("~global_costmap/footprint", read_parameter("~footprint", []))
-    try:
-        corners = yaml.safe_load(text) if isinstance(text, str) else text
-        footprint = tuple((float(x), float(y)) for x, y in (corners or []))
-        if not all(math.isfinite(x) and math.isfinite(y) for x, y in footprint):
-            raise ValueError("a corner is not finite")
-    except (ValueError, TypeError, yaml.YAMLError) as error:
-        raise ParameterError(f"~global_costmap/footprint must be a list of [x, y], is {text!r}") from error
-    radius = _positive("~global_costmap/robot_radius", CostmapLimits().robot_radius)
-    if not footprint:
+    radius = given.at("global_costmap/robot_radius").number(CostmapLimits().robot_radius, above=0.0)
+    whole, usual = given.at("global_costmap/footprint"), given.at("footprint")
+    reader = usual if usual.given and not whole.given else whole
+    if isinstance(reader.value, str):
+        with contextlib.suppress(yaml.YAMLError):
+            reader.value = yaml.safe_load(reader.value)
+    faults = len(reader.faults)
+    corners = [corner.numbers((2,)) for corner in reader.items("a list of corners [x, y]")]
+    footprint = tuple((x, y) for x, y in corners)
+    if not footprint or len(reader.faults) > faults:
         return radius, ()
     if len(footprint) < 3:
-        raise ParameterError("~global_costmap/footprint needs three corners or more")
+        reader.fault("needs three corners or more")
+        return radius, ()
     inscribed = inscribed_radius(radius, footprint)
     if inscribed < 0.01:
-        raise ParameterError("~global_costmap/footprint must have the robot's origin well within it")
+        reader.fault("must have the robot's origin well within it")
     return inscribed, footprint
 
 
-def _positive(name: str, default: float) -> float:
-    value = not_negative(name, default)
-    if value == 0.0:
-        raise ParameterError(f"parameter {rospy.resolve_name(name)} must be more than 0")
-    return value
-
-
-def _period(name: str, default: float) -> float:
-    frequency = not_negative(name, default)
+def _period(reader: Reader, default: float) -> float:
+    frequency = reader.number(default, low=0.0)
     return 1.0 / frequency if frequency > 0.0 else math.inf

@@ -2,12 +2,12 @@
 
 import importlib
 import time
-from typing import Any, Dict, List, NamedTuple, Type
+from typing import Any, Callable, Dict, List, Type
 
 import rospy
 
-from rosoclingo.common.parameters import ParameterError, not_negative, parameter
-from rosoclingo.common.private_parameters import read_parameter
+from rosoclingo.common.parameters import ParameterError, Parameters
+from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation import (
     ClearCostmap,
     Costmap,
@@ -53,77 +53,70 @@ OF_THE_NODE = ("allow_unknown",)
 PREPARATION = 2.0  # s that a start lasts longer for: what is left to prepare then is done beside all else
 
 
-class _Plugin(NamedTuple):
-    """A plugin's class, where its parameters are, the parameters, and the parameter that names it."""
-
-    kind: Type[Any]
-    namespace: str
-    settings: Dict[str, Any]
-    named_by: str
-
-    def make(self, *arguments: Any) -> Any:
-        """Make the plugin. Raises ParameterError whatever goes wrong in it: it may be anybody's."""
-        try:
-            return self.kind(*arguments)
-        except Exception as error:  # noqa: BLE001 a user's class may raise anything
-            text = f"{self.named_by}: {self.kind.__module__}.{self.kind.__name__} cannot be made"
-            raise ParameterError(f"{text} with the parameters ~{self.namespace}: {error!r}") from error
+def global_planner(given: Parameters) -> Callable[[], GlobalPlanner]:
+    """Find the planner that ``~base_global_planner`` names; return what makes it. The parameters have the faults."""
+    return _planner(given, "base_global_planner", DEFAULT_GLOBAL, GlobalPlanner)
 
 
-def make_global_planner() -> GlobalPlanner:
-    """Make the planner that ``~base_global_planner`` names. Raises ParameterError."""
-    plugin = _planner("~base_global_planner", DEFAULT_GLOBAL, GlobalPlanner)
-    return plugin.make(plugin.settings)  # type: ignore[no-any-return]
-
-
-def make_local_planner(radius: float, footprint: Any) -> LocalPlanner:
-    """Make the planner that ``~base_local_planner`` names, for a robot (m). Raises ParameterError."""
-    plugin = _planner("~base_local_planner", DEFAULT_LOCAL, LocalPlanner)
-    return plugin.make(plugin.settings, radius, footprint)  # type: ignore[no-any-return]
+def local_planner(given: Parameters, radius: float, footprint: Any) -> Callable[[], LocalPlanner]:
+    """Find the planner that ``~base_local_planner`` names, for a robot (m); return what makes it."""
+    return _planner(given, "base_local_planner", DEFAULT_LOCAL, LocalPlanner, radius, footprint)
 
 
 def global_planner_namespace() -> str:
     """Return where the global planner's parameters and topics are, below the node's own."""
-    return _namespace(parameter("~base_global_planner", str, DEFAULT_GLOBAL))
+    return _namespace(Parameters().at("base_global_planner").text(DEFAULT_GLOBAL))
 
 
 def local_planner_namespace() -> str:
     """Return where the local planner's parameters and topics are, below the node's own."""
-    return _namespace(parameter("~base_local_planner", str, DEFAULT_LOCAL))
+    return _namespace(Parameters().at("base_local_planner").text(DEFAULT_LOCAL))
 
 
-def make_recoveries() -> List[RecoveryBehavior]:
-    """Make the behaviours that ``~recovery_behaviors`` lists, else move_base's own. Raises ParameterError."""
-    listed = read_parameter("~recovery_behaviors")
-    if listed is None:
-        radius = not_negative("~local_costmap/robot_radius", 0.46)
-        return default_recoveries(
-            not_negative("~conservative_reset_dist", 3.0),
-            not_negative("~aggressive_reset/reset_distance", 4.0 * radius),
-            parameter("~clearing_rotation_allowed", bool, True),
-            _of_standin("rotate_recovery", RotateRecovery),
-        )
-    where = rospy.resolve_name("~recovery_behaviors")
-    if not isinstance(listed, list):
-        raise ParameterError(f"parameter {where} must be a list of mappings with name and type, not {listed!r}")
-    made = [_recovery(where, item) for item in listed]
-    names = [behavior.name for behavior in made]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ParameterError(f"parameter {where}: the name {twice[0]!r} is there twice")
-    return made
+def recoveries(given: Parameters) -> Callable[[], List[RecoveryBehavior]]:
+    """Find the behaviours that ``~recovery_behaviors`` lists, else move_base's own; return what makes them."""
+    listed = given.at("recovery_behaviors")
+    if not listed.given:
+        radius = given.at("local_costmap/robot_radius").number(0.46, low=0.0)
+        far = given.at("conservative_reset_dist").number(3.0, low=0.0)
+        near = given.at("aggressive_reset/reset_distance").number(4.0 * radius, low=0.0)
+        turns = given.at("clearing_rotation_allowed").flag(True)
+        turning = _settings(given, "rotate_recovery", RotateRecovery, foreign=True)
+        return lambda: default_recoveries(far, near, turns, turning)
+    names: List[str] = []
+    makers = [_recovery(given, item, names) for item in listed.items("a list of mappings with name and type")]
+    return lambda: [make() for make in makers]
 
 
-def _recovery(where: str, item: Any) -> RecoveryBehavior:
-    if not isinstance(item, dict) or not isinstance(item.get("name"), str) or not isinstance(item.get("type"), str):
-        raise ParameterError(f"parameter {where}: each entry needs a name and a type, not {item!r}")
-    plugin = _plugin(where, item["type"], item["name"], RecoveryBehavior)
-    return plugin.make(item["name"], plugin.settings)  # type: ignore[no-any-return]
+def _recovery(given: Parameters, item: Reader, names: List[str]) -> Callable[[], RecoveryBehavior]:
+    item.mapping("a mapping with name and type")
+    name, path = item.at("name").text(), item.at("type").text()
+    if name in names:
+        item.fault(f"the name {name!r} is there twice")
+    names.append(name)
+    kind = _load(item, path, RecoveryBehavior)
+    return _maker(item, kind, name, [name, _settings(given, name, kind, path in STANDINS)])
 
 
-def _planner(name: str, default: str, base: type) -> _Plugin:
-    path = parameter(name, str, default)
-    return _plugin(rospy.resolve_name(name), path, _namespace(path), base)
+def _planner(given: Parameters, name: str, default: str, base: type, *robot: Any) -> Callable[[], Any]:
+    named_by = given.at(name)
+    path = named_by.text(default)
+    kind, namespace = _load(named_by, path, base), _namespace(path)
+    return _maker(named_by, kind, namespace, [_settings(given, namespace, kind, path in STANDINS), *robot])
+
+
+def _maker(named_by: Reader, kind: Type[Any], namespace: str, arguments: List[Any]) -> Callable[[], Any]:
+    """Return what makes a plugin; it raises ParameterError whatever goes wrong, as the plugin may be anybody's."""
+
+    def make() -> Any:
+        """Make the plugin."""
+        try:
+            return kind(*arguments)
+        except Exception as error:  # noqa: BLE001 a user's class may raise anything
+            text = f"{named_by.place}: {kind.__module__}.{kind.__name__} cannot be made"
+            raise ParameterError(f"{text} with the parameters ~{namespace}: {error!r}") from error
+
+    return make
 
 
 def _namespace(path: str) -> str:
@@ -138,53 +131,31 @@ def prepare(planner: GlobalPlanner, costmap: Costmap) -> None:
         pass
 
 
-def _plugin(named_by: str, path: str, namespace: str, base: type) -> _Plugin:
-    kind = _load(named_by, path, base)
-    given = {key: value for key, value in parameter("~" + namespace, dict, {}).items() if key not in OF_THE_NODE}
+def _settings(given: Parameters, namespace: str, kind: type, foreign: bool) -> Dict[str, Any]:
+    """Return the parameters of a plugin; ``foreign`` ones were made for another, which has some of its own."""
+    reader = given.at(namespace)
+    found = reader.mapping(default={})
     if kind not in OWN_SETTINGS:
-        return _Plugin(kind, namespace, given, named_by)
-    known = OWN_SETTINGS[kind]
+        return {str(key): value for key, value in found.items() if key not in OF_THE_NODE}
+    read = {key: reader.at(key).like(default, least=1) for key, default in OWN_SETTINGS[kind].items()}
+    if not foreign:
+        reader.close(also=OF_THE_NODE)
+    return {key: value for key, value in read.items() if key in found}
+
+
+def _load(named_by: Reader, path: str, base: type) -> Type[Any]:
+    """Return the class of a class path; the base where there is none such, which is a fault."""
     if path in STANDINS:
-        return _Plugin(kind, namespace, _of_standin(namespace, kind), named_by)
-    return _Plugin(kind, namespace, _checked(namespace, given, known), named_by)
-
-
-def _of_standin(namespace: str, kind: type) -> Dict[str, Any]:
-    """Return what a class knows of parameters that were made for another plugin, which has some of its own."""
-    known = OWN_SETTINGS[kind]
-    given = parameter("~" + namespace, dict, {})
-    return _checked(namespace, {key: value for key, value in given.items() if key in known}, known)
-
-
-def _checked(namespace: str, given: Dict[str, Any], known: Dict[str, Any]) -> Dict[str, Any]:
-    """Return parameters, each of the kind of its default. Raises ParameterError for others and for unknown ones."""
-    unknown = sorted(set(given) - set(known))
-    if unknown:
-        name = rospy.resolve_name(f"~{namespace}/{unknown[0]}")
-        raise ParameterError(f"parameter {name} is unknown; known are {', '.join(sorted(known))}")
-    checked: Dict[str, Any] = {}
-    for key in given:
-        name = f"~{namespace}/{key}"
-        if isinstance(known[key], float):
-            checked[key] = not_negative(name, known[key])
-        else:
-            checked[key] = parameter(name, type(known[key]), known[key])
-            if checked[key] < 1:
-                raise ParameterError(f"parameter {rospy.resolve_name(name)} must be 1 or more, not {checked[key]}")
-    return checked
-
-
-def _load(named_by: str, path: str, base: type) -> Type[Any]:
-    """Return the class of a class path. Raises ParameterError."""
-    if path in STANDINS:
-        rospy.logwarn("%s: %s is a C++ plugin; %s stands in for it", named_by, path, STANDINS[path])
+        rospy.logwarn("%s: %s is a C++ plugin; %s stands in for it", named_by.place, path, STANDINS[path])
         path = STANDINS[path]
     path = MOVED.get(path, path)
     module, _, attribute = path.rpartition(".")
     try:
         kind = getattr(importlib.import_module(module), attribute)
     except Exception as error:  # noqa: BLE001 a user's module may raise anything
-        raise ParameterError(f"{named_by}: no class {path!r}: {error}") from error
-    if not (isinstance(kind, type) and issubclass(kind, base)):
-        raise ParameterError(f"{named_by}: {path} is no subclass of {base.__module__}.{base.__name__}")
-    return kind
+        named_by.fault(f"no class {path!r}: {error}")
+        return base
+    if isinstance(kind, type) and issubclass(kind, base):
+        return kind
+    named_by.fault(f"{path} is no subclass of {base.__module__}.{base.__name__}")
+    return base

@@ -11,7 +11,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Empty, EmptyResponse, SetBool, SetBoolResponse
 from tf2_msgs.msg import TFMessage
 
-from rosoclingo.common.parameters import not_negative, parameter
+from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.compiling import compile_once
@@ -74,12 +74,15 @@ class SimulatorNode:
     """
 
     def __init__(self) -> None:
+        given = Parameters()
+        world, map_file = given.at("world").text(), given.at("map").text("")
+        watchdog = given.at("base_watchdog_timeout").number(0.2, low=0.0)
+        self._speed = given.at("speed").number(1.0, low=0.0)
+        self._paused = given.at("paused").flag(False)
+        use_names = given.at("use_model_names").flag(False)
+        given.check()
         compile_once("simulation", rospy.loginfo)
-        self._simulation = load_simulation(
-            parameter("~world", str), parameter("~map", str, ""), not_negative("~base_watchdog_timeout", 0.2)
-        )
-        self._speed = not_negative("~speed", 1.0)
-        self._paused = parameter("~paused", bool, False)
+        self._simulation = load_simulation(world, map_file, watchdog)
         self._worker = Worker(self._go_on)
         self._clock = prompt_publisher("/clock", Clock)
         self._tf = prompt_publisher("/tf", TFMessage)
@@ -88,7 +91,7 @@ class SimulatorNode:
         names = tuple(self._simulation.robots)
         self._topics = {
             name: RobotTopics(self._simulation.robots[name], prefix, self._commander(name))
-            for name, prefix in zip(names, prefixes(names, parameter("~use_model_names", bool, False)))
+            for name, prefix in zip(names, prefixes(names, use_names))
         }
         self._services = self._serve()
         self._commanded_at: Dict[str, float] = {}  # each robot's last command, in simulated time
