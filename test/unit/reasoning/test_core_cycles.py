@@ -109,6 +109,10 @@ def test_a_plan_that_comes_to_nothing_at_the_limit_is_not_given_up():
     assert journal.problems == []
 
 
+def test_the_first_update_says_nothing_of_the_past():
+    assert Driver().facts("_seen(ball)").journal.stream == "#step 1 : 8.\n_seen(ball).\n#end step.\n"
+
+
 def test_nothing_is_fed_once_a_request_has_been_seen():
     driver = Driver(UNDER_WAY).goal("a", "told(1)")
     assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."], "the request's own cycle is the second"
@@ -169,7 +173,7 @@ def test_where_it_stays_open_twice_in_a_row_whether_there_is_an_answer_everythin
 def test_where_it_stays_open_now_and_then_whether_there_is_an_answer_nothing_begins_anew():
     driver = Undecided()
     for number in (1, 2, 3):
-        driver.halts = lambda _update: True
+        driver.halts = lambda update: not any(isinstance(item, Anew) for item in update.items)
         driver.core.add_goal(str(number), f"do(never,{number})")
         assert driver.core.advance(1.0)
         driver.halts = lambda _update: False

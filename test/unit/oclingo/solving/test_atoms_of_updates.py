@@ -1,0 +1,130 @@
+"""What updates may say of atoms, one after the other and within one, and what a search that is left leaves behind."""
+
+import time
+
+import pytest
+from test_solver import WALK, atoms, play, solver_of
+
+from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, parse_atom, parse_update
+
+IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
+
+
+@pytest.fixture
+def external():
+    return solver_of("{ a }. #cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
+
+
+def test_a_fact_may_be_told_again(external):
+    play(external, "#step 1. e(1).")
+    for update in ("e(1).", "e(1). e(1).", "#step 2. e(1)."):
+        assert play(external, update).warnings == ()
+
+
+def test_what_a_rule_has_defined_for_good_is_closed(external):
+    play(external, "#step 1. e(1) :- a.")
+    assert play(external, "e(1).").warnings == (IGNORED.format("e(1)"),)
+
+
+@pytest.mark.parametrize("update", ["#volatile. e(1). #cumulative. e(1).", "e(1). #volatile. e(1)."])
+def test_a_definition_for_the_moment_and_one_for_good_in_one_update(external, update):
+    assert atoms(play(external, f"#step 1. {update} :- a.")) == ["c(1)", "e(1)"]
+    result = play(external, "e(1) :- a.")
+    assert result.warnings == (IGNORED.format("e(1)"),)
+    assert atoms(result) == ["c(1)", "e(1)"]
+
+
+def test_a_body_may_mention_what_a_later_update_defines(external):
+    assert atoms(play(external, "#step 1. e(1) :- fresh(x). :- a.")) == []
+    assert atoms(play(external, "#step 2.")) == []
+    assert atoms(play(external, "fresh(x).")) == ["c(1)", "e(1)", "fresh(x)"]
+
+
+def test_a_body_may_mention_what_a_later_step_defines():
+    solver = solver_of("#cumulative t. #external e(t). d(t). #volatile t.")
+    assert atoms(play(solver, "#step 1. e(1) :- d(3).")) == ["d(1)"]
+    assert atoms(play(solver, "#step 2.")) == ["d(1)", "d(2)"]
+    assert atoms(play(solver, "#step 3.")) == ["d(1)", "d(2)", "d(3)", "e(1)"]
+
+
+@pytest.mark.parametrize("cycle", ["t-1", "t", "t+1"])
+def test_actions_of_a_closed_cycle_that_come_with_a_later_grounding_are_forbidden(cycle):
+    solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", models=0)
+    solver.close_cycle(3, [])
+    result = play(solver, "#step 5.")
+    assert len(result.answers) == 16
+    assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
+
+
+def test_cycles_that_an_update_closes_are_clipped_to_the_present_and_hold_what_it_commits_to():
+    solver = solver_of("#cumulative t. { _action_lib(go,x,t) }. #volatile t.", models=0)
+    result = play(solver, "#step 3. #closed 0..2. :- not _action_lib(go,x,1).")
+    assert sorted(sorted(str(atom)[-2] for atom in answer) for answer in result.answers) == [["1"], ["1", "3"]]
+    assert len(play(solver, "#step 4. #closed 3..9. :- not _action_lib(go,x,3).").answers) == 1
+    assert len(play(solver, "#step 5.").answers) == 2
+    result = play(solver, "#step 2. #anew.")
+    assert (result.step, solver.horizon, len(result.answers)) == (2, 2, 4)
+
+
+def test_returns_of_a_cycle_are_closed_with_the_next_cycle():
+    solver = solver_of("#cumulative t. #external _return(go,x,t). c(t) :- _return(go,x,t). #volatile t.")
+    play(solver, "#step 3.")
+    for cycle in (1, 2, 3):
+        solver.close_cycle(cycle, [])
+    late = play(solver, "_return(go,x,2). _return(go,x,3).")
+    assert late.warnings == (IGNORED.format("_return(go,x,2)"),)
+    assert atoms(late) == ["_return(go,x,3)", "c(3)"]
+
+
+def test_the_last_step_that_may_be_grounded():
+    solver = solver_of(WALK, horizon_limit=3)
+    assert play(solver, "#step 3.").outcome is SolveOutcome.SATISFIABLE
+    with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
+        play(solver, "#step 4.")
+    assert solver.step == 3
+
+
+def test_what_was_executed_may_be_given_in_any_way():
+    solver = solver_of("#cumulative t. { _action_lib(go,(x;y),t) }. #volatile t.", models=0)
+    play(solver, "#step 1.")
+    solver.close_cycle(1, iter([parse_atom("_action_lib(go,x,1)")]))
+    for _ in range(2):
+        answers = play(solver, "#step 1. :- not _action_lib(go,x,1).").answers
+        assert [sorted(map(str, answer)) for answer in answers] == [["_action_lib(go,x,1)"]]
+        solver.restore(solver.snapshot())
+
+
+def test_a_solver_begins_at_the_first_step():
+    solver = solver_of(WALK)
+    assert (solver.step, solver.horizon) == (1, 1)
+
+
+def test_an_interrupt_ends_the_search(external):
+    assert play(external, "#step 1.").outcome is SolveOutcome.SATISFIABLE
+    update = parse_update("#step 9. #endstep.")
+    assert external.update(update, lambda: external.interrupt()).outcome is SolveOutcome.INTERRUPTED
+    assert external.solve().outcome is SolveOutcome.SATISFIABLE, "the next one begins anew"
+
+
+def test_a_dropped_update_leaves_what_was_in_force():
+    solver = solver_of("#external e/1. #cumulative t. b(X,t) :- e(X). #volatile t.")
+    play(solver, "#step 1. #volatile. new(x).")
+    with pytest.raises(DroppedError):
+        solver.update(parse_update("#step 1. e(1). #endstep."), None, lambda: True)
+    assert atoms(solver.solve()) == ["new(x)"]
+
+
+def test_the_horizon_that_is_told():
+    solver = solver_of(WALK, shortest=True)
+    assert play(solver, "#step 1 : 2. _request(8,1).").horizon == 3, "the last one that was searched"
+    result = play(solver, "#step 1 : 9.")
+    assert (result.outcome, result.horizon) == (SolveOutcome.SATISFIABLE, 8)
+    result = play(solver, "#step 2 : 9. #volatile. :- not at(8,8).")
+    assert result.horizon == 8
+    assert solver.horizon >= 8
+
+
+def test_seconds_are_told_once():
+    solver, start = solver_of(WALK), time.perf_counter()
+    spent = play(solver, "#step 1. _request(6,1).").statistics
+    assert 0 < spent["ground"] + spent["solve"] <= time.perf_counter() - start
