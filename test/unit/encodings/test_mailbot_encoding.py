@@ -412,6 +412,7 @@ def test_what_is_remembered_of_a_long_run_does_not_grow():
     assert min(times) >= past.first - 20
 
 
+@pytest.mark.slow
 def test_a_place_that_navigation_does_not_know_may_be_left():
     driver = Driver.from_files(ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
     driver.core.add_goal("first", "goal(office1,office3,1)")

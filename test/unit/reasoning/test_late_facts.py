@@ -178,6 +178,7 @@ def test_what_was_done_can_not_be():
     assert any("#anew." in text for text in driver.journal.updates)
 
 
+@pytest.mark.slow
 def test_facts_of_cycles_long_over_are_taken_for_the_present():
     driver = Driver(BATTERY)
     for number in range(130):

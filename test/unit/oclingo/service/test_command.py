@@ -228,6 +228,7 @@ def test_interactive(files):
     assert run("program.lp", "--interactive", "--json", text="#step 1. go(1). #endstep. #step 2.")[1].count("\n") == 2
 
 
+@pytest.mark.slow
 def test_service_of_two_files_until_stop(files):
     (files / "more.lp").write_text("#program base.\nplace(7).\n", encoding="utf-8")
     with Serving("program.lp", "more.lp", "0") as serving:

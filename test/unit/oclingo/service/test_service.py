@@ -231,6 +231,7 @@ def test_ten_thousand_updates_in_one_connection(echo, client):
         answered += 1
 
 
+@pytest.mark.slow
 def test_stop_ends_the_service_and_every_connection():
     with running(ECHO) as found:
         first, second = found.client(), found.client()
@@ -266,6 +267,7 @@ def test_a_new_update_ends_a_search_without_end():
         assert second.reply().end == "unsat"
 
 
+@pytest.mark.slow
 def test_stop_ends_a_search_without_end():
     with running(GOAL) as found:
         client = found.client()
@@ -282,6 +284,7 @@ def test_a_time_limit():
         assert client.ask("#step 1 : 0. #endstep.").end in ("unsat", "end")
 
 
+@pytest.mark.slow
 def test_an_update_that_grounds_without_end_is_dropped():
     program = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
     with running(program, time_limit=1.0) as found:
@@ -294,6 +297,7 @@ def test_an_update_that_grounds_without_end_is_dropped():
         assert client.ask("#step 1. #endstep.").sets == [["e(1)"]]
 
 
+@pytest.mark.slow
 def test_service_over_a_solver_in_this_process():
     listener = listen("127.0.0.1", 0)
     with socket.create_connection(listener.getsockname()) as connection:

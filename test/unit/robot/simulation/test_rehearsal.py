@@ -55,6 +55,7 @@ def run(code, **environment):
     ).stdout.decode()
 
 
+@pytest.mark.slow
 def test_after_the_rehearsals_nothing_is_left_to_compile():
     assert int(run(DRIVES)) > 70
 
