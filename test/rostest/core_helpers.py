@@ -11,6 +11,8 @@ from interface_helpers import PATIENCE, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 
+from rosoclingo.common.action_clients import cancel_goal
+
 
 class Hands:
     """The interface layer by hand: takes the core's commands and answers them when the test says so, or at once."""
@@ -85,6 +87,7 @@ class SentGoal:
         self.states = []
         self.feedback = []
         self._done = threading.Event()
+        self._client = client
         self.handle = client.send_goal(ROSoClingoGoal(text), self._changed, lambda _, one: self.feedback.append(one))
 
     def _changed(self, handle):
@@ -108,9 +111,9 @@ class SentGoal:
         wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
 
     def cancel(self):
-        """Cancel it once the server has it: actionlib's client may lose a goal that is cancelled before."""
+        """Cancel it once the server has it; actionlib's own cancel may make a goal lost, also one that has ended."""
         self.arrived()
-        self.handle.cancel()
+        cancel_goal(self._client, self.handle)
 
     def cancelled(self):
         """Cancel it, and wait until the server knows: a cancel and an answer of an interface race each other."""

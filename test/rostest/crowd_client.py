@@ -15,6 +15,8 @@ from actionlib.action_client import CommState
 from crowd_errands import errands
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoGoal
 
+from rosoclingo.common.action_clients import cancel_goal
+
 
 class CrowdClient:
     """Sends its errands and notes how they end: number to terminal state and message."""
@@ -37,9 +39,8 @@ class CrowdClient:
                 self.ends[errand.number] = (handle.get_terminal_state(), handle.get_result().message)
                 continue
             heard[number] += state is None
-            # what the server has not acknowledged is not cancelled: actionlib's client may lose such a goal
             if heard[number] == errand.patience and state in (CommState.PENDING, CommState.ACTIVE, None):
-                handle.cancel()
+                cancel_goal(self._client, handle)
 
     def _send(self, errand, news):
         """The errand and its goal's handle; the news are the errand's place and states, None for feedback."""

@@ -20,6 +20,7 @@ from actionlib_msgs.msg import GoalStatus
 from interface_helpers import wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 
+from rosoclingo.common.action_clients import cancel_goal
 from rosoclingo.reasoning import Outcome
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
@@ -74,7 +75,7 @@ class Stage:
     def _cancel(self, key, handle):
         if key in self._cancelled and handle.get_comm_state() in (CommState.PENDING, CommState.ACTIVE):
             self._cancelled.discard(key)
-            handle.cancel()
+            cancel_goal(self._client, handle)
 
     def _changed(self, key, handle):
         self._cancel(key, handle)

@@ -5,6 +5,7 @@ from typing import Callable, Deque, Tuple
 
 import rospy
 
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO
 
 # Seconds of wall time that an answer waits for the node that asked to be connected.
@@ -24,7 +25,9 @@ class _Announcement(rospy.SubscribeListener):
 
 
 class Outbox:
-    """Publishes messages in order, each as soon as the node that is to read it is connected.
+    """Publishes messages in order, each as soon as the node that is to read it is connected, and at once.
+
+    What an interface says when it ends must not wait in a queue of rospy's, which ends with the node.
 
     A node that has just started is connected in one direction before the other; an answer sent then would be lost.
     Whoever connects is told the interface's name.
@@ -32,7 +35,7 @@ class Outbox:
 
     def __init__(self, topic: str, interface: str) -> None:
         announcement = _Announcement(interface)
-        self._publisher = rospy.Publisher(topic, InterfaceIO, announcement, queue_size=100)
+        self._publisher = prompt_publisher(topic, InterfaceIO, subscriber_listener=announcement)
         self._publisher.publish(announcement.message)  # to those that another interface of this node has met already
         self._waiting: Deque[Tuple[InterfaceIO, str, float]] = deque()
 

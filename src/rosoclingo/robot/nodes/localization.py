@@ -21,9 +21,9 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D, quaternion_to_yaw, yaw_to_quaternion
-from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
 
 
 def to_pose2d(pose: Any) -> Optional[Pose2D]:

@@ -10,9 +10,9 @@ from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.robot.navigation import Costmap, Pose2D
 from rosoclingo.robot.nodes.array_messages import PointsPolygon
-from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.robot.nodes.sendable import sendable
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import rospy
 from nav_msgs.msg import Path
 
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import Costmap, Pose2D
 from rosoclingo.robot.nodes.array_messages import path_message
 from rosoclingo.robot.nodes.move_base.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
 from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace, local_planner_namespace
-from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
 
 GLOBAL, LOCAL = 0, 1
 

@@ -21,6 +21,7 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
 from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import Costmap, MapError, Navigator, Outcome, PatienceClock, Pose2D, Result, Velocity
 from rosoclingo.robot.nodes.compiling import compile_once
@@ -32,7 +33,6 @@ from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
 from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, prepare, recoveries
 from rosoclingo.robot.nodes.move_base.reports import Reports, stamped_pose
 from rosoclingo.robot.nodes.move_base.sensing import Located, Sensing
-from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
 
 INVALID_QUATERNION = "Aborting on goal because it was sent with an invalid quaternion"
 

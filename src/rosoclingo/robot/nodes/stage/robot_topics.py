@@ -12,8 +12,8 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.common.parameters import ParameterError
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.robot.navigation.geometry import Pose2D, yaw_to_quaternion
-from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.robot.nodes.sendable import sendable
 from rosoclingo.robot.simulation import Laser, Robot
 

@@ -12,10 +12,10 @@ from std_srvs.srv import Empty, EmptyResponse, SetBool, SetBoolResponse
 from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.compiling import compile_once
-from rosoclingo.robot.nodes.prompt_publisher import prompt_publisher
 from rosoclingo.robot.nodes.stage.robot_topics import RobotTopics, prefixes
 from rosoclingo.robot.simulation import Box, ObstacleSpec, WorldError, load_simulation
 from rosoclingo.srv import (

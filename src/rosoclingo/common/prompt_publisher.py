@@ -2,7 +2,8 @@
 
 rospy's own, with a queue, hand each message to a thread of each connection and then give up the processor
 (``time.sleep(0)``, which takes 50 to 100 us): with a dozen subscribers that is most of a simulation step. Without a
-queue rospy sends at once, but then one subscriber that has been suspended stops the node.
+queue rospy sends at once, but then one subscriber that has been suspended stops the node. What waits in such a queue
+when the node ends is lost.
 """
 
 import contextlib

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 tcpros_base = pytest.importorskip("rospy.impl.tcpros_base")
-from rosoclingo.robot.nodes.prompt_publisher import PromptConnection  # noqa: E402
+from rosoclingo.common.prompt_publisher import PromptConnection  # noqa: E402
 
 SIZE = 10000
 
