@@ -30,8 +30,7 @@ from rosoclingo.oclingo.progression.updates import (
     commitment,
     fact,
 )
-from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
-from rosoclingo.oclingo.solving.stream_solver import StreamSolver
+from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult, StreamSolver
 
 __all__ = [
     "Answer",

@@ -1,13 +1,11 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
-from contextlib import suppress
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.conflicts import UndecidedError
-from rosoclingo.reasoning.dispatch import Dispatch
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
     ActionsPreempted,
@@ -18,7 +16,7 @@ from rosoclingo.reasoning.events import (
     UpdateSent,
 )
 from rosoclingo.reasoning.explanations import Explanations
-from rosoclingo.reasoning.feeding import feed
+from rosoclingo.reasoning.feeding import feed_less
 from rosoclingo.reasoning.goal_manager import GoalDesk
 from rosoclingo.reasoning.goal_status import Statuses, judge
 from rosoclingo.reasoning.goals import Goal, Outcome
@@ -67,11 +65,9 @@ class Core:
         self._intake = Intake(program, self._feeder, self._clock, observer, lambda: self.cycle)
         self._preemption = Preemption(self._feeder, self._intake, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
-        self._plan = TaskPlan()
+        self._told = 0  # the cycle whose update was told last
+        self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
         self._waits = 0
-        self._unanswered = False  # the search was left: there is to be another
-        self._untaken = False  # so was the update of the present step
-        self._untold = False  # the update in force has not been told yet
         self._undecided = 0  # so often in a row it was not found out in time whether there is an answer at all
 
     @property
@@ -82,7 +78,7 @@ class Core:
     @property
     def plan(self) -> TaskPlan:
         """The task plan of the latest answer."""
-        return self._plan
+        return TaskPlan() if self._plan is None else self._plan
 
     @property
     def live_goals(self) -> List[Goal]:
@@ -115,7 +111,7 @@ class Core:
         try:
             result = self._planner.solve()
         except DisturbedError:
-            self._unanswered = True
+            self._plan = None
             return
         except SolverError as error:
             self._problem(f"the program can't be solved before any request: {error}")
@@ -151,66 +147,59 @@ class Core:
 
     def _due(self) -> bool:
         """Whether something happened, an action has ended, a search was left, or the plan has something later only."""
-        return bool(self._feeder.pending or self._intake.dispatch or self._unanswered or self._later())
+        return self._feeder.pending or bool(self._intake.under_way) or self._plan is None or self._later()
 
     def _later(self) -> bool:
         unseen = any(goal.request_cycle is not None and goal.request_cycle > self._step for goal in self._desk.fed)
-        return unseen or bool(self._plan.after(self._step))
+        return unseen or bool(self.plan.after(self._step))
 
     def _next_cycle(self, now: float) -> None:
         executed = self._intake.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
-        if self._step and not self._untaken:
-            since = min((goal.request_cycle or self._step for goal in self._desk.fed), default=self._step)
-            self._planner.end_cycle(self._step, since - 1)
-        self._step += 0 if self._untaken else 1
-        self._unanswered = self._untaken = False
-        batch = self._feeder.next_update(self._step, executed, self._planner.over)
-        for goal in batch.goals:
-            goal.request_cycle = self._step + 1
-        self._solve(batch, now)
+        self._feeder.add_executed(executed)
+        self._step = self._told + 1
+        since = min((goal.request_cycle or self._told for goal in self._desk.fed), default=self._told)
+        self._solve(self._feeder.next_update(self._step, self._planner.over(self._step, since - 1)), now)
 
     def _solve(self, batch: Batch, now: float) -> None:
         try:
-            result = feed(self._planner, batch, self._desk, self._problem)
+            try:
+                result: Optional[SolveResult] = self._planner.update(batch.update)
+            except SolverError as error:
+                result = feed_less(self._planner, batch, error, self._desk, self._problem)
         except DisturbedError as disturbance:
             self._leave(disturbance)
             if disturbance.kept:
                 self._taken(batch)
                 self._tell_update()
-            else:
-                self._untaken = True
-                self._feeder.put_back(batch)
             return
+        if result is None:
+            self._give_up()
+            return
+        self._taken(batch)
         try:
-            if result is None:
-                self._give_up(batch)
-            else:
-                self._taken(batch)
-                self._answered(result, batch, now)
+            self._answered(result, batch, now)
         except DisturbedError as disturbance:
             self._leave(disturbance)
         self._tell_update()
 
     def _leave(self, disturbance: DisturbedError) -> None:
         """Leave the search: there is another as soon as what has come is taken."""
-        self._plan, self._unanswered = TaskPlan(), True
+        self._plan = None
         self._problem(str(disturbance))
 
-    def _give_up(self, batch: Batch) -> None:
+    def _give_up(self) -> None:
         """Go back to a short horizon, and give up the goals; the rest of the update comes with the next one."""
         self._plan, known = TaskPlan(), self._desk.fed
         self._desk.end(self._desk.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
         for goal in known:
             self._feeder.add_cancellation(goal.identifier)
-        self._untaken = True
-        self._feeder.put_back(batch, waits=True)
-        with suppress(SolverError):
-            self._planner = self._planner.restarted()
+        self._feeder.wait()
+        self._planner = self._planner.restarted()
 
     def _taken(self, batch: Batch) -> None:
         """Remember the facts of an update that is in force."""
-        self._untold = True
+        self._feeder.taken(batch)
         present = {item.head for item in self._update.items if isinstance(item, Statement)}
         for fact in batch.facts:
             if fact.atom not in present:
@@ -227,8 +216,8 @@ class Core:
 
     def _tell_update(self) -> None:
         """Tell the update in force, once."""
-        if self._untold:
-            self._untold = False
+        if self._told < self._step:
+            self._told = self._step
             self._tell(_sent(self._step, self._update))
 
     def _answered(self, result: SolveResult, batch: Batch, now: float, mended: bool = False) -> None:
@@ -246,21 +235,23 @@ class Core:
 
     def _use(self, result: SolveResult, now: float) -> None:
         answer = result.answers[0]
-        self._plan, statuses = extract_plan(answer), Statuses(answer, self._step)
-        for fault in (*self._plan.faults, *statuses.faults):
+        plan = self._plan = extract_plan(answer)
+        statuses = Statuses(answer, self._step)
+        for fault in (*plan.faults, *statuses.faults):
             self._problem(fault)
         self._tell_plan(result)
         for goal in self._desk.fed:
-            judge(goal, statuses, self._plan, self._step, result.horizon, self._speaks)
+            judge(goal, statuses, plan, self._step, result.horizon, self._speaks)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
-        told = self._told()
+        shown = self._shown()
         for goal in self._desk.fed:
-            self._tell(GoalProgress(self._step, goal.key, goal.state, told))
-        actions = self._plan.at(self._step)
+            self._tell(GoalProgress(self._step, goal.key, goal.state, shown))
+        actions = plan.at(self._step)
         if actions:
-            self._intake.dispatch = Dispatch(self._step, actions, now)
-            self._preemption.begin()
+            self._intake.begin(self._step, actions, now)
+            if self._settings.preempt:
+                self._preemption.begin()
             self._tell(ActionsDispatched(self._step, actions))
         elif self._waits >= self._settings.horizon_limit and self._later():
             self._lose_patience()
@@ -314,8 +305,7 @@ class Core:
         """No way on was found: the goals are cancelled, and the next update tries again."""
         self._problem(f"no answer was found, whatever goals are given up: {why}")
         self._desk.drop(self._desk.fed, f"cannot be met: {why}")
-        with suppress(SolverError):
-            self._planner = self._planner.restarted()
+        self._planner = self._planner.restarted()
 
     def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
         """Nothing else helps: the program forgets what was told and done before, if it has an answer then."""
@@ -335,8 +325,8 @@ class Core:
             Outcome.ABORTED,
             "is given up: the program begins anew",
         )
-        self._feeder.put_back(Batch(StreamUpdate(), batch.goals))
-        self._planner, self._untold = planner, False
+        self._desk.again(batch.goals)
+        self._planner, self._told = planner, self._step
         self._intake.forget_all()
         for update in updates:
             self._tell(_sent(self._step, update))
@@ -348,7 +338,6 @@ class Core:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
         self._planner = found.planner
         self._step += 1
-        self._untold = True
         explanations = Explanations(found.result.answers[0])
         for fault in explanations.faults:
             self._problem(fault)
@@ -358,11 +347,11 @@ class Core:
 
     def _tell_plan(self, result: SolveResult) -> None:
         seconds = result.statistics
-        self._tell(PlanMade(self.cycle, result.horizon, self._told(), seconds["ground"], seconds["solve"]))
+        self._tell(PlanMade(self.cycle, result.horizon, self._shown(), seconds["ground"], seconds["solve"]))
 
-    def _told(self) -> Tuple[Action, ...]:
+    def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
-        return self._intake.observations.executed[-DONE:] + self._plan.remaining(self.cycle)
+        return self._intake.observations.executed[-DONE:] + self.plan.remaining(self.cycle)
 
     def _problem(self, message: str, origin: str = "") -> None:
         self._tell(Problem(self.cycle, message, origin))

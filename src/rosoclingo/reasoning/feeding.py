@@ -1,4 +1,4 @@
-"""Feeding the solver an update that it may refuse: what can be taken of it is taken."""
+"""Feeding the solver an update that it has refused: what can be taken of it is taken."""
 
 from typing import Callable, Optional, Sequence
 
@@ -9,11 +9,14 @@ from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.stream_planner import Planner
 
 
-def feed(planner: Planner, batch: Batch, desk: GoalDesk, problem: Callable[[str], None]) -> Optional[SolveResult]:
-    """Feed a batch and search; None where the solver takes nothing of it. Goals that are not taken end.
+def feed_less(
+    planner: Planner, batch: Batch, error: SolverError, desk: GoalDesk, problem: Callable[[str], None]
+) -> Optional[SolveResult]:
+    """Feed what can be taken of a batch that came to an ``error``, and search; None where nothing of it is taken.
 
     Of an update that is refused, the new goals are left out, then all but the commitments. One that was dropped since
-    its search would not end is first fed without looking ahead: then it is known, whatever the search does.
+    its search would not end is first fed without looking ahead: then it is known, whatever the search does. Goals that
+    are not taken end.
     """
 
     def refused(error: SolverError, goals: Sequence[Goal]) -> None:
@@ -24,18 +27,16 @@ def feed(planner: Planner, batch: Batch, desk: GoalDesk, problem: Callable[[str]
         text = f"is given up without a plan: {why}" if dropped else f"is refused by the solver: {why}"
         desk.end(goals, Outcome.ABORTED if dropped else Outcome.REJECTED, text)
 
-    try:
-        return planner.update(batch.update)
-    except DroppedError as error:
+    if isinstance(error, DroppedError):
         refused(error, ())
         take, fewer = planner.take, [batch.update, batch.without_goals, batch.commitments]
-    except SolverError as error:
+    else:
         refused(error, batch.goals)
         take, fewer = planner.update, [batch.without_goals, batch.commitments]
     for number, update in enumerate(fewer):
         if update not in fewer[:number]:
             try:
                 return take(update)
-            except SolverError as error:
-                refused(error, batch.goals if update is batch.update else ())
+            except SolverError as again:
+                refused(again, batch.goals if update is batch.update else ())
     return None

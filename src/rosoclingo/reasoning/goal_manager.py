@@ -79,6 +79,13 @@ class GoalDesk:
                 self._withdraw(goal)
                 goal.end(outcome, f"{goal} {why}")
 
+    def again(self, goals: Iterable[Goal]) -> None:
+        """Tell the program, which knows nothing any more, of those of the goals that have not ended."""
+        for goal in goals:
+            if goal.live:
+                goal.forget()
+                self._feeder.add_goal(goal)
+
     def reject_undeclared(self, goals: Iterable[Goal], warnings: Sequence[str]) -> None:
         """End the goals whose requests the solver ignored because the program declares no external for them."""
         for goal in goals:

@@ -122,6 +122,14 @@ class Goal:
         """Whether the program knows the request."""
         return self.request_cycle is not None
 
+    def feed(self, cycle: int) -> None:
+        """An update in force carries the request, for ``cycle``."""
+        self.request_cycle = cycle
+
+    def forget(self) -> None:
+        """The program knows nothing of the request any more."""
+        self.request_cycle = None
+
     @property
     def cancelling(self) -> bool:
         """Whether a client has asked to cancel the goal, which has not ended yet."""
@@ -158,17 +166,16 @@ class Goal:
 
 def read_goal(text: str) -> Symbol:
     """The goal term of a client's text; raises GoalError with the reason when it is none."""
-    shown = shortened(text)
     if len(text) > LONGEST:
-        raise GoalError(f"'{shown}' is too long for a goal: write at most {LONGEST} characters")
+        raise GoalError(f"'{shortened(text)}' is too long for a goal: write at most {LONGEST} characters")
     try:
         term = parse_term(text)
     except ProgressionError as error:
-        raise GoalError(f"'{shown}' is no ground term: {error}") from error
+        raise GoalError(f"'{shortened(text)}' is no ground term: {error}") from error
     if identifier_of(term) is None:
-        raise GoalError(f"'{shown}' names no goal: write a function whose last argument identifies it")
+        raise GoalError(f"'{shortened(text)}' names no goal: write a function whose last argument identifies it")
     if term.name == CANCEL:
-        raise GoalError(f"'{shown}' is the core's own request: cancel the goal itself instead")
+        raise GoalError(f"'{shortened(text)}' is the core's own request: cancel the goal itself instead")
     return term
 
 

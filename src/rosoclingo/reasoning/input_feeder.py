@@ -5,7 +5,7 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple,
 from clingo import Symbol
 
 from rosoclingo.oclingo import Statement, StreamUpdate, commitment
-from rosoclingo.oclingo.progression.updates import Item
+from rosoclingo.oclingo.progression.updates import Item, Over
 from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action, cancellation, request
@@ -26,10 +26,14 @@ class Batch(NamedTuple):
         return tuple(item for item in self.requests if isinstance(item, Goal))
 
     @property
+    def request_cycle(self) -> int:
+        """The cycle that the goals' requests carry."""
+        return (self.update.step or 0) + 1
+
+    @property
     def without_goals(self) -> StreamUpdate:
         """The same update without the goals' requests."""
-        cycles = [(goal.term, goal.request_cycle) for goal in self.goals]
-        return self.update.less(frozenset(request(term, cycle) for term, cycle in cycles if cycle is not None))
+        return self.update.less(frozenset(request(goal.term, self.request_cycle) for goal in self.goals))
 
     @property
     def commitments(self) -> StreamUpdate:
@@ -39,7 +43,7 @@ class Batch(NamedTuple):
 
 
 class InputFeeder:
-    """Collects requests, cancellations, returns and other facts in order of arrival, until the next update takes them.
+    """Collects requests, cancellations, returns and other facts in order of arrival, until an update takes them.
 
     Within an update commitments come first, then requests and cancellations, then returns and other facts; a new goal
     in update n carries cycle n+1, a cancellation n (as in the paper's printed updates). ``clock`` knows the cycle of
@@ -53,9 +57,9 @@ class InputFeeder:
     def __init__(self, clock: Optional[Clock] = None) -> None:
         self._clock = clock or Clock()
         self._requests: List[Union[Goal, Symbol]] = []
-        self._rejected: List[Symbol] = []
+        self._rejected: List[Union[Goal, Symbol]] = []
         self._facts: Dict[Symbol, Observation] = {}
-        self._owed: Tuple[Action, ...] = ()
+        self._executed: Tuple[Action, ...] = ()
         self._waits: Optional[int] = None  # for more to arrive than has by now
         self.arrivals = 0
 
@@ -92,37 +96,42 @@ class InputFeeder:
         self.arrivals += 1
         self._facts.setdefault(atom, Observation(atom, cycle, origin=origin, told=atom))
 
-    def put_back(self, batch: Batch, waits: bool = False) -> None:
-        """An update was not taken, so the next one brings what it held, but for the goals that have ended.
+    def add_executed(self, actions: Iterable[Action]) -> None:
+        """The actions of a cycle are over: the next update commits to them."""
+        self._executed += tuple(actions)
 
-        With ``waits`` that is not made before something else arrives.
-        """
-        self._waits = self.arrivals if waits else None
-        self._owed = batch.executed
-        self._requests[:0] = [item for item in batch.requests if not isinstance(item, Goal) or item.live]
-        self._facts = {**{one.told or one.atom: one for one in batch.facts}, **self._facts}
-        for goal in batch.goals:
-            goal.request_cycle = None
-
-    def next_update(self, step: int, executed: Iterable[Action], over: int = 0) -> Batch:
-        """The update that starts cycle ``step``, after ``executed`` in the one before; it empties the feeder.
+    def next_update(self, step: int, over: int = 0) -> Batch:
+        """The update that starts cycle ``step``; what it carries waits until it is ``taken``.
 
         Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
         where a fact of now takes effect only then.
         """
-        waiting = [one for one in self._requests if isinstance(one, Goal)] if self._too_early(step) else []
-        requests = tuple(one for one in self._requests if one not in waiting)
+        too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
+        requests = [one for one in self._requests if not (too_early and isinstance(one, Goal))]
         renewed = [one.identifier for one in requests if isinstance(one, Goal)]
-        requests = (*(one for one in self._rejected if one not in renewed), *requests)
-        batch = self._batch(step, executed, requests, self._facts.values(), over)
-        self._requests, self._rejected, self._facts, self._owed = list(waiting), [], {}, ()
-        self._waits = None
-        return batch
+        rejected = [one for one in self._rejected if one not in renewed]
+        return self._batch(step, self._executed, (*rejected, *requests), self._facts.values(), over)
+
+    def taken(self, batch: Batch) -> None:
+        """The update that was made last is in force: what it carries waits no longer; the program knows its goals."""
+        for one in batch.requests:
+            waiting = self._rejected if one in self._rejected else self._requests
+            if one in waiting:
+                waiting.remove(one)
+        self._rejected, self._executed, self._waits = [], (), None
+        for fact in batch.facts:
+            self._facts.pop(fact.told or fact.atom, None)
+        for goal in batch.goals:
+            goal.feed(batch.request_cycle)
+
+    def wait(self) -> None:
+        """The next update is not to be made before something else arrives."""
+        self._waits = self.arrivals
 
     def preview(self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = ()) -> StreamUpdate:
         """What the next update would be, with ``further`` facts."""
         facts = {**self._facts, **{atom: Observation(atom, step) for atom in further}}
-        return self._batch(step, executed, self._requests, facts.values()).update
+        return self._batch(step, (*self._executed, *executed), self._requests, facts.values()).update
 
     def _batch(
         self,
@@ -132,9 +141,10 @@ class InputFeeder:
         facts: Iterable[Observation],
         over: int = 0,
     ) -> Batch:
-        done = (*self._owed, *executed)
+        done = tuple(executed)
         seen = tuple(self._dated(fact, step, over) for fact in facts)
-        items: List[Item] = [commitment(action.atom) for action in done]
+        items: List[Item] = [Over(over)] if over > 0 else []
+        items += [commitment(action.atom) for action in done]
         items += [Statement(self._request(item, step)) for item in requests]
         items += [Statement(atom) for atom in dict.fromkeys(one.atom for one in seen)]
         return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen, done)
@@ -145,9 +155,6 @@ class InputFeeder:
         if cycle is not None and cycle < over:
             return fact._replace(atom=self._clock.at_present(told, step), outdated=True)
         return fact._replace(atom=self._clock.dated(told, step), outdated=False)
-
-    def _too_early(self, step: int) -> bool:
-        return any(self._clock.is_too_early(fact, step) for fact in self._facts)
 
     @staticmethod
     def _request(item: Union[Goal, Symbol], step: int) -> Symbol:

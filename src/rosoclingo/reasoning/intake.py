@@ -24,7 +24,7 @@ KNOWN = 1000
 
 
 class Intake:
-    """Takes facts into the feeder, counts returns of the ``dispatch`` under way, and remembers ``observations``."""
+    """Takes facts into the feeder, counts the returns of what is under way, and remembers ``observations``."""
 
     def __init__(
         self,
@@ -40,13 +40,22 @@ class Intake:
         self._cycle = cycle
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
-        self.dispatch: Optional[Dispatch] = None
+        self._dispatch: Optional[Dispatch] = None
         self.observations = Observations()
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
         """The actions under way that have not returned."""
-        return self.dispatch.missing if self.dispatch else ()
+        return self._dispatch.missing if self._dispatch else ()
+
+    @property
+    def under_way(self) -> Tuple[Action, ...]:
+        """The actions of the cycle, those that have returned included; none once it has ended."""
+        return self._dispatch.actions if self._dispatch else ()
+
+    def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
+        """The actions of ``cycle`` are sent out."""
+        self._dispatch = Dispatch(cycle, actions, now)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
@@ -61,12 +70,12 @@ class Intake:
 
     def expire(self, now: float, limit: float) -> None:
         """Actions that have not returned within ``limit`` seconds count as failed; 0 waits for ever."""
-        if self.dispatch is None or limit <= 0:
+        if self._dispatch is None or limit <= 0:
             return
-        self.dispatch.started = min(self.dispatch.started, now)  # time jumped back: the wait begins anew
-        if now - self.dispatch.started < limit:
+        self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
+        if now - self._dispatch.started < limit:
             return
-        for action in self.dispatch.expire(TIMEOUT):
+        for action in self._dispatch.expire(TIMEOUT):
             text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
             self._tell(Problem(self._cycle(), text, action.interface_name))
             atom = Return(action.interface, TIMEOUT, action.cycle).atom
@@ -75,7 +84,7 @@ class Intake:
 
     def end_cycle(self) -> Tuple[Action, ...]:
         """The actions that were executed in the cycle, which is over."""
-        dispatch, self.dispatch = self.dispatch, None
+        dispatch, self._dispatch = self._dispatch, None
         if dispatch is None:
             return ()
         for answer, actions in dispatch.failures:
@@ -95,9 +104,9 @@ class Intake:
         """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
-            if self.dispatch is None:
+            if self._dispatch is None:
                 raise ReturnError("no action is under way")
-            self.dispatch.take(answer)
+            self._dispatch.take(answer)
             self._feed_return(origin, atom)
         else:
             self._check(atom)

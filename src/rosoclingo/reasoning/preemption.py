@@ -30,10 +30,10 @@ class Preemption:
         Suppose that they return ``preempted`` now: then one is wanted if there is a shortest plan that begins with it
         again. Without a plan, or if the program does not know this return, each is.
         """
-        if self._considered == self._feeder.arrivals or self._intake.dispatch is None:
+        if self._considered == self._feeder.arrivals or not self._intake.under_way:
             return ()
         running = tuple(action for action in self._intake.awaited if action not in self._found)
-        found = self._ask(planner, self._intake.dispatch.actions, running) if running else ()
+        found = self._ask(planner, self._intake.under_way, running) if running else ()
         for action in found if self._told else ():
             self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals
@@ -45,7 +45,6 @@ class Preemption:
         returns = [Return(action.interface, PREEMPTED, cycle).atom for action in running]
         try:
             beside = planner.restarted()
-            beside.end_cycle(cycle)
             ended = [action.cancellation for action in running] if self._told else []
             result = beside.update(self._feeder.preview(cycle + 1, executed, [*ended, *returns]))
             unheard = any(str(atom) in warning for atom in returns for warning in result.warnings)

@@ -115,8 +115,7 @@ class _Attempts:
         items: Tuple[Item, ...] = (*map(Withdraw, sorted(gone)), *map(Statement, cancels))
         update = StreamUpdate(step, items=items)
         try:
-            fresh = self._planner.restarted(facts | gone, cancels)
-            fresh.end_cycle(step - 1)
+            fresh = self._planner.restarted(facts | gone)
             result = fresh.update(update)
         except SolverError:  # what is left of the goals takes too long, or is refused, as well
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)

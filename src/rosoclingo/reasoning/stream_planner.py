@@ -1,11 +1,10 @@
-"""The solver as the core uses it: it closes the past, bounds the look ahead, and can go back by one update.
+"""The solver as the core uses it: it closes the past, bounds the look ahead, and goes back by going on from a log.
 
-All that a solver takes is in its updates; so what they say, one after the other, is all that led to its state.
+All that a solver takes is in its log; planners beside one another read the same log up to where their ways part.
 """
 
-from contextlib import suppress
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Callable, FrozenSet, List, NamedTuple, Optional, Tuple
 
 from clingo import Symbol
 
@@ -14,14 +13,13 @@ from rosoclingo.oclingo import (
     NotReadyError,
     SolveOutcome,
     SolveResult,
-    Statement,
     StreamSolver,
     StreamUpdate,
     Volatile,
     commitment,
 )
-from rosoclingo.oclingo.progression.updates import Anew, Closed, Item, Over
-from rosoclingo.oclingo.solving.stream_solver import Snapshot
+from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
+from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 
 #: Makes a solver that nothing was fed to yet.
 SolverFactory = Callable[[], StreamSolver]
@@ -66,55 +64,64 @@ class DisturbedError(Exception):
 
 
 class Planner:
-    """A reactive solver that knows its state before the last update.
+    """A reactive solver whose log tells all that was planned from.
 
     ``lookahead`` is the greatest number of steps that the horizon may lie beyond the current cycle. Every search may
     raise DisturbedError, and DroppedError where it could be ended only by dropping the update.
 
     Attributes:
         ended_by: why the last search was ended, empty where it ended by itself.
-        over: what concerns cycles before this one comes too late.
 
     """
 
-    def __init__(self, make_solver: SolverFactory, lookahead: int, watch: SearchWatch = unwatched) -> None:
+    def __init__(
+        self,
+        make_solver: SolverFactory,
+        lookahead: int,
+        watch: SearchWatch = unwatched,
+        log: Optional[StreamLog] = None,
+    ) -> None:
+        """Plan from the start or, with ``log``, go on from there."""
         self._make_solver = make_solver
         self._lookahead = lookahead
         self._watch = watch
         self._solver = make_solver()
-        self._before = self._solver.snapshot()
-        self._past: Tuple[Item, ...] = ()  # what the next update is to say of it
-        self._taken: Optional[StreamUpdate] = None
+        if log is not None:
+            self._solver.restore(log)
         self.ended_by = ""
-        self.over = 0
+
+    @property
+    def log(self) -> StreamLog:
+        """All that the solver has taken."""
+        return self._solver.log
 
     @property
     def taken(self) -> Optional[StreamUpdate]:
         """The last update as the solver has it: with its bound, and with what it says of the past."""
-        return self._taken
+        return self.log.update
+
+    def over(self, step: int, since: int = 0) -> int:
+        """What concerns cycles before the one returned comes too late from the update of ``step`` on.
+
+        ``since`` is the cycle of the oldest request that still matters. What lies well before it is over.
+        """
+        return max(self.log.over, min(since, step - 1 - RECENT), step - 1 - LONG_AGO)
 
     def solve(self) -> SolveResult:
         """Solve before any update."""
         return self._search(StreamUpdate(1, self._lookahead))
 
-    def end_cycle(self, cycle: int, since: int = 0) -> None:
-        """``cycle`` is past: only the actions that the next update commits to may ever be in a plan at it.
-
-        ``since`` is the cycle of the oldest request that still matters. What lies well before it is over.
-        """
-        over = max(min(since, cycle - RECENT), cycle - LONG_AGO)
-        self._past += (Closed(cycle, cycle),)
-        if over > self.over:
-            self.over = over
-            self._past += (Over(over),)
-
     def update(self, update: StreamUpdate) -> SolveResult:
-        """Feed an update, which names its step, and solve; raises SolverError, with nothing changed, when refused."""
-        return self._feed(update, self._lookahead)
+        """Feed an update, which names its step, and solve; raises SolverError, with nothing changed, when refused.
+
+        The cycles since the last update are past: only the actions that this one commits to may ever be in a plan at
+        them.
+        """
+        return self._search(self._whole(update, self._lookahead))
 
     def take(self, update: StreamUpdate) -> SolveResult:
         """Feed an update without looking ahead; no answer means that none was found, there may be one."""
-        result = self._feed(update, 0)
+        result = self._search(self._whole(update, 0))
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
@@ -129,78 +136,67 @@ class Planner:
             return "no plan was found before the search was ended" + (f": {self.ended_by}" if self.ended_by else "")
         return f"there is no plan of at most {self._lookahead} steps"
 
-    def restarted(self, without: FrozenSet[Symbol] = frozenset(), coming: Iterable[Symbol] = ()) -> "Planner":
-        """A planner beside this one in the same state, less the facts ``without``, and with a short horizon again.
-
-        One that is told which facts are ``coming`` with its next update need not ground the program anew for them.
-        """
-        planner = self._beside(self._before.less(without))
-        if self._taken is not None:
-            taken = self._taken.less(without)
-            said: Tuple[Item, ...] = tuple(map(Statement, coming))
-            for_the_moment = (Volatile(), *said) if said else ()
-            planner._feed(replace(taken, items=(*taken.items, *for_the_moment)), 0)
-        planner._past = self._past
-        return planner
+    def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
+        """A planner beside this one in the same state, less the facts ``without``, and with a short horizon again."""
+        before, taken = self._before, self.taken
+        if before is None or taken is None:
+            return self._beside(self.log.less(without))
+        horizon = max(before.horizon, taken.step or before.step)
+        return self._beside(before.less(without).then(Taken(taken.less(without), horizon)))
 
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
         """A planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
-        planner = self._beside(self._before.less(without))
-        past = self._taken.items if self._taken is not None else ()
-        planner._past = tuple(item for item in past if isinstance(item, (Closed, Over)))
+        planner = self._beside((self._before or StreamLog()).less(without))
         return planner, planner.update(update.less(without))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
         """A planner that knows nothing but that it is ``step`` now and nothing was done before; what it was fed."""
-        planner = Planner(self._make_solver, self._lookahead, self._watch)
+        planner = self._beside(StreamLog())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []
         for last, now in zip([0, *stops], stops):
-            past = (Closed(last, now - 1), Over(max(now - RECENT, 0))) if now > 1 else ()
-            planner._past = past if last else (Anew(), *past)
-            result = planner.update(StreamUpdate(now))
+            past = (Closed(last, now - 1), Over(now - RECENT)) if now > 1 else ()
+            result = planner.update(StreamUpdate(now, items=past if last else (Anew(), *past)))
             fed += [planner.taken] if planner.taken is not None else []
         return planner, fed, result
 
-    def _beside(self, state: Snapshot) -> "Planner":
-        planner = Planner(self._make_solver, self._lookahead, self._watch)
-        planner._solver.restore(state)
-        planner._before, planner.over = state, self.over
-        return planner
+    @property
+    def _before(self) -> Optional[StreamLog]:
+        """The log before the last update, None where there is none."""
+        return None if self.log.last is None else self.log.last.before
 
-    def _feed(self, update: StreamUpdate, lookahead: int) -> SolveResult:
-        before = self._solver.snapshot()
-        update = replace(update, bound=lookahead, items=(*self._past, *update.items))
-        try:
-            result = self._search(update)
-        except DisturbedError as disturbance:
-            if disturbance.kept:
-                self._before, self._taken, self._past = before, update, ()
-            raise
-        self._before, self._taken, self._past = before, update, ()
-        return result
+    def _beside(self, log: StreamLog) -> "Planner":
+        return Planner(self._make_solver, self._lookahead, self._watch, log)
+
+    def _whole(self, update: StreamUpdate, lookahead: int) -> StreamUpdate:
+        """The update with its bound, and with what it says of the past as far as that is new."""
+        log, items = self.log, update.items
+        known = [item for item in items if isinstance(item, Over) and item.step <= log.over]
+        items = tuple(item for item in items if item not in known)
+        if update.step is not None and update.step > log.step and not any(isinstance(one, Closed) for one in items):
+            items = (Closed(log.step, update.step - 1), *items)
+        return replace(update, bound=lookahead, items=items)
 
     def _search(self, update: StreamUpdate) -> SolveResult:
         while True:
-            with suppress(NotReadyError):  # the search's time has not begun
-                return self._search_once(update)
+            look, halt = self._watch(), None
 
-    def _search_once(self, update: StreamUpdate) -> SolveResult:
-        look, halt = self._watch(), None
+            def stopped(look: Callable[[], Optional[Halt]] = look) -> bool:
+                """Tell whether the search is to end; the first reason is kept."""
+                nonlocal halt
+                halt = halt or look()
+                return halt is not None
 
-        def stopped() -> bool:
-            """Tell whether the search is to end; the first reason is kept."""
-            nonlocal halt
-            halt = halt or look()
-            return halt is not None
-
-        try:
-            result = self._solver.update(update, stopped)
-        except DroppedError:
-            self.ended_by = halt.why if halt else ""
-            if halt and halt.disturbed:
-                raise DisturbedError(halt.why, kept=False) from None
-            raise
+            try:
+                result = self._solver.update(update, stopped)
+                break
+            except NotReadyError:  # the search's time has not begun
+                continue
+            except DroppedError:
+                self.ended_by = halt.why if halt else ""
+                if halt and halt.disturbed:
+                    raise DisturbedError(halt.why, kept=False) from None
+                raise
         interrupted = result.outcome is SolveOutcome.INTERRUPTED
         self.ended_by = halt.why if halt and interrupted else ""
         if halt and halt.disturbed and interrupted:

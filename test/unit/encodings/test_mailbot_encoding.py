@@ -406,7 +406,7 @@ def test_what_is_remembered_of_a_long_run_does_not_grow():
     while driver.core.cycle < 80:
         number += 1
         driver.goal(str(number), f"goal(office{number % 4 + 1},office{number % 3 + 1},{number})").finish()
-    past = driver.core._planner._solver.snapshot().past
+    past = driver.core._planner._solver.state.past
     assert past.first > 40
     times = [atom.arguments[-1].number for atom in past.facts if atom.name in ("waiting", "aim", "crossed")]
     assert min(times) >= past.first - 20

@@ -13,6 +13,7 @@ from rosoclingo.oclingo import (
     SolveResult,
     parse_atom,
 )
+from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning import Core, CoreSettings, GoalProgress, PlanMade, Problem
 from rosoclingo.reasoning.journal import Journal
 from rosoclingo.reasoning.observations import DONE
@@ -83,21 +84,19 @@ done(I,t) :- _request(cancel(I),t).
 class Procrastinator:
     """A solver whose plan always begins in the cycle after this one."""
 
+    def __init__(self):
+        self.log = StreamLog()
+
     def update(self, update, stopped=None):
+        self.log = self.log.then(Taken(update, update.step + 1))
         later = parse_atom(f"_action_lib(go,1,{update.step + 1})")
         seconds = {"ground": 0.0, "solve": 0.0}
         return SolveResult(
             SolveOutcome.SATISFIABLE, (frozenset([later]),), update.step + 1, update.step, statistics=seconds
         )
 
-    def close_cycle(self, cycle, executed):
-        pass
-
-    def forget_before(self, step):
-        pass
-
-    def snapshot(self):
-        return None
+    def restore(self, log):
+        self.log = log
 
 
 class Dawdler(Procrastinator):

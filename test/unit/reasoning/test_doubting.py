@@ -39,7 +39,7 @@ class World:
             Goal(f"g{one}", parse_term(f"go({one})"), lambda _goal, _event: None) for one in others.pop("goals", "")
         ]
         for one in self.goals:
-            one.request_cycle = 3
+            one.feed(3)
         self.conflicts = [set(one.split()) for one in conflicts]
         self.slow = [set(one.split()) for one in others.pop("slow", ())]
         self.refused = [set(one.split()) for one in others.pop("refused", ())]
@@ -98,11 +98,8 @@ class Beside:
         self.outcome = self.world.outcome(self.told | goals)
         return SolveResult(self.outcome, (), STEP + 3, STEP)
 
-    def restarted(self, without, coming=()):
+    def restarted(self, without):
         return Beside(self.world, self.told, self.undone)
-
-    def end_cycle(self, cycle):
-        assert cycle == STEP
 
     def update(self, update):
         gone = {str(item.head.arguments[0].arguments[0]) for item in update.items if isinstance(item, Statement)}

@@ -4,7 +4,7 @@ import pytest
 
 from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, SolveResult, parse_atom, parse_term
 from rosoclingo.reasoning import Outcome
-from rosoclingo.reasoning.feeding import feed
+from rosoclingo.reasoning.feeding import feed_less
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import action_of
@@ -48,15 +48,10 @@ def fed(planner, facts=True):
     feeder.add_goal(goal)
     if facts:
         feeder.add_fact(parse_atom("_seen(ball)"))
-    batch = feeder.next_update(5, [action_of(parse_atom("_action_lib(a,x,4)"))])
-    goal.request_cycle = 6
-    return feed(planner, batch, desk, problems.append), desk.ends, problems
-
-
-def test_an_update_is_fed():
-    planner = Planner()
-    assert fed(planner) == (RESULT, [], [])
-    assert planner.calls == [f"update {COMMITMENT} {REQUEST} {FACT}"]
+    feeder.add_executed([action_of(parse_atom("_action_lib(a,x,4)"))])
+    batch = feeder.next_update(5)
+    error = planner.errors.pop(0)
+    return feed_less(planner, batch, error, desk, problems.append), desk.ends, problems
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -66,8 +61,8 @@ def test_of_an_update_that_is_refused_goals_are_left_out_then_all_but_commitment
     assert result is RESULT
     assert ends == [("a", Outcome.REJECTED, "is refused by the solver: no")]
     assert problems == ["update 5 is refused by the solver: no"] * times
-    calls = [f"update {COMMITMENT} {REQUEST} {FACT}", f"update {COMMITMENT} {FACT}", f"update {COMMITMENT}"]
-    assert planner.calls == calls[: times + 1]
+    calls = [f"update {COMMITMENT} {FACT}", f"update {COMMITMENT}"]
+    assert planner.calls == calls[:times]
 
 
 @pytest.mark.parametrize("times", [1, 2, 3])
@@ -79,7 +74,7 @@ def test_one_that_was_dropped_is_fed_without_looking_ahead(times):
     assert ends == ([given_up] if times > 1 else [])
     assert problems == ["update 5 is dropped: it took too long: ended"] * times
     calls = [f"{COMMITMENT} {REQUEST} {FACT}", f"{COMMITMENT} {FACT}", COMMITMENT]
-    assert planner.calls == [f"update {calls[0]}", *(f"take {call}" for call in calls)][: times + 1]
+    assert planner.calls == [f"take {call}" for call in calls][:times]
 
 
 @pytest.mark.parametrize("error", [SolverError("no"), DroppedError("ended")])

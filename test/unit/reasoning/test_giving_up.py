@@ -19,7 +19,7 @@ SATISFIABLE, UNSATISFIABLE, INTERRUPTED = SolveOutcome.SATISFIABLE, SolveOutcome
 
 def goal(number):
     found = Goal(str(number), parse_term(f"go({number})"), lambda _goal, _event: None)
-    found.request_cycle = 3
+    found.feed(3)
     return found
 
 
@@ -52,7 +52,7 @@ class World:
         self.slow_without = others.pop("slow_without", {})
         self.time = others.pop("time", None)
         assert not others
-        self.asked, self.updates, self.ended, self.without, self.left = [], [], [], [], 0
+        self.asked, self.updates, self.without, self.left = [], [], [], 0
 
     def watch(self):
         self.left = self.time
@@ -63,7 +63,7 @@ class World:
         newest = [tuple(reversed(things)) for things in (self.goals, self.fresh, self.observations)]
         return Question(STEP, *newest, self.proven, self.watch)
 
-    def restarted(self, without, coming=()):
+    def restarted(self, without):
         return Beside(self, without)
 
     def outcome(self, goals, observations, withheld):
@@ -86,9 +86,6 @@ class Beside:
     def __init__(self, world, without):
         self._world, self._without = world, without
         world.without.append(without)
-
-    def end_cycle(self, cycle):
-        self._world.ended.append(cycle)
 
     def update(self, update):
         world = self._world
@@ -129,7 +126,6 @@ def test_goals_are_cancelled_oldest_first_in_the_cycle_that_starts():
         "#step 5. _request(cancel(1),5). _request(cancel(2),5). _request(cancel(3),5). #end step.",
         "#step 5. #withdraw _request(go(1),3). #withdraw _request(go(2),3). #withdraw _request(go(3),3). #end step.",
     ]
-    assert world.ended == [STEP - 1, STEP - 1]
     assert world.without == [frozenset(), frozenset(map(request, (1, 2, 3)))]
 
 

@@ -22,9 +22,8 @@ class Desk:
 
     def feed(self, step=1):
         """The update of a step reaches the program; the requests in it."""
-        batch = self.feeder.next_update(step, [])
-        for goal in batch.goals:
-            goal.request_cycle = step + 1
+        batch = self.feeder.next_update(step)
+        self.feeder.taken(batch)
         return [str(item.head) for item in batch.update.items]
 
     @property

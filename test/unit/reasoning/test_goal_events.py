@@ -31,7 +31,7 @@ def a_goal(state):
     desk = GoalDesk(PROGRAM, InputFeeder(), told.append, lambda: 5)
     desk.add("key", "go(1)")
     goal = desk.live[0]
-    goal.request_cycle = 4
+    goal.feed(4)
     steps = {
         "pending": [],
         "recalling": [GoalEvent.CANCEL_REQUEST],
@@ -78,7 +78,7 @@ def test_the_table_is_whole():
 
 def test_cancelled_before_it_was_fed():
     desk, goal, told = a_goal("pending")
-    goal.request_cycle = None
+    goal.forget()
     desk.cancel("key")
     desk.cancel("key")
     assert [one.state.value for one in told] == ["recalling", "recalled"]

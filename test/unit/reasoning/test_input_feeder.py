@@ -1,11 +1,10 @@
 import pytest
 
-from rosoclingo.oclingo import parse_atom, parse_term, parse_update
+from rosoclingo.oclingo import Statement, parse_atom, parse_term, parse_update
 from rosoclingo.reasoning import Goal, Outcome
 from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.observations import Observation
 
 
 def goal(text):
@@ -27,7 +26,8 @@ def test_order_is_commitments_requests_facts():
     feeder.add_fact(parse_atom("_seen(ball)"))
     second = goal("goal(c,d,2)")
     feeder.add_goal(second)
-    batch = feeder.next_update(5, [action("_action_lib(a,x,4)"), action("_action_lib(b,y,4)")])
+    feeder.add_executed([action("_action_lib(a,x,4)"), action("_action_lib(b,y,4)")])
+    batch = feeder.next_update(5)
     assert batch.goals == (second,)
     assert words(str(batch.update)) == words("""
         #step 5.
@@ -38,13 +38,33 @@ def test_order_is_commitments_requests_facts():
     assert parse_update(str(batch.update)) == batch.update
 
 
-def test_feeder_is_empty_afterwards():
-    feeder = InputFeeder()
-    feeder.add_goal(goal("g(1)"))
+def test_the_feeder_is_empty_once_its_update_is_taken():
+    feeder, first = InputFeeder(), goal("g(1)")
+    feeder.add_goal(first)
+    feeder.add_executed([action("_action_lib(a,x,4)")])
+    feeder.add_fact(parse_atom("_seen(ball)"))
     assert feeder.pending
-    feeder.next_update(1, [])
+    batch = feeder.next_update(1)
+    assert feeder.pending
+    assert not first.fed
+    feeder.taken(batch)
     assert not feeder.pending
-    assert words(str(feeder.next_update(2, []).update)) == words("#step 2. #end step.")
+    assert first.request_cycle == 2
+    assert words(str(feeder.next_update(2).update)) == words("#step 2. #end step.")
+
+
+def test_what_comes_while_an_update_is_made_waits_for_the_next_one():
+    feeder = InputFeeder()
+    feeder.add_cancellation(parse_term("7"))
+    feeder.add_rejection(parse_term("7"))
+    batch = feeder.next_update(1)
+    assert heads(batch.update) == ["_request(cancel(7),1)"] * 2
+    second = goal("g(2)")
+    feeder.add_goal(second)
+    feeder.add_cancellation(parse_term("8"))
+    feeder.add_fact(parse_atom("_seen(ball)"))
+    feeder.taken(batch)
+    assert heads(feeder.next_update(2).update) == ["_request(g(2),3)", "_request(cancel(8),2)", "_seen(ball)"]
 
 
 def test_withdrawn_goal_is_not_fed():
@@ -53,18 +73,18 @@ def test_withdrawn_goal_is_not_fed():
     feeder.add_goal(first)
     feeder.add_goal(second)
     feeder.withdraw(first)
-    assert feeder.next_update(1, []).goals == (second,)
+    assert feeder.next_update(1).goals == (second,)
 
 
 def test_same_fact_twice_is_one():
     feeder = InputFeeder()
     feeder.add_fact(parse_atom("_seen(ball)"))
     feeder.add_fact(parse_atom("_seen(ball)"))
-    assert len(feeder.next_update(1, []).update.items) == 1
+    assert len(feeder.next_update(1).update.items) == 1
 
 
 def heads(update):
-    return [str(item.head) for item in update.items if item.head is not None]
+    return [str(item.head) for item in update.items if isinstance(item, Statement) and item.head is not None]
 
 
 def test_what_was_not_taken_comes_with_the_next_update():
@@ -74,47 +94,36 @@ def test_what_was_not_taken_comes_with_the_next_update():
     feeder.add_goal(second)
     feeder.add_cancellation(parse_term("7"))
     feeder.add_fact(parse_atom("_seen(ball,now)"))
-    batch = feeder.next_update(3, [action("_action_lib(a,x,2)")])
+    feeder.add_executed([action("_action_lib(a,x,2)")])
+    batch = feeder.next_update(3)
     assert heads(batch.update) == ["_request(g(1),4)", "_request(g(2),4)", "_request(cancel(7),3)", "_seen(ball,3)"]
-    feeder.put_back(batch)
     first.end(Outcome.CANCELED, "is cancelled")
     feeder.add_fact(parse_atom("_seen(dog,now)"))
     assert feeder.pending
     feeder.withdraw(first)
-    again = feeder.next_update(4, [])
+    again = feeder.next_update(4)
     assert heads(again.update) == ["_request(g(2),5)", "_request(cancel(7),4)", "_seen(ball,4)", "_seen(dog,4)"]
     assert [str(one) for one in again.update.items if one.head is None] == [":- not _action_lib(a,x,2)."]
+    feeder.taken(again)
     assert not feeder.pending
-
-
-def test_goals_that_have_ended_are_not_put_back():
-    feeder = InputFeeder()
-    first, second = goal("g(1)"), goal("g(2)")
-    feeder.add_goal(first)
-    feeder.add_goal(second)
-    batch = feeder.next_update(1, [])
-    first.end(Outcome.CANCELED, "is cancelled")
-    feeder.put_back(batch)
-    assert feeder.next_update(2, []).goals == (second,)
 
 
 def test_what_waits_for_something_new():
     feeder = InputFeeder()
     feeder.add_goal(goal("g(1)"))
-    feeder.put_back(feeder.next_update(1, []), waits=True)
+    feeder.wait()
     assert not feeder.pending
     feeder.add_fact(parse_atom("_seen(ball)"))
     assert feeder.pending
-    assert heads(feeder.next_update(2, []).update) == ["_request(g(1),3)", "_seen(ball)"]
+    assert heads(feeder.next_update(2).update) == ["_request(g(1),3)", "_seen(ball)"]
 
 
 def test_the_parts_of_an_update():
     feeder = InputFeeder()
-    first = goal("g(1)")
-    feeder.add_goal(first)
+    feeder.add_goal(goal("g(1)"))
     feeder.add_fact(parse_atom("_seen(ball)"))
-    batch = feeder.next_update(5, [action("_action_lib(a,x,4)")])
-    first.request_cycle = 6
+    feeder.add_executed([action("_action_lib(a,x,4)")])
+    batch = feeder.next_update(5)
     assert words(str(batch.without_goals)) == words("#step 5. :- not _action_lib(a,x,4). _seen(ball). #end step.")
     assert words(str(batch.commitments)) == words("#step 5. :- not _action_lib(a,x,4). #end step.")
 
@@ -123,7 +132,8 @@ def test_facts_of_cycles_that_are_over_are_taken_for_the_present():
     feeder = InputFeeder(Clock(lambda name, arity: None if name == "_kind" else 1))
     for text in ("_seen(ball,2)", "_seen(dog,9)", "_seen(cat,now)", "_kind(2)", "_return(a,x,2)"):
         feeder.add_fact(parse_atom(text), "eye", 10)
-    batch = feeder.next_update(10, [], over=9)
+    batch = feeder.next_update(10, over=9)
+    assert str(batch.update.items[0]) == "#over 9."
     assert heads(batch.update) == ["_seen(ball,9)", "_seen(dog,9)", "_seen(cat,9)", "_kind(2)", "_return(a,x,2)"]
     assert [str(one.told) for one in batch.facts if one.outdated] == ["_seen(ball,2)"]
     assert {(one.origin, one.cycle) for one in batch.facts} == {("eye", 10)}
@@ -134,7 +144,7 @@ def test_a_preview_takes_nothing():
     feeder.add_fact(parse_atom("_seen(ball)"))
     further = [parse_atom("_seen(dog)"), parse_atom("_seen(ball)")]
     assert heads(feeder.preview(2, [], further)) == ["_seen(ball)", "_seen(dog)"]
-    assert heads(feeder.next_update(2, []).update) == ["_seen(ball)"]
+    assert heads(feeder.next_update(2).update) == ["_seen(ball)"]
 
 
 def test_cycles_of_facts():
@@ -167,7 +177,7 @@ def test_what_has_arrived_is_counted():
 def test_whatever_arrives_ends_the_wait(more):
     feeder = InputFeeder()
     feeder.add_fact(parse_atom("_seen(ball)"))
-    feeder.put_back(feeder.next_update(1, []), waits=True)
+    feeder.wait()
     assert not feeder.pending
     if more == "goal":
         feeder.add_goal(goal("g(1)"))
@@ -176,39 +186,31 @@ def test_whatever_arrives_ends_the_wait(more):
     else:
         feeder.add_fact(parse_atom("_seen(ball)"))
     assert feeder.pending
-    feeder.next_update(2, [])
-    feeder.withdraw(goal("g(2)"))
-    feeder.put_back(feeder.next_update(3, []), waits=True)
-    assert not feeder.pending
 
 
 def test_an_update_that_waits_is_made_with_whatever_comes_and_after_it_nothing_waits():
-    feeder = InputFeeder()
-    feeder.add_fact(parse_atom("_seen(ball)"))
-    feeder.put_back(feeder.next_update(1, []), waits=True)
-    batch = feeder.next_update(2, [])
-    feeder.put_back(batch)
-    assert feeder.pending
+    feeder = InputFeeder(Clock(lambda name, arity: 1))
+    feeder.add_goal(goal("g(1)"))
+    feeder.add_fact(parse_atom("_shut(den,now)"))
+    feeder.wait()
+    feeder.taken(feeder.next_update(1))
+    assert feeder.pending, "the goal"
 
 
-def test_what_is_put_back_comes_first_and_as_it_was_told():
+def test_what_was_not_taken_comes_first_and_as_it_was_told():
     feeder = InputFeeder(Clock())
     first, second = goal("g(1)"), goal("g(2)")
     feeder.add_goal(first)
     feeder.add_fact(parse_atom("_seen(ball,now)"))
-    batch = feeder.next_update(3, [])
-    first.request_cycle = 4
+    feeder.next_update(3)
     feeder.add_goal(second)
     feeder.add_cancellation(parse_term("7"))
     feeder.add_fact(parse_atom("_seen(ball,now)"))
-    feeder.put_back(batch)
-    assert first.request_cycle is None
+    assert not first.fed
     assert feeder.waiting == 1, "the same was told twice"
-    assert heads(feeder.next_update(4, []).update) == [
+    assert heads(feeder.next_update(4).update) == [
         *("_request(g(1),5)", "_request(g(2),5)", "_request(cancel(7),4)", "_seen(ball,4)"),
     ]
-    feeder.put_back(Batch(batch.update, facts=(Observation(parse_atom("_seen(dog,1)"), 1),)))
-    assert heads(feeder.next_update(5, []).update) == ["_seen(dog,1)"], "it was told by nobody"
 
 
 def test_goals_wait_for_a_fact_of_now_that_takes_effect_with_the_next_update_only():
@@ -217,29 +219,25 @@ def test_goals_wait_for_a_fact_of_now_that_takes_effect_with_the_next_update_onl
     feeder.add_goal(waits)
     feeder.add_cancellation(parse_term("7"))
     feeder.add_fact(parse_atom("_shut(den,now)"))
-    batch = feeder.next_update(1, [])
+    batch = feeder.next_update(1)
     assert batch.goals == ()
     assert heads(batch.update) == ["_request(cancel(7),1)", "_shut(den,1)"]
-    assert feeder.pending
-    feeder.put_back(batch, waits=True)
-    assert not feeder.pending
-    assert feeder.next_update(1, []).goals == ()
+    feeder.taken(batch)
     assert feeder.pending, "a goal waits"
-    assert heads(feeder.next_update(2, []).update) == ["_request(g(1),3)"]
+    assert heads(feeder.next_update(2).update) == ["_request(g(1),3)"]
 
 
 def test_facts_of_the_first_cycles_are_not_over():
     feeder = InputFeeder()
     feeder.add_fact(parse_atom("_seen(ball,0)"))
-    assert feeder.next_update(1, []).facts[0].cycle == 0
-    feeder.add_fact(parse_atom("_seen(ball,0)"))
+    assert feeder.next_update(1).facts[0].cycle == 0
     assert heads(feeder.preview(1, [])) == ["_seen(ball,0)"]
-    assert heads(feeder.next_update(1, []).update) == ["_seen(ball,0)"]
+    assert heads(feeder.next_update(1).update) == ["_seen(ball,0)"]
 
 
 def test_parts_of_an_update_that_says_more_than_statements():
     fed, unfed = goal("g(1)"), goal("g(2)")
-    fed.request_cycle = 6
+    fed.feed(6)
     update = parse_update("#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). _request(g(1),6). #endstep.")
     batch = Batch(update, (fed, unfed))
     assert words(str(batch.commitments)) == words("#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). #end step.")

@@ -10,10 +10,13 @@ from rosoclingo.oclingo import (
     ReactiveSolver,
     SolveOutcome,
     SolveResult,
+    StreamUpdate,
     parse_atom,
     parse_update,
 )
+from rosoclingo.oclingo.progression.updates import Over
 from rosoclingo.oclingo.solving import transaction
+from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner
 
 
@@ -66,20 +69,17 @@ def plan(result):
     ],
 )
 def test_what_is_over(cycle, since, over):
-    bench = Bench()
-    bench.planner.end_cycle(cycle, since)
-    assert bench.planner.over == over
-    bench.planner.end_cycle(cycle + 1, 0)
-    assert bench.planner.over == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
+    planner = Planner(Told, 8)
+    assert planner.over(cycle + 1, since) == over
+    planner.update(StreamUpdate(cycle + 1, items=(Over(over),)))
+    assert planner.over(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
 
 
 def test_the_past_is_closed():
     bench = Bench()
     bench.update("#step 1.")
-    bench.planner.end_cycle(1)
     result = bench.update("#step 2. _request(do(walk,1),2). :- not _action_lib(walk,1,1).")
     assert plan(result) == ["_action_lib(walk,1,1)"], "what the update commits to was done"
-    bench.planner.end_cycle(2)
     beside = bench.planner.restarted()
     for planner in (bench.planner, beside):
         result = planner.update(parse_update("#step 3. _request(do(run,2),3). #endstep."))
@@ -138,14 +138,12 @@ def test_the_first_reason_counts():
 def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
-    bench.planner.end_cycle(1)
     bench.halt, bench.solver.drops = Halt("news", disturbed=True), not kept
     with pytest.raises(DisturbedError, match="news") as caught:
         bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3).")
     assert caught.value.kept == kept
     bench.halt, bench.solver.drops = None, False
     beside = bench.planner.restarted()
-    beside.end_cycle(2)
     told = plan(beside.update(parse_update("#step 3. #endstep.")))
     assert any("run" in action for action in told) == kept
 
@@ -158,31 +156,24 @@ def test_a_planner_beside_a_fresh_one():
 def test_a_planner_beside_knows_all_but_what_is_left_out():
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
-    bench.planner.end_cycle(1)
     bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3). _return(walk,failed,1).")
     assert plan(bench.planner.restarted().solve()) == plan(bench.planner.solve())
     without = bench.planner.restarted(frozenset({parse_atom("_request(do(run,2),3)")}))
     assert not any("run" in action for action in plan(without.update(parse_update("#step 2. #endstep."))))
 
 
-class State(tuple):
-    """What a solver was told, one text an update."""
-
-    def less(self, facts):
-        return State(self + tuple(f"less {fact}" for fact in sorted(facts)))
-
-
 class Told:
-    """A solver that keeps what it is told, asks a few times whether to stop, and has an answer ready."""
+    """A solver that keeps its log, asks a few times whether to stop, and has an answer ready."""
 
     def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0):
-        self.told, self.outcome, self.asks, self.late = State(), outcome, asks, late
+        self.log, self.outcome, self.asks, self.late = StreamLog(), outcome, asks, late
 
-    def snapshot(self):
-        return self.told
+    @property
+    def step(self):
+        return self.log.step
 
-    def restore(self, state):
-        self.told = state
+    def restore(self, log):
+        self.log = log
 
     def update(self, update, stopped):
         if self.late:
@@ -190,19 +181,23 @@ class Told:
             raise NotReadyError("not yet")
         for _ in range(self.asks):
             stopped()
-        self.told = State((*self.told, " ".join(str(update).split()).replace(" #end step.", "")))
+        self.log = self.log.then(Taken(update, update.step + 9))
         return SolveResult(self.outcome, (), update.step, update.step)
 
 
+def words(update):
+    return " ".join(str(update).split()).replace(" #end step.", "")
+
+
 def told(planner):
-    return list(planner._solver.snapshot())
+    """The entries of the planner's log, as texts."""
+    entries = planner.log.entries
+    return [words(one.update) if isinstance(one, Taken) else f"less {','.join(map(str, one.facts))}" for one in entries]
 
 
 def fed(planner, *texts):
-    """The planner, fed these updates, a cycle each."""
-    for number, text in enumerate(texts):
-        if number:
-            planner.end_cycle(planner.taken.step)
+    """The planner, fed these updates."""
+    for text in texts:
         planner.update(parse_update(text + " #endstep."))
     return planner
 
@@ -210,25 +205,26 @@ def fed(planner, *texts):
 def test_what_the_solver_is_told():
     planner = Planner(Told, 8)
     assert planner.taken is None
-    assert planner.over == 0
     planner.solve()
-    planner.end_cycle(RECENT + 1)
-    assert planner.over == 0, "nobody looks back to cycle 0, but nothing is said of it"
-    planner.end_cycle(RECENT + 2, RECENT + 2)
-    planner.end_cycle(RECENT + 3, 2)
-    planner.update(parse_update("#step 14. _seen(a). #endstep."))
-    planner.take(parse_update("#step 15. _seen(b). #endstep."))
-    last = "#step 14 : 8. #closed 11. #closed 12. #over 2. #closed 13. _seen(a)."
-    assert told(planner) == ["#step 1 : 8.", last, "#step 15 : 0. _seen(b)."]
+    assert planner.over(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
+    fed(planner, "#step 11. #over 2. _seen(a).", "#step 14. #over 2. #over 3. _seen(b).")
+    planner.take(parse_update("#step 15. _seen(c). #endstep."))
+    assert told(planner) == [
+        "#step 1 : 8.",
+        "#step 11 : 8. #closed 1..10. #over 2. _seen(a).",
+        "#step 14 : 8. #closed 11..13. #over 3. _seen(b).",
+        "#step 15 : 0. #closed 14. _seen(c).",
+    ]
+    assert planner.log.over == 3
     assert str(planner.taken).startswith("#step 15 : 0.")
 
 
 def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
     planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
-    planner.end_cycle(2)
     beside = planner.restarted(frozenset({parse_atom("_seen(b)")}))
+    assert (planner.log.horizon, beside.log.horizon) == (11, 10)
     beside.update(parse_update("#step 3. #endstep."))
-    taken = ["#step 2 : 0. #closed 1. _seen(c).", "#step 3 : 8. #closed 2."]
+    taken = ["#step 2 : 8. #closed 1. _seen(c).", "#step 3 : 8. #closed 2."]
     assert told(beside) == ["#step 1 : 8. _seen(a).", "less _seen(b)", *taken]
     assert len(told(planner)) == 2
 
@@ -240,6 +236,8 @@ def test_another_update_in_place_of_the_last_one():
     assert told(beside) == ["#step 1 : 8. _seen(a).", "less _seen(d)", "#step 2 : 8. #closed 1. _seen(e)."]
     assert result.step == 2
     assert beside.taken.step == 2
+    again, _ = planner.instead(planner.taken)
+    assert told(again) == told(planner), "the past is told once"
     beside, _ = Planner(Told, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
 
@@ -248,7 +246,7 @@ def test_another_update_in_place_of_the_last_one():
     ("step", "updates"),
     [
         (1, ["#step 1 : 8. #anew."]),
-        (2, ["#step 2 : 8. #anew. #closed 0..1. #over 0."]),
+        (2, ["#step 2 : 8. #anew. #closed 0..1."]),
         (RECENT + 5, ["#step 15 : 8. #anew. #closed 0..14. #over 5."]),
         (MANY_STEPS, [f"#step {MANY_STEPS} : 8. #anew. #closed 0..{MANY_STEPS - 1}. #over {MANY_STEPS - RECENT}."]),
         (
@@ -264,7 +262,7 @@ def test_everything_anew(step, updates):
     planner = fed(Planner(Told, 8), "#step 1. _seen(a).")
     beside, given, result = planner.anew(step)
     assert told(beside) == updates
-    assert [" ".join(str(one).split()).replace(" #end step.", "") for one in given] == updates
+    assert list(map(words, given)) == updates
     assert result.step == step
 
 
@@ -284,17 +282,12 @@ def test_without_a_watch_a_search_takes_the_time_it_takes():
     assert planner.take(parse_update("#step 2. #endstep.")).outcome is SolveOutcome.SATISFIABLE
 
 
-def test_a_planner_that_knows_what_is_coming_grounds_once(monkeypatch):
+def test_a_planner_beside_grounds_once_for_all_that_it_reads(monkeypatch):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
     made, build = [], transaction.build_engine
     monkeypatch.setattr(transaction, "build_engine", lambda *arguments: made.append(1) or build(*arguments))
-    cancel = parse_atom("_request(cancel(1),2)")
-    update = parse_update(f"#step 2. {cancel}. #endstep.")
-    beside = bench.planner.restarted(coming=[cancel])
+    beside = bench.planner.restarted()
+    assert plan(beside.update(parse_update("#step 2. _request(cancel(1),2). #endstep."))) == []
     assert len(made) == 1
-    assert plan(beside.update(update)) == []
-    assert len(made) == 1
-    assert plan(bench.planner.restarted(coming=[cancel]).update(parse_update("#step 2. #endstep."))) != [], (
-        "not said yet"
-    )
+    assert plan(bench.planner.restarted().update(parse_update("#step 2. #endstep."))) != []

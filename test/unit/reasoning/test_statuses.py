@@ -12,7 +12,7 @@ def answer(*atoms):
 
 def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False, speaks=False, known=False):
     goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
-    goal.request_cycle = request_cycle
+    goal.feed(request_cycle)
     goal.known = known
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)

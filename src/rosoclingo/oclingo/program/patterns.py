@@ -88,11 +88,12 @@ def _matches(term: AST, symbol: clingo.Symbol, values: Dict[str, clingo.Symbol],
     if term.ast_type == ASTType.Function and not term.external:
         if symbol.type != clingo.SymbolType.Function or symbol.name != term.name:
             return False
-        pairs = list(zip(term.arguments, symbol.arguments))
-        alike = len(term.arguments) == len(symbol.arguments)
-        return alike and all(_matches(part, value, values, parameter) for part, value in pairs)
-    value = evaluate(term, values)
-    return value is None or value == symbol or _mentions(term, parameter)
+        matching = len(term.arguments) == len(symbol.arguments)
+        for part, value in zip(term.arguments, symbol.arguments):
+            matching = matching and _matches(part, value, values, parameter)
+        return matching
+    found = evaluate(term, values)
+    return found is None or found == symbol or _mentions(term, parameter)
 
 
 def _mentions(term: AST, name: str) -> bool:

@@ -42,8 +42,6 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         warnings: what is odd but usable, as text.
-        told: what solvers of this program have remarked on it, each of which is told once.
-        may_idle: whether steps may be idle (see ``idling``), None as long as nobody has looked.
 
     """
 
@@ -56,8 +54,6 @@ class ReactiveProgram:
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
         self._directives = Directives()
         self.warnings: List[str] = []
-        self.may_idle: Optional[bool] = None
-        self.told: Set[str] = set()
         parsed = read_sources(sources, self._directives, self.warnings)
         self._delays: Optional[Delays] = None
         self._known_delays: Dict[Signature, Optional[int]] = {}
@@ -113,13 +109,16 @@ class ReactiveProgram:
         """Return clingo's command line arguments for the constants."""
         return ["-Wno-atom-undefined"] + [f"-c{name}={value}" for name, value in self.constants.items()]
 
-    def may_see(self, atom: clingo.Symbol, first: int, last: int) -> bool:
-        """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with ``atom``.
+    def may_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
+        """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with one of ``atoms``.
 
         Heads count for open externals alone.
         """
-        patterns = self._patterns.get(signature_of(atom), ())
-        return any(one.may_match(atom, first, last, self._values) for one in patterns)
+        for atom in atoms:
+            for one in self._patterns.get(signature_of(atom), ()):
+                if one.may_match(atom, first, last, self._values):
+                    return True
+        return False
 
     def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""

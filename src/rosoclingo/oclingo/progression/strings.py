@@ -12,6 +12,9 @@ import clingo
 
 from rosoclingo.oclingo.progression.updates import Item, Literal, Statement, StreamUpdate, Withdraw
 
+MARK = "__oclingo_quoted"
+"""The name under which :func:`marked` hides a constant that is spelled as a string."""
+
 
 def strings_apart(update: StreamUpdate) -> StreamUpdate:
     """Return ``update`` with every string turned into a constant of the same text, quotes included."""
@@ -24,6 +27,24 @@ def holds_string_apart(atom: clingo.Symbol) -> bool:
     if atom.name.startswith('"'):
         return True
     return any(one.type == clingo.SymbolType.Function and holds_string_apart(one) for one in atom.arguments)
+
+
+def marked(symbol: clingo.Symbol) -> clingo.Symbol:
+    """Return ``symbol`` with such constants so that they can be told from strings when they are printed."""
+    if symbol.type != clingo.SymbolType.Function:
+        return symbol
+    if symbol.name.startswith('"'):
+        return clingo.Function(MARK, [clingo.String(symbol.name)])
+    return clingo.Function(symbol.name, [marked(one) for one in symbol.arguments], symbol.positive)
+
+
+def from_marked(symbol: clingo.Symbol) -> clingo.Symbol:
+    """Return the symbol that :func:`marked` took."""
+    if symbol.type != clingo.SymbolType.Function:
+        return symbol
+    if symbol.name == MARK:
+        return clingo.Function(symbol.arguments[0].string)
+    return clingo.Function(symbol.name, [from_marked(one) for one in symbol.arguments], symbol.positive)
 
 
 def _item(item: Item) -> Item:

@@ -2,20 +2,22 @@
 
 clingo can't be interrupted while it grounds, and a program may need more memory than there is. The solvers of a
 :class:`SolverProcess` answer as a ``ReactiveSolver`` does; where their process does
-not heed a stop, or crashes, it is replaced by one that takes their states, without searching.
+not heed a stop, or crashes, it is replaced by one that reads their logs, without searching.
 """
 
 import time
 import weakref
 from collections import deque
 from contextlib import suppress
-from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Sequence, Type
+from typing import Any, Callable, Deque, Iterator, List, Optional, Type
 
 from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.remote.child import WorkerLostError, WorkerProcess
-from rosoclingo.oclingo.remote.process_solver import Place, ProcessSolver
+from rosoclingo.oclingo.remote.process_solver import ProcessSolver
 from rosoclingo.oclingo.remote.wire import Message, faults_from_message, program_to_message
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_to_message
 
 POLL = 0.02
 """Seconds of wall time between two looks at the stop request."""
@@ -30,6 +32,22 @@ GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
 
 Stopped = Callable[[], bool]
+
+
+class Place:
+    """A solver's place in a child; it lives as long as it is referred to.
+
+    Attributes:
+        number: what the child knows it by.
+        child: the child that has such a solver, None where none has it.
+        read: the log that the child's solver has read, or will have.
+
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        self.child: Optional[WorkerProcess] = None
+        self.read: Optional[StreamLog] = None
 
 
 class SolverProcess:
@@ -76,8 +94,7 @@ class SolverProcess:
         }
         self._numbers: Iterator[int] = iter(range(2**62))
         self._left: List[int] = []
-        self._taken: Dict[int, int] = {}  # how much of each solver's log the child has taken, or will have
-        self._owed: Deque[Optional[int]] = deque()  # what the child is preparing: the program (None) or a solver
+        self._preparing: Deque[Optional[Place]] = deque()  # what the child is at: the program (None) or a solver
         self._child: Optional[WorkerProcess] = None
         self._spare: Optional[WorkerProcess] = None
         self._closed = False
@@ -102,7 +119,7 @@ class SolverProcess:
 
     def start(self, stopped: Optional[Stopped] = None) -> None:
         """Wait until the child can solve; raises NotReadyError where ``stopped`` came first, else as a search does."""
-        self._guarded(lambda: self._prepare(stopped), ())
+        self._guarded(lambda: self._prepare(stopped))
 
     def solver(self) -> ProcessSolver:
         """Return a solver to which nothing has been fed; the child forgets it when it is no longer referred to."""
@@ -120,31 +137,34 @@ class SolverProcess:
         weakref.finalize(place, self._left.append, place.number).atexit = False
         return place
 
-    def ask(self, place: Place, log: Sequence[Message], command: Message, stopped: Optional[Stopped]) -> Message:
-        """Have the solver at ``place``, whose state is that after ``log``, do a command; return the child's reply."""
+    def ask(self, place: Place, log: StreamLog, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> Message:
+        """Have the solver at ``place`` read ``log``, take ``update`` and search; return the child's reply."""
+        text = None if update is None else str(update)
 
         def ask() -> Message:
-            """Tell the child what it has not been told of the log yet, and the command."""
-            self._prepare(stopped, place.number, log)
+            """Tell the child what its solver has not read of the log yet, and the update."""
+            self._prepare(stopped, place, log, text)
             assert self._child is not None
-            missing = list(log[self._taken[place.number] :])
-            self._child.send(dict(command, solver=place.number, log=missing, left=self._take_left()))
+            assert place.read is not None
+            unread = [entry_to_message(one) for one in log.since(place.read) or ()]
+            self._child.send({"do": "update", "update": text, **self._about(place, unread)})
             return self._wait(stopped)
 
-        reply = self._guarded(ask, (place.number, log))
+        reply = self._guarded(ask, place, log)
+        place.read = log
         if "refused" in reply:
-            self._taken[place.number] = len(log)
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
-        self._taken[place.number] = len(log) + 1
         self._have_spare()
         return reply
 
-    def shorten(self, place: Place, length: int) -> None:
-        """Note that a log of ``length`` entries now leads to the state of the solver at ``place``."""
-        self._taken[place.number] = length
+    def has_read(self, place: Place, log: StreamLog) -> None:
+        """Note that the solver at ``place`` is where ``log`` leads; a child that has grown goes at a checkpoint."""
+        place.read = log
+        if isinstance(log.entry, Checkpoint):
+            self._renew(place, log)
 
-    def renew(self, place: Place, log: Sequence[Message]) -> None:
-        """Replace a child that has grown by one that takes the short ``log``, while nothing is asked.
+    def _renew(self, place: Place, log: StreamLog) -> None:
+        """Replace a child that has grown by one that reads the short ``log``, while nothing is asked.
 
         clingo never forgets a term: every step of a stream leaves some behind, in the process as a whole.
         """
@@ -152,16 +172,16 @@ class SolverProcess:
         if self._first_memory is None:
             self._first_memory = memory
         elif memory > self._first_memory + max(GROWTH, self._first_memory // 2):
-            self._respawn(place.number, log)
+            self._respawn(place, log)
 
-    def _guarded(self, action: Callable[[], Message], rebuilt: Sequence[Any]) -> Message:
-        """Do ``action``; where the child is lost have another one under way, which takes what it is to know again."""
+    def _guarded(self, action: Callable[[], Message], *solver: Any) -> Message:
+        """Do ``action``; where the child is lost have another one under way, which reads the solver's log again."""
         if self._closed:
             raise SolverError("the solver process has been closed")
         try:
             return action()
         except WorkerLostError as error:
-            self._respawn(*rebuilt)
+            self._respawn(*solver)
             raise DroppedError(f"{error}; what it was asked for was dropped") from None
         except SolverError:
             raise
@@ -169,37 +189,49 @@ class SolverProcess:
             self._discard()
             raise
 
-    def _prepare(self, stopped: Optional[Stopped], number: int = -1, log: Sequence[Message] = ()) -> Message:
-        """Wait until the child has the program, and the solver ``number`` in the state after ``log``."""
+    def _prepare(
+        self,
+        stopped: Optional[Stopped],
+        place: Optional[Place] = None,
+        log: Optional[StreamLog] = None,
+        coming: Optional[str] = None,
+    ) -> Message:
+        """Wait until the child has the program, and a solver at ``place`` that has read ``log`` or the most of it."""
         if self._child is None or not self._child.alive:
             self._discard()
             self._spawn()
-        if number >= 0 and number not in self._taken:
-            self._rebuild(number, log)
+        if place is not None and log is not None and not self._reads(place, log):
+            self._rebuild(place, log, coming)
         reply: Message = {}
-        while self._owed:
+        while self._preparing:
             reply = self._wait(stopped, kills=False)
-            prepared = self._owed.popleft()
+            prepared = self._preparing.popleft()
             if "faults" in reply:
                 raise ProgramError(faults_from_message(reply))
             if "refused" in reply and prepared is not None:
-                del self._taken[prepared]
-                if prepared == number:
+                prepared.child = None
+                if prepared is place:
                     raise SolverError(f"the solver can't be rebuilt: {reply['refused']}")
         return reply
 
-    def _rebuild(self, number: int, log: Sequence[Message]) -> None:
-        assert self._child is not None
-        self._child.send({"do": "rebuild", "solver": number, "log": list(log), "left": self._take_left()})
-        self._taken[number] = len(log)
-        self._owed.append(number)
+    def _reads(self, place: Place, log: StreamLog) -> bool:
+        """Whether the child has a solver at ``place`` that has read nothing but what is in ``log``."""
+        return place.child is self._child and place.read is not None and log.since(place.read) is not None
 
-    def _take_left(self) -> List[int]:
+    def _rebuild(self, place: Place, log: StreamLog, coming: Optional[str] = None) -> None:
+        """Have the child make a solver that reads the whole log."""
+        assert self._child is not None
+        entries = [entry_to_message(one) for one in log.entries]
+        self._child.send({"do": "rebuild", "coming": coming, **self._about(place, entries)})
+        place.child, place.read = self._child, log
+        self._preparing.append(place)
+
+    def _about(self, place: Place, entries: List[Message]) -> Message:
+        """Say which solver a command is for, what it is to read before, and which ones nobody refers to any more."""
         left: List[int] = []
         while self._left:
             left.append(self._left.pop())
-            self._taken.pop(left[-1], None)
-        return left
+        return {"solver": place.number, "log": entries, "left": left}
 
     def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:
         """Wait for the child's reply; on a stop ask it to heed that, and after some patience give it up."""
@@ -226,13 +258,12 @@ class SolverProcess:
     def _spawn(self) -> None:
         """Have a child, the one that was kept ready if there is one; it answers once it has the program."""
         self._first_memory = None
-        self._taken.clear()
-        self._owed.clear()
+        self._preparing.clear()
         self._child, self._spare = self._spare, None
         if self._child is None or not self._child.alive:
             self._discard()
             self._child = self._new_child()
-        self._owed.append(None)
+        self._preparing.append(None)
 
     def _new_child(self) -> WorkerProcess:
         try:
@@ -250,13 +281,13 @@ class SolverProcess:
         with suppress(WorkerLostError):  # there is none then, until the next answer
             self._spare = self._new_child()
 
-    def _respawn(self, number: int = -1, log: Sequence[Message] = ()) -> None:
+    def _respawn(self, place: Optional[Place] = None, log: Optional[StreamLog] = None) -> None:
         """Have another child under way for the next call; where that fails, the next call tries again."""
         self._discard()
         with suppress(WorkerLostError):
             self._spawn()
-            if number >= 0:
-                self._rebuild(number, log)
+            if place is not None and log is not None:
+                self._rebuild(place, log)
 
     def _discard(self) -> None:
         child, self._child = self._child, None

@@ -7,16 +7,15 @@ ends this process by SIGIO, even in the midst of grounding.
 """
 
 import fcntl
-import hashlib
 import os
 import select
 import signal
 import sys
-from typing import Callable, Dict, List, Sequence
+from typing import Callable, Dict, List, Optional, Sequence
 
 from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.remote.state_wire import state_from_message, state_to_message
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.remote.wire import (
     Lines,
     Message,
@@ -24,15 +23,14 @@ from rosoclingo.oclingo.remote.wire import (
     faults_to_message,
     program_from_message,
     result_to_message,
-    symbols_from_text,
 )
-from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveResult
-from rosoclingo.oclingo.solving.stream_state import StreamState
+from rosoclingo.oclingo.solving.solver import ReactiveSolver
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_from_message, key_after
 
 _CHUNK = 1 << 20
 
-STATES = 64
-"""States that are kept, so that a solver beside another, or one that goes back, need not take a log again."""
+KNOWN_LOGS = 64
+"""Logs that are kept with their states, so that a solver beside another, or one that goes back, need not read again."""
 
 
 class Commands:
@@ -72,35 +70,30 @@ class Commands:
         self._queue.extend(self._lines.feed(data))
 
 
-class States:
-    """The latest states of all solvers, by the log that leads to them."""
+class KnownLogs:
+    """The latest logs of all solvers, by what stands for their entries."""
 
     def __init__(self) -> None:
-        self._found: Dict[bytes, StreamState] = {}
+        self._logs: Dict[bytes, StreamLog] = {}
 
-    def keep(self, key: bytes, state: StreamState) -> None:
-        """``state`` is that after the log of ``key``."""
-        self._found.pop(key, None)
-        self._found[key] = state
-        if len(self._found) > STATES:
-            del self._found[next(iter(self._found))]
+    def keep(self, log: StreamLog) -> StreamLog:
+        """Keep ``log`` and return it."""
+        self._logs.pop(log.key, None)
+        self._logs[log.key] = log
+        if len(self._logs) > KNOWN_LOGS:
+            del self._logs[next(iter(self._logs))]
+        return log
 
-    def after(self, keys: Sequence[bytes]) -> int:
-        """Return how many of the entries whose ``keys`` these are lead to a state that is known."""
-        return next((number for number in range(len(keys), 0, -1) if keys[number - 1] in self._found), 0)
-
-    def __getitem__(self, key: bytes) -> StreamState:
-        """Return the state after the log of ``key``."""
-        return self._found[key]
-
-
-def keys_of(entries: Sequence[Message], before: bytes = b"") -> List[bytes]:
-    """Return, for each entry of a log, what stands for the log up to it, which continues that of ``before``."""
-    keys: List[bytes] = []
-    for entry in entries:
-        before = hashlib.sha256(before + encode(dict(sorted(entry.items())))).digest()
-        keys.append(before)
-    return keys
+    def longer(self, log: StreamLog, entries: Sequence[Message]) -> StreamLog:
+        """Return ``log`` with more entries: the one that is known, where there is one."""
+        keys = [log.key]
+        for message in entries:
+            keys.append(key_after(keys[-1], message))
+        known = next((number for number in range(len(entries), 0, -1) if keys[number] in self._logs), 0)
+        log = self.keep(self._logs[keys[known]]) if known else log
+        for message in entries[known:]:
+            log = self.keep(log.then(entry_from_message(message)))
+        return log
 
 
 class Worker:
@@ -110,12 +103,10 @@ class Worker:
         self._commands = commands
         self._make: Callable[[], ReactiveSolver]
         self._solvers: Dict[int, ReactiveSolver] = {}
-        self._keys: Dict[int, bytes] = {}
-        self._states = States()
+        self._known = KnownLogs()
         self._handlers: Dict[str, Callable[[Message], Message]] = {
             "load": self._load,
             "rebuild": self._rebuild,
-            "solve": self._solve,
             "update": self._update,
         }
 
@@ -125,7 +116,6 @@ class Worker:
             command = self._commands.next()
             for number in command.get("left", ()):
                 self._solvers.pop(number, None)
-                self._keys.pop(number, None)
             try:
                 reply = self._handlers[command["do"]](command)
             except SolverError as error:
@@ -141,58 +131,31 @@ class Worker:
         return {}
 
     def _rebuild(self, command: Message) -> Message:
-        """Make a solver in the state after the whole log, as far as that is known; it takes the rest."""
-        number, keys = command["solver"], keys_of(command["log"])
-        known = self._states.after(keys)
-        self._solvers[number], self._keys[number] = self._make(), b""
-        if known:
-            self._solvers[number].restore(self._states[keys[known - 1]])
-            self._keys[number] = keys[known - 1]
-        self._solver_of(dict(command, log=command["log"][known:]))
+        """Make a solver that reads a whole log, as far as its state is not known."""
+        solver = self._solvers[command["solver"]] = self._make()
+        solver.restore(self._known.longer(StreamLog(), command["log"]))
+        solver.read(_update_of(command["coming"]))
         return {}
 
-    def _solve(self, command: Message) -> Message:
-        solver = self._solver_of(command)
-        return self._reply(command, solver.solve(self._commands.interrupted, self._commands.dropped))
-
     def _update(self, command: Message) -> Message:
-        solver, update = self._solver_of(command), parse_update(command["update"])
-        return self._reply(command, solver.update(update, self._commands.interrupted, self._commands.dropped))
-
-    def _reply(self, command: Message, result: SolveResult) -> Message:
-        """Return ``result``, with the state from which a log can go on instead of from the start if that is wanted."""
-        number, reply = command["solver"], result_to_message(result)
-        if command["checkpoint"]:
-            reply = dict(reply, state=state_to_message(self._solvers[number].snapshot()))
-            self._keys[number] = b""
-            self._took(number, {"do": "restore", "state": reply["state"]})
+        """Have a solver read what is new in its log, take an update, and search."""
+        solver, update = self._solvers[command["solver"]], _update_of(command["update"])
+        solver.restore(self._known.longer(solver.log, command["log"]))
+        if update is None:
+            result = solver.solve(self._commands.interrupted, self._commands.dropped)
         else:
-            taken: Message = {key: command[key] for key in ("do", "update") if key in command}
-            self._took(number, dict(taken, horizon=result.horizon))
-        return reply
+            result = solver.update(update, self._commands.interrupted, self._commands.dropped)
+        log, checkpoint = solver.log, None
+        if isinstance(log.entry, Checkpoint):
+            checkpoint = log.entry.message
+            if log.before is not None:
+                self._known.keep(log.before)
+        self._known.keep(log)
+        return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
 
-    def _took(self, number: int, entry: Message) -> None:
-        """Note that a solver has taken an entry of its log."""
-        (self._keys[number],) = keys_of([entry], self._keys[number])
-        self._states.keep(self._keys[number], self._solvers[number].snapshot())
 
-    def _solver_of(self, command: Message) -> ReactiveSolver:
-        """Return the solver of a command, which takes what is new in its log, without searching."""
-        solver = self._solvers[command["solver"]]
-        for entry in command["log"]:
-            if entry["do"] == "close":
-                solver.close_cycle(entry["cycle"], symbols_from_text(entry["executed"]))
-            elif entry["do"] == "forget":
-                solver.forget_before(entry["step"])
-            elif entry["do"] == "restore":
-                solver.restore(state_from_message(entry["state"]))
-            elif entry["do"] == "less":
-                solver.restore(solver.snapshot().less(symbols_from_text(entry["facts"])))
-            else:
-                text = entry.get("update")
-                solver.replay(None if text is None else parse_update(text), entry["horizon"])
-            self._took(command["solver"], entry)
-        return solver
+def _update_of(text: Optional[str]) -> Optional[StreamUpdate]:
+    return None if text is None else parse_update(text)
 
 
 def end_with(lifeline: int) -> None:

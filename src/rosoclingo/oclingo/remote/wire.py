@@ -1,21 +1,17 @@
 """What a ``SolverProcess`` and its worker say to each other: JSON, one message a line.
 
-Symbols travel as text. The atoms of an answer are read back with one call of clingo's own term reader, as the
-arguments of one tuple; reading them one by one takes twice the time.
+Symbols travel as text, see :mod:`~rosoclingo.oclingo.solving.state_text`.
 """
 
 import json
 from pathlib import Path
-from typing import Any, Dict, FrozenSet, Iterable, List
-
-import clingo
+from typing import Iterable, List
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
-
-Message = Dict[str, Any]
+from rosoclingo.oclingo.solving.state_text import Message, symbols_from_text, symbols_to_text
 
 
 def encode(message: Message) -> bytes:
@@ -38,21 +34,6 @@ class Lines:
         if rest:
             self._pieces.append(rest)
         return [json.loads(line) for line in complete]
-
-
-def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
-    """Return ``symbols``, separated by commas."""
-    return ",".join(map(str, symbols))
-
-
-def symbol_list(text: str) -> List[clingo.Symbol]:
-    """Return the symbols that :func:`symbols_to_text` printed, in order."""
-    return list(clingo.parse_term(f"({text},)").arguments) if text else []
-
-
-def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
-    """Return the set of the symbols that :func:`symbols_to_text` printed."""
-    return frozenset(symbol_list(text))
 
 
 def program_to_message(program: ReactiveProgram) -> Message:

@@ -18,7 +18,7 @@ from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.oclingo.service.session import Output, Session
-from rosoclingo.oclingo.solving.stream_solver import StreamSolver
+from rosoclingo.oclingo.solving.solver import StreamSolver
 
 DEFAULT_HOST = "127.0.0.1"
 

@@ -13,8 +13,7 @@ from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
 from rosoclingo.oclingo.service.protocol import Request
-from rosoclingo.oclingo.solving.solver import SolveResult
-from rosoclingo.oclingo.solving.stream_solver import StreamSolver
+from rosoclingo.oclingo.solving.solver import SolveResult, StreamSolver
 
 _MAY_END = re.compile(r"#(end|stop)")
 _ENDS = re.compile(r"#(end|stop)[^.]*\.")

@@ -30,9 +30,9 @@ def first_step(program: ReactiveProgram, state: StreamState) -> int:
     return program.first_step if state.past is None else state.past.first
 
 
-def is_due(program: ReactiveProgram, state: StreamState, engine: Engine, along: bool = False) -> bool:
+def is_due(program: ReactiveProgram, state: StreamState, along: bool = False) -> bool:
     """Tell whether enough steps are over, since the last try as well, to retire them now, ``along`` or on their own."""
-    over = state.keep_from - max(first_step(program, state), engine.tried)
+    over = state.keep_from - max(first_step(program, state), state.tried)
     return over >= (RETIRE_ALONG if along else RETIRE_AFTER)
 
 
@@ -43,7 +43,7 @@ def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbo
     first, last = program.first_step, state.past.first - 1
     if program.may_declare(atom, first, last):
         return not program.may_declare(atom, last + 1)
-    known = program.is_open_signature(atom) and program.may_see(atom, first, last)
+    known = program.is_open_signature(atom) and program.may_see([atom], first, last)
     return known and not program.may_mention(atom, last + 1)
 
 
@@ -58,7 +58,7 @@ def retire(program: ReactiveProgram, state: StreamState, engine: Engine) -> bool
     before = min(state.keep_from, state.step + 1 - max(program.windows), engine.horizon + 1)
     if before <= start or not engine.satisfied:
         return False
-    engine.tried = state.keep_from
+    state.tried = state.keep_from
     _close(state, engine, start, before)
     census = engine.census(start, before)
     if census.first <= start:
@@ -71,7 +71,7 @@ def retire(program: ReactiveProgram, state: StreamState, engine: Engine) -> bool
 
 def _close(state: StreamState, engine: Engine, start: int, before: int) -> None:
     """Close what steps start..before-1 declared external and nothing has defined."""
-    engine.settle(state.step)
+    engine.settle(state.settled)
     defined = {entry.statement.head for entry in state.lapsing}
     for atom in engine.declared_between(start, before - 1, base=False):
         if atom not in defined:

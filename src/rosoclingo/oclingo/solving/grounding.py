@@ -29,11 +29,12 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import guard_atom, open_part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_table import ActionIndex, AtomIndex, AtomTable, CycleIndex
 from rosoclingo.oclingo.solving.backend_session import HOLDS, Editor
 from rosoclingo.oclingo.solving.fixed_atoms import BASE, Census, StepRecorder
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
-from rosoclingo.oclingo.solving.stream_state import Lifetime, Past, StreamState
+from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
 
 POLL = 0.02
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -67,7 +68,6 @@ class Engine:
         messages: what clingo said since they were last cleared.
         shown: the shown atoms of the last answer.
         satisfied: whether the last search had an answer.
-        tried: before which step it was tried last to retire steps.
 
     """
 
@@ -104,7 +104,7 @@ class Engine:
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
         self.satisfied = False
-        self.tried = 0
+        self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
         self._past = past or Past(program.first_step, frozenset())
         self._retired = frozenset(atom for _, atom in self._past.shown)
         self.horizon = self._past.first - 1
@@ -163,14 +163,20 @@ class Engine:
             self._ends.forbid_beyond(step)
         self._actions.forbid_late(step)
 
-    def new_guard(self) -> int:
-        """Return a literal that holds until it is released."""
-        return self._editor.new_external(HOLDS)
+    def add(self, statement: Statement, lifetime: Lifetime) -> None:
+        """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
+        if lifetime == FOREVER:
+            self.atoms.add(statement, None)
+            return
+        if lifetime not in self._guards:
+            self._guards[lifetime] = self._editor.new_external(HOLDS)
+        self.atoms.add(statement, self._guards[lifetime])
 
-    def release(self, guards: Iterable[int]) -> None:
-        """Make ``guards`` false for good."""
-        for guard in guards:
-            self._editor.release(guard)
+    def lapse(self, lifetimes: Iterable[Lifetime]) -> None:
+        """End what holds for the ``lifetimes``."""
+        for lifetime in lifetimes:
+            if lifetime in self._guards:
+                self._editor.release(self._guards.pop(lifetime))
 
     def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
@@ -276,17 +282,21 @@ def _block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
 
 
 def build_engine(
-    program: ReactiveProgram, state: StreamState, shortest: bool, dropped: Callable[[], bool] = lambda: False
-) -> Tuple[Engine, Dict[Lifetime, int]]:
+    program: ReactiveProgram,
+    state: StreamState,
+    shortest: bool,
+    dropped: Callable[[], bool] = lambda: False,
+    coming: Iterable[clingo.Symbol] = (),
+) -> Engine:
     """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
 
-    Returns the engine and the guards of what will lapse. Nothing is searched in between, so that clingo sees all rules
-    together: loops over several steps and several rules for one head are what they are in a program of one piece.
+    Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
+    for one head are what they are in a program of one piece. Atoms that are ``coming`` are known as externals.
     Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
     """
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
-    guards: Dict[Lifetime, int] = {}
-    engine = Engine(program, state.open_atoms, facts, shortest, state.past)
+    open_atoms = dict.fromkeys([*state.open_atoms, *coming])
+    engine = Engine(program, open_atoms, facts, shortest, state.past)
     for last in _block_ends(state, engine.horizon + 1, BLOCK if shortest else 1):
         if dropped():
             raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
@@ -295,16 +305,13 @@ def build_engine(
         engine.atoms.close(atom)
     for cycle, executed in state.closed_cycles.items():
         engine.close_cycle(cycle, executed)
-    given = set(state.open_atoms) & facts
+    given = set(open_atoms) & facts
     for statement in state.permanent:
         if statement.body or statement.head not in given:
             engine.atoms.add(statement, None)
     for entry in state.lapsing:
-        if entry.lifetime not in guards:
-            guards[entry.lifetime] = engine.new_guard()
-        entry.guard = guards[entry.lifetime]
-        engine.atoms.add(entry.statement, entry.guard)
+        engine.add(entry.statement, entry.lifetime)
     for cycle in sorted(state.closed_cycles)[:-1]:
         engine.close_returns(cycle)
     engine.atoms.end_definitions()
-    return engine, guards
+    return engine

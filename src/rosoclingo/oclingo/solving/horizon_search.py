@@ -2,6 +2,7 @@
 
 import time
 from typing import Callable, Optional
+from weakref import WeakKeyDictionary
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.solving.grounding import Engine, Search
@@ -52,7 +53,7 @@ class Query:
 
     def _search_grounded(self, transaction: Transaction) -> Search:
         horizon = transaction.state.horizon
-        first = min(max(transaction.state.step, transaction.program.first_step), horizon)
+        first = min(max(transaction.state.settled, transaction.program.first_step), horizon)
         if not self._shortest or first == horizon:
             return self._ask(transaction, horizon, horizon)
         return self._complete(transaction, self._search_range(transaction, first, horizon))
@@ -94,6 +95,7 @@ class Query:
 
 
 _TRIAL_STEPS = 3
+_KNOWN: "WeakKeyDictionary[ReactiveProgram, bool]" = WeakKeyDictionary()
 
 
 def may_idle(program: ReactiveProgram, halt: Callable[[], bool]) -> bool:
@@ -101,9 +103,12 @@ def may_idle(program: ReactiveProgram, halt: Callable[[], bool]) -> bool:
 
     False as well where ``halt`` ended the trial; the next call then makes another one.
     """
-    if program.may_idle is None:
-        program.may_idle = _try(program, halt)
-    return bool(program.may_idle)
+    known = _KNOWN.get(program)
+    if known is None:
+        known = _try(program, halt)
+        if known is not None:
+            _KNOWN[program] = known
+    return bool(known)
 
 
 def _try(program: ReactiveProgram, halt: Callable[[], bool]) -> Optional[bool]:

@@ -5,26 +5,28 @@ whole, and no text from outside can end it.
 """
 
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, Optional, Tuple, TypeVar
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Protocol, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.return_failures import FAILED, with_failures
-from rosoclingo.oclingo.progression.strings import strings_apart
-from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Engine, Search, explain
 from rosoclingo.oclingo.solving.horizon_search import Query, may_idle
+from rosoclingo.oclingo.solving.stream_log import Close, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import StreamState
 from rosoclingo.oclingo.solving.transaction import Setting, Transaction
 
 BLOCK = 8
 """Steps to grow by at once where the program allows it."""
 
-T = TypeVar("T")
+LOG_LIMIT = 10
+"""Entries of the log after which there is a checkpoint."""
+
 Answer = FrozenSet[clingo.Symbol]
 Stopped = Callable[[], bool]
 
@@ -62,6 +64,38 @@ class SolveResult:
     statistics: Dict[str, float] = field(default_factory=dict, compare=False)
 
 
+class StreamSolver(Protocol):
+    """Solves a reactive logic program under a stream of updates.
+
+    See :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` and
+    :class:`~rosoclingo.oclingo.remote.process_solver.ProcessSolver`.
+    """
+
+    @property
+    def horizon(self) -> int:
+        """N, the last grounded step."""
+
+    @property
+    def step(self) -> int:
+        """k, the step of the last update."""
+
+    def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
+        """Take ``update`` and search for answers until there is one, the bound is reached or ``stopped`` says so."""
+
+    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
+        """Fix the actions of ``cycle`` to those in ``executed``."""
+
+    def forget_before(self, step: int) -> None:
+        """Let the steps before ``step`` be over."""
+
+    @property
+    def log(self) -> StreamLog:
+        """All that was taken, from which the state follows."""
+
+    def restore(self, log: StreamLog) -> None:
+        """Go on from a log: an earlier one, or another solver's."""
+
+
 class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates.
 
@@ -76,6 +110,7 @@ class ReactiveSolver:
         horizon_limit: Optional[int] = None,
         shortest: bool = False,
         oclingo_strings: bool = True,
+        log_limit: int = LOG_LIMIT,
     ) -> None:
         """Make a solver.
 
@@ -87,40 +122,48 @@ class ReactiveSolver:
                 are shortest at any time; and let no answer hold an action of a cycle beyond its horizon. oClingo
                 searched at the last grounded step only.
             oclingo_strings: take strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
+            log_limit: after so many entries of the log, or more where the state is large, there is a checkpoint.
 
         """
         self.program = program
         self.models = models
         self.shortest = shortest
-        self._oclingo_strings = oclingo_strings
+        self._log_limit = log_limit
         self._hint = 0
-        self._setting = Setting(program, horizon_limit, shortest)
-        self._state = StreamState(step=1, horizon=1, forgets_done=program.first_step - 1)
-        self._engine: Optional[Engine] = None
+        self._setting = Setting(program, horizon_limit, shortest, oclingo_strings)
+        self._log = self._read = StreamLog()
+        self._engine: Optional[Engine] = None  # fits the state after what was read of the log
         self._stop = False
+
+    @property
+    def log(self) -> StreamLog:
+        """All that was taken: the solver's state follows from it, and so does any other solver's that reads it."""
+        return self._log
+
+    @property
+    def state(self) -> StreamState:
+        """The state after the whole log, not to be changed."""
+        self.read()
+        assert self._log.state is not None
+        return self._log.state
 
     @property
     def horizon(self) -> int:
         """N, the last grounded step."""
-        return self._state.horizon
+        return self._log.horizon
 
     @property
     def step(self) -> int:
         """k, the step of the last update."""
-        return self._state.step
+        return self._log.step
 
     def interrupt(self) -> None:
         """End the running search, if there is one, with outcome INTERRUPTED; may be called from any thread."""
         self._stop = True
 
-    def snapshot(self) -> StreamState:
-        """Return the present state, for :meth:`restore`."""
-        return self._state.copy()
-
-    def restore(self, state: StreamState) -> None:
-        """Go back to a state that :meth:`snapshot` gave; the program is ground anew at the next search."""
-        self._state = state.copy()
-        self._engine = None
+    def restore(self, log: StreamLog) -> None:
+        """Go on from a ``log``, an earlier one of this solver or any other; it is read when there is need."""
+        self._log = log
 
     def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update (before the first one: at horizon 1)."""
@@ -135,31 +178,14 @@ class ReactiveSolver:
         interrupted search leaves the update in force. ``dropped`` is asked between the pieces in which the program is
         ground anew, which ``stopped`` does not end: where it says so, DroppedError is raised.
         """
-        return self._run(self._read(update), stopped, dropped)
-
-    def replay(self, update: Optional[StreamUpdate], horizon: int) -> None:
-        """Take again what led to ``horizon`` when it was taken first, without a search.
-
-        ``update`` is None for :meth:`solve`. Raises SolverError as :meth:`update` does.
-        """
-        transaction = Transaction(self._setting, self._state.copy(), self._engine)
-        update = None if update is None else self._read(update)
-
-        def take() -> None:
-            """Go through the steps up to the horizon, as the search did."""
-            transaction.begin(update, lambda: transaction.state.horizon >= horizon)
-            while transaction.state.horizon < horizon and not transaction.hopeless:
-                transaction.grow_to(min(transaction.state.horizon + (BLOCK if self.shortest else 1), horizon))
-
-        self._guarded(transaction, take)
+        return self._run(update, stopped, dropped)
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
 
         Its returns may still come with the next update; those of the cycle closed before it are closed.
         """
-        transaction = Transaction(self._setting, self._state.copy(), self._engine)
-        self._guarded(transaction, lambda: transaction.close_cycle(cycle, frozenset(executed)))
+        self._log = self._log.then(Close(cycle, frozenset(executed)))
 
     def forget_before(self, step: int) -> None:
         """Let the steps before ``step`` be over: no update will concern them any more.
@@ -168,45 +194,66 @@ class ReactiveSolver:
         their externals are closed, so that a fact for one of them is ignored with a warning. For ``shortest`` solvers
         alone.
         """
-        if self.shortest:
-            self._state.keep_from = max(self._state.keep_from, step)
+        self._log = self._log.then(Over(step))
 
-    def _read(self, update: StreamUpdate) -> StreamUpdate:
-        """Return the update as the program is to see it."""
-        update = strings_apart(update) if self._oclingo_strings else update
-        return with_failures(update, self._state.permanent) if FAILED in self.program.open_signatures else update
+    def read(self, coming: Optional[StreamUpdate] = None) -> None:
+        """Read what is new in the log, without a search; raises SolverError where the program can't be ground.
+
+        Where the program is ground anew for that, it is with a view to the update that is ``coming``.
+        """
+        unread: List[StreamLog] = []
+        known = self._log
+        while known.state is None and known.before is not None:
+            unread.append(known)
+            known = known.before
+        state = known.state = known.state or self._setting.fresh_state()
+        if known is not self._read:
+            self._engine, self._read = None, known
+        updates = [log.entry.update for log in unread if isinstance(log.entry, Taken)]
+        heads = [head for one in (*updates, coming) for head in self._setting.open_heads(one)] if unread else ()
+        for log in reversed(unread):
+            transaction = Transaction(self._setting, state.copy(), self._engine, coming=heads)
+            with self._taking(transaction):
+                transaction.take_again(log.entry)
+            state = log.state = transaction.state
+            self._read = log
+
+    @contextmanager
+    def _taking(self, transaction: Transaction) -> Iterator[None]:
+        """Keep the transaction's grounding; what a failure leaves of it fits no state, and is let go."""
+        self._engine = None
+        try:
+            yield
+        except RuntimeError as error:
+            raise SolverError(explain(error, transaction.engine, self.program)) from None
+        self._engine = transaction.engine
 
     def _run(
         self, update: Optional[StreamUpdate], stopped: Optional[Stopped], dropped: Optional[Stopped]
     ) -> SolveResult:
         self._stop = False
-        transaction = Transaction(self._setting, self._state.copy(), self._engine, dropped)
+        self.read(update)
+        self._check(update)
+        transaction = Transaction(self._setting, self.state.copy(), self._engine, dropped)
 
         def halt() -> bool:
             return self._stop or (stopped is not None and stopped())
 
-        return self._guarded(transaction, lambda: self._search(transaction, update, halt))
-
-    def _guarded(self, transaction: Transaction, action: Callable[[], T]) -> T:
-        """Do ``action``; keep the transaction's state, or on failure the old one with a fresh grounding."""
-        engine, self._engine = self._engine, None
-        try:
-            result = action()
-        except RuntimeError as error:
-            raise SolverError(explain(error, transaction.engine, self.program)) from None
-        except SolverError:
-            self._engine = engine if not transaction.touched else None
-            raise
-        self._state, self._engine = transaction.state, transaction.engine
+        with self._taking(transaction):
+            result = self._search(transaction, update, halt)
+        log = self._log.then(Taken(update, transaction.state.horizon))
+        log.state = transaction.state
+        self._log = self._read = log.checkpoint() if transaction.compacted or log.is_longer(self._log_limit) else log
         return result
 
-    def _remarks(self, engine: Optional[Engine]) -> Iterator[str]:
-        """Yield what clingo has found odd while it ground, each of which is told once."""
-        told = self.program.told
-        for one in engine.messages.new_remarks(self.program.parameter_at) if engine is not None else ():
-            if str(one) not in told and str(one) not in self.program.warnings:
-                told.add(str(one))
-                yield str(one)
+    def _check(self, update: Optional[StreamUpdate]) -> None:
+        """Raise SolverError, before anything has changed, where the update leads beyond the limit."""
+        step, limit = (
+            self.horizon if update is None or update.step is None else update.step,
+            self._setting.horizon_limit,
+        )
+        if limit is not None and step > limit:
+            raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
 
     def _search(
         self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]
@@ -223,7 +270,7 @@ class ReactiveSolver:
         if search.satisfiable is not None:
             outcome = SolveOutcome.SATISFIABLE if search.satisfiable else SolveOutcome.UNSATISFIABLE
         spent = {"solve": query.seconds, "ground": time.perf_counter() - start - query.seconds}
-        state, warnings = transaction.state, (*transaction.warnings, *self._remarks(transaction.engine))
+        state, warnings = transaction.state, (*transaction.warnings, *transaction.remarks())
         horizon = search.horizon if search.satisfiable else state.horizon
         if query.permanent:
             horizon = max(horizon, transaction.last_horizon())

@@ -31,20 +31,18 @@ def lifetime_of(section: Section, step: int) -> Lifetime:
     return step + section.window - 1 if section.window else UPDATE  # a window of 0 is none
 
 
-@dataclass
-class Entry:
+@dataclass(frozen=True)
+class Lapsing:
     """A statement that will lapse, or that waits until its head is declared.
 
     Attributes:
         statement: the rule.
         lifetime: how long it holds.
-        guard: the literal under which the engine holds it; None while it waits.
 
     """
 
     statement: Statement
     lifetime: Lifetime
-    guard: Optional[int] = None
 
 
 @dataclass(frozen=True)
@@ -82,6 +80,9 @@ class StreamState:
         past: the steps that have been retired, None for none.
         cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for
             each search, since clingo looks for loops only among the rules that come between two searches.
+        settled: the greatest step of all updates: a ``shortest`` solver looks for no horizon before it any more.
+        tried: before which step it was tried last to retire steps.
+        told: what has been remarked on the stream, each of which is told once.
 
     """
 
@@ -89,8 +90,8 @@ class StreamState:
     horizon: int
     bound: Optional[int] = None
     permanent: List[Statement] = field(default_factory=list)
-    lapsing: List[Entry] = field(default_factory=list)
-    waiting: List[Entry] = field(default_factory=list)
+    lapsing: List[Lapsing] = field(default_factory=list)
+    waiting: List[Lapsing] = field(default_factory=list)
     open_atoms: List[clingo.Symbol] = field(default_factory=list)
     forgotten: Set[clingo.Symbol] = field(default_factory=set)
     forgets_done: int = 0
@@ -98,6 +99,15 @@ class StreamState:
     keep_from: int = 0
     past: Optional[Past] = None
     cyclic: bool = False
+    settled: int = 1
+    tried: int = 0
+    told: Set[str] = field(default_factory=set)
+
+    @property
+    def size(self) -> int:
+        """How many values it consists of, about."""
+        statements = len(self.permanent) + len(self.lapsing) + len(self.waiting)
+        return statements + len(self.open_atoms) + len(self.forgotten)
 
     def rules(self) -> Iterator[Statement]:
         """Yield the statements in force that have a head and a body."""
@@ -110,11 +120,12 @@ class StreamState:
         return replace(
             self,
             permanent=list(self.permanent),
-            lapsing=[replace(entry) for entry in self.lapsing],
-            waiting=[replace(entry) for entry in self.waiting],
+            lapsing=list(self.lapsing),
+            waiting=list(self.waiting),
             open_atoms=list(self.open_atoms),
             forgotten=set(self.forgotten),
             closed_cycles=dict(self.closed_cycles),
+            told=set(self.told),
         )
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":

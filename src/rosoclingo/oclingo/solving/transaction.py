@@ -1,21 +1,22 @@
-"""Taking one update: what it changes in the stream's state and in the grounding, all or nothing.
+"""Taking one entry of a stream's log: what it changes in the state and in the grounding.
 
-A transaction works on a copy of the state. While the grounding fits the state it is changed in place; where a change
-can't be made in place (an open external that a grounded step could see, a loop over several steps) it is dropped and
-made anew.
+A transaction works on a copy of the state; what a failure leaves of it is let go, and the log goes on without it. While
+the grounding fits the state it is changed in place; where a change can't be made in place (an open external that a
+grounded step could see, a loop over several steps) it is dropped and made anew.
 """
 
 from dataclasses import dataclass
-from typing import Callable, Dict, FrozenSet, List, Optional, Set
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Set
 
 import clingo
 
-from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.action_rules import is_action_of
+from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.remarks import likely
+from rosoclingo.oclingo.program.return_failures import FAILED, with_failures
 from rosoclingo.oclingo.program.signatures import Dependencies, signature_of, statement_edges
-from rosoclingo.oclingo.progression.strings import holds_string_apart
+from rosoclingo.oclingo.progression.strings import holds_string_apart, strings_apart
 from rosoclingo.oclingo.progression.updates import (
     Anew,
     Assert,
@@ -30,14 +31,18 @@ from rosoclingo.oclingo.progression.updates import (
 )
 from rosoclingo.oclingo.solving.compaction import first_step, is_due, is_too_late, retire
 from rosoclingo.oclingo.solving.grounding import Engine, build_engine
-from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Entry, Lifetime, StreamState, Term, lifetime_of
+from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
+from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Lifetime, StreamState, Term, lifetime_of
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 _STRANGE = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
 _TOO_LATE = "Head {} comes too late: what concerns steps before {} is over. The entire rule will be ignored."
 
+AGAIN = 8
+"""Steps that are ground at once when an update is taken again."""
 
-@dataclass
+
+@dataclass(frozen=True)
 class Setting:
     """What all transactions of a solver share.
 
@@ -45,22 +50,40 @@ class Setting:
         program: the reactive logic program.
         horizon_limit: the last step that may be grounded, None for no limit.
         shortest: whether answers are searched from step k on (see ``ReactiveSolver``).
+        oclingo_strings: whether strings in updates are taken as oClingo did.
 
     """
 
     program: ReactiveProgram
-    horizon_limit: Optional[int]
-    shortest: bool
+    horizon_limit: Optional[int] = None
+    shortest: bool = False
+    oclingo_strings: bool = False
+
+    def fresh_state(self) -> StreamState:
+        """Return the state of a stream that begins."""
+        return StreamState(step=1, horizon=1, forgets_done=self.program.first_step - 1)
+
+    def read(self, update: StreamUpdate, state: StreamState) -> StreamUpdate:
+        """Return the update as the program is to see it."""
+        update = strings_apart(update) if self.oclingo_strings else update
+        return with_failures(update, state.permanent) if FAILED in self.program.open_signatures else update
+
+    def open_heads(self, update: Optional[StreamUpdate]) -> List[clingo.Symbol]:
+        """Return what the update defines of open signatures."""
+        if update is None:
+            return []
+        heads = [one.head for _, one in self.read(update, self.fresh_state()).sections()]
+        return [head for head in heads if head is not None and self.program.is_open_signature(head)]
 
 
 class Transaction:
-    """One update on its way into a stream's state.
+    """One entry on its way into a stream's state.
 
     Attributes:
         state: the state as it will be; the caller keeps it if all goes well.
         engine: the grounding that fits :attr:`state`, None where it has to be made anew.
         warnings: what was ignored.
-        touched: True once the engine that was given no longer fits the old state.
+        compacted: True once it was tried to retire steps, which only a checkpoint tells.
 
     """
 
@@ -70,34 +93,55 @@ class Transaction:
         state: StreamState,
         engine: Optional[Engine],
         dropped: Optional[Callable[[], bool]] = None,
+        coming: Iterable[clingo.Symbol] = (),
     ) -> None:
+        """Work on ``state``, which nobody else has, and ``engine``.
+
+        ``dropped`` ends a grounding made anew; atoms that are ``coming`` with what is taken next are known to it.
+        """
         self.program, self.state, self.engine = setting.program, state, engine
+        self._setting = setting
         self._dropped = dropped or (lambda: False)
+        self._coming = coming
+        self._again = False
         self.warnings: List[str] = []
-        self.touched = False
+        self.compacted = False
         self._limit = setting.horizon_limit
         self._shortest = setting.shortest
-        self._guards: Dict[Lifetime, int] = {}
         self._given: Set[clingo.Symbol] = set()  # facts of this update that the grounding knows already
         self._dependencies: Optional[Dependencies] = None  # who depends on whom, this update included
         self._update = StreamUpdate()
         self._forgets: Optional[List[Forget]] = None  # what is forgotten after the update's statements
 
+    def take_again(self, entry: Optional[Entry]) -> None:
+        """Take what was taken before, without a search."""
+        self._again = True
+        if isinstance(entry, Taken):
+            self.begin(entry.update, lambda: self.state.horizon >= entry.horizon)
+            while self.state.horizon < entry.horizon:
+                self.grow_to(min(self.state.horizon + (AGAIN if self._shortest else 1), entry.horizon))
+            list(self.remarks())
+        elif isinstance(entry, Close):
+            self.close_cycle(entry.cycle, entry.executed)
+        elif isinstance(entry, Over):
+            self._keep_from(entry.step)
+        elif isinstance(entry, Withdrawal):
+            self._withdraw(entry.facts)
+
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
         if update is not None:
+            update = self._setting.read(update, self.state)
             self._look_back(update)
         state = self.state
         step = state.step if update is None or update.step is None else update.step
-        self._check_limit(max(state.horizon, step))
-        self.touched = True
         if update is not None:
             self._update = update
             self.warnings.extend(update.warnings)
-            self._lapse([entry for entry in state.lapsing + state.waiting if entry.lifetime == UPDATE])
+            self._lapse(lambda lifetime: lifetime == UPDATE)
             self._retire(along=False)
             if update.step is not None:
-                state.step = update.step
+                state.step, state.settled = update.step, max(state.settled, update.step)
                 state.bound = None if update.bound is None else update.step + update.bound
             self._open_heads(update)
         self._forgets = []
@@ -113,22 +157,27 @@ class Transaction:
     def _look_back(self, update: StreamUpdate) -> None:
         """Do what an update says of the past, before anything else of it."""
         if any(isinstance(item, Anew) for item in update.items):
-            self.touched, self.engine = True, None
-            self.state = StreamState(step=1, horizon=1, forgets_done=self.program.first_step - 1)
-        if update.withdrawn:
-            self.touched, self.engine = True, None
-            self.state = self.state.less(update.withdrawn)
+            self.engine, self.state = None, self._setting.fresh_state()
+        self._withdraw(update.withdrawn)
         for item in update.items:
             if isinstance(item, Closed):
                 last = self.state.step if update.step is None else update.step
                 for cycle in range(max(item.first, self.program.first_step), min(item.last, last) + 1):
                     self.close_cycle(cycle, frozenset(filter(is_action_of(cycle), update.committed)))
-            elif isinstance(item, Over) and self._shortest:
-                self.state.keep_from = max(self.state.keep_from, item.step)
+            elif isinstance(item, Over):
+                self._keep_from(item.step)
+
+    def _withdraw(self, facts: FrozenSet[clingo.Symbol]) -> None:
+        less = self.state.less(facts) if facts else self.state
+        if less != self.state:
+            self.engine, self.state = None, less
+
+    def _keep_from(self, step: int) -> None:
+        if self._shortest:
+            self.state.keep_from = max(self.state.keep_from, step)
 
     def close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to ``executed``; returns of the cycle closed before it are complete by now."""
-        self.touched = True
         before = max(self.state.closed_cycles, default=None)
         self.state.closed_cycles[cycle] = executed
         if self.engine is not None:
@@ -140,13 +189,8 @@ class Transaction:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
         if self.engine is None or self.state.cyclic:
             self.engine = self._build()
-        self.engine.settle(min(self.state.step, self.state.horizon) if self._shortest else self.state.horizon)
+        self.engine.settle(min(self.state.settled, self.state.horizon) if self._shortest else self.state.horizon)
         return self.engine
-
-    @property
-    def hopeless(self) -> bool:
-        """Whether clingo knows already that nothing can make the program satisfiable any more."""
-        return self.engine is not None and self.engine.conflicting
 
     def may_grow(self) -> bool:
         """Whether the bound and the limit of the horizon allow another step."""
@@ -165,11 +209,6 @@ class Transaction:
         """Ground up to ``horizon``, beyond the bound as well: an answer may lie where it was ground to before."""
         self._advance(self._standing(), horizon)
 
-    def _check_limit(self, horizon: int) -> None:
-        if self._limit is not None and horizon > self._limit:
-            mend = "raise the limit or send a lower step"
-            raise SolverError(f"step {horizon} is beyond the horizon limit {self._limit}; {mend}")
-
     def _open_heads(self, update: StreamUpdate) -> None:
         """Make new atoms of open signatures known; what has been grounded and could have seen one is given up."""
         known = set(self.state.open_atoms)
@@ -186,7 +225,7 @@ class Transaction:
         if self.engine is not None:
             new = [atom for atom in fresh if not self.engine.atoms.knows(atom)]
             first = first_step(self.program, self.state)
-            if any(self.program.may_see(atom, first, self.engine.horizon) for atom in new):
+            if self.program.may_see(new, first, self.engine.horizon):
                 self._retire(along=True)
                 self.engine = None
             elif new:
@@ -195,8 +234,11 @@ class Transaction:
 
     def _retire(self, along: bool) -> None:
         """Let go of the steps that are over, if there are enough: the program is then ground anew without them."""
-        if self.engine is not None and is_due(self.program, self.state, self.engine, along):
-            self.engine = None if retire(self.program, self.state, self.engine) else self.engine
+        if self._again or self.engine is None or not is_due(self.program, self.state, along):
+            return
+        tried = self.state.tried
+        self.engine = None if retire(self.program, self.state, self.engine) else self.engine
+        self.compacted = self.compacted or self.state.tried != tried
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
@@ -216,7 +258,7 @@ class Transaction:
     def _fall_due(self, engine: Engine) -> None:
         state = self.state
         horizon = state.horizon
-        self._lapse([e for e in state.lapsing + state.waiting if isinstance(e.lifetime, int) and e.lifetime < horizon])
+        self._lapse(lambda lifetime: isinstance(lifetime, int) and lifetime < horizon)
         for entry in [
             one for one in state.waiting if one.statement.head is not None and engine.atoms.is_open(one.statement.head)
         ]:
@@ -228,16 +270,16 @@ class Transaction:
                 if step < state.forgets_done:  # what a step declares itself it cannot forget
                     self._forget(Forget(step, step))
 
-    def _lapse(self, entries: List[Entry]) -> None:
-        """End the given lapsing or waiting statements."""
-        if not entries:
-            return
-        gone = {id(entry) for entry in entries}
-        self.state.lapsing = [entry for entry in self.state.lapsing if id(entry) not in gone]
-        self.state.waiting = [entry for entry in self.state.waiting if id(entry) not in gone]
-        guards = sorted({entry.guard for entry in entries if entry.guard is not None})
+    def _lapse(self, ends: Callable[[Lifetime], bool]) -> bool:
+        """End the lapsing and waiting statements whose lifetime ``ends``; tell whether there were any."""
+        state = self.state
+        over = [entry.lifetime for entry in state.lapsing + state.waiting if ends(entry.lifetime)]
+        if over:
+            state.lapsing = [entry for entry in state.lapsing if entry.lifetime not in over]
+            state.waiting = [entry for entry in state.waiting if entry.lifetime not in over]
         if self.engine is not None:
-            self.engine.release(guards)
+            self.engine.lapse(dict.fromkeys(over))
+        return bool(over)
 
     def _take_items(self, update: StreamUpdate) -> None:
         section: object = Cumulative()
@@ -254,8 +296,7 @@ class Transaction:
     def _take_statement(self, statement: Statement, lifetime: Lifetime) -> None:
         if isinstance(lifetime, int) and lifetime < self.state.horizon:
             return  # its window has passed
-        engine = self._standing()
-        head = statement.head
+        engine, head = self._standing(), statement.head
         if head in self._given and not statement.body and lifetime == FOREVER:
             self.state.permanent.append(statement)
         elif head is None or engine.atoms.is_open(head):
@@ -266,13 +307,15 @@ class Transaction:
         elif not statement.body and engine.atoms.is_true(head):
             return  # said before
         elif engine.conflicting and signature_of(head) in self.program.external_signatures:
-            self._wait(statement, lifetime)  # clingo grounds no further; a grounding made anew will tell
+            self.state.waiting.append(
+                Lapsing(statement, lifetime)
+            )  # clingo grounds no further; a grounding made anew will tell
         elif is_too_late(self.program, self.state, head):
             self.warnings.append(_TOO_LATE.format(head, first_step(self.program, self.state)))
-        elif head in self.state.forgotten or engine.atoms.knows(head) or not self._may_come(head):
-            self.warnings.append(_NOT_EXTERNAL.format(head))
+        elif head not in self.state.forgotten and not engine.atoms.knows(head) and self._may_come(head):
+            self.state.waiting.append(Lapsing(statement, lifetime))
         else:
-            self._wait(statement, lifetime)
+            self.warnings.append(_NOT_EXTERNAL.format(head))
 
     def _standing(self) -> Engine:
         """Return the engine without making it anew for loops: within an update all rules come together."""
@@ -292,9 +335,9 @@ class Transaction:
         assert statement.head is not None
         signature = signature_of(statement.head)
         contrary = signature._replace(positive=not signature.positive)
-        if statement.body or {signature, contrary} & self.program.signatures or str(signature) in self.program.told:
+        if statement.body or {signature, contrary} & self.program.signatures or str(signature) in self.state.told:
             return
-        self.program.told.add(str(signature))
+        self.state.told.add(str(signature))
         entries = [entry.statement for entry in self.state.lapsing]
         rules = [*self.state.permanent, *entries, *(one for _, one in self._update.sections())]
         if not any(signature_of(one.atom) in (signature, contrary) for rule in rules for one in rule.body):
@@ -304,21 +347,14 @@ class Transaction:
     def _may_come(self, atom: clingo.Symbol) -> bool:
         return self.program.may_declare(atom, self.state.horizon + 1)
 
-    def _wait(self, statement: Statement, lifetime: Lifetime) -> None:
-        self.state.waiting.append(Entry(statement, lifetime))
-
     def _put(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force whose head may be defined."""
         self._watch_loops(statement)
-        engine = self._standing()
+        self._standing().add(statement, lifetime)
         if lifetime == FOREVER:
-            engine.atoms.add(statement, None)
             self.state.permanent.append(statement)
-            return
-        if lifetime not in self._guards:
-            self._guards[lifetime] = engine.new_guard()
-        engine.atoms.add(statement, self._guards[lifetime])
-        self.state.lapsing.append(Entry(statement, lifetime, self._guards[lifetime]))
+        else:
+            self.state.lapsing.append(Lapsing(statement, lifetime))
 
     def _watch_loops(self, statement: Statement) -> None:
         if statement.head is None or not statement.body:
@@ -339,19 +375,26 @@ class Transaction:
         engine = self._standing()
         defined = {entry.statement.head for entry in self.state.lapsing}
         for atom in engine.declared_between(item.first, item.last):
-            if atom not in defined:
+            if atom not in defined and atom.name != GUARD:
                 engine.atoms.close(atom)
                 self.state.forgotten.add(atom)
 
     def _retract(self, term: clingo.Symbol) -> None:
-        entries = [one for one in self.state.lapsing + self.state.waiting if one.lifetime == Term(term)]
-        if not entries:
+        if not self._lapse(lambda lifetime: lifetime == Term(term)):
             self.warnings.append(f"Term {term} has not been asserted. The retraction is ignored.")
-        self._lapse(entries)
-        self._guards.pop(Term(term), None)
 
     def _build(self) -> Engine:
         """Ground the program anew and put in force all that the state holds."""
-        self.engine, self._guards = build_engine(self.program, self.state, self._shortest, self._dropped)
+        program, state = self.program, self.state
+        coming = [atom for atom in self._coming if not is_too_late(program, state, atom)]
+        self.engine = build_engine(program, state, self._shortest, self._dropped, coming)
         self._fall_due(self.engine)
         return self.engine
+
+    def remarks(self) -> Iterator[str]:
+        """Yield what clingo has found odd while it ground, each of which is told once."""
+        told = self.state.told
+        for one in self.engine.messages.new_remarks(self.program.parameter_at) if self.engine is not None else ():
+            if str(one) not in told and str(one) not in self.program.warnings:
+                told.add(str(one))
+                yield str(one)

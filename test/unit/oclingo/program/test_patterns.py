@@ -34,7 +34,7 @@ def could_see(comparison):
     text = f"#program cumulative(t).\n#external d/1.\nhit(T,t) :- d(T), {comparison}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text, constants={"n": "3"})
     atoms = [parse_atom(f"d({value})") for value in VALUES]
-    pairs = [(atom, step) for atom in atoms for step in STEPS if program.may_see(atom, step, step)]
+    pairs = [(atom, step) for atom in atoms for step in STEPS if program.may_see([atom], step, step)]
     return {(atom.arguments[0], clingo.Number(step)) for atom, step in pairs}
 
 
@@ -90,7 +90,7 @@ def test_a_rule_looks_back_as_far_as_its_comparisons_say(comparison, age):
 def test_steps_at_which_a_rule_could_see_an_atom(written, atom, steps):
     text = f"#program cumulative(t).\n#external d/1. #external d/2.\nhit(t) :- {written}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text.replace("T", "_"), constants={"n": "3"})
-    assert {step for step in STEPS if program.may_see(parse_atom(atom), step, step)} == steps
+    assert {step for step in STEPS if program.may_see([parse_atom(atom)], step, step)} == steps
 
 
 @pytest.mark.parametrize("comparison", ["not t-T >= n", "t-T != n", "t-T > n", "t*T < n", "t-2*T < n", "(t-T)/2 < n"])

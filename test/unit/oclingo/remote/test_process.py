@@ -22,12 +22,11 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_update,
 )
-from rosoclingo.oclingo.remote import process_solver
 from rosoclingo.oclingo.remote import solver_process as process_module
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.oclingo.remote.state_wire import state_from_message, state_to_message
 from rosoclingo.oclingo.solving import compaction as retiring
+from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
 from rosoclingo.oclingo.solving.stream_state import Past
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 from rosoclingo.reasoning.journal import Journal
@@ -275,19 +274,22 @@ def test_solvers_share_a_process_and_nothing_else(echo):
     assert atoms(one.update(parse_update("#step 2. #endstep."))) == [["c(1)", "e(1)"]]
 
 
-def test_the_child_forgets_solvers_that_nobody_refers_to(echo):
+def test_the_child_forgets_solvers_that_nobody_refers_to(echo, monkeypatch):
+    send = WorkerProcess.send
     echo.start()
     first = echo.solver()
     for _ in range(3):
         echo.solver().update(parse_update("#step 1. #endstep."))
+    sent = []
+    monkeypatch.setattr(WorkerProcess, "send", lambda child, message: sent.append(message) or send(child, message))
     first.update(parse_update("#step 1. #endstep."))
-    assert len(echo._taken) <= 2, "the last one goes with the next command"
+    assert sum(len(message["left"]) for message in sent) == 1, "the last one; the others went with the commands before"
 
 
 def test_going_back(echo):
     solver = echo.solver()
     solver.update(parse_update("#step 1. e(1). #endstep."))
-    before = solver.snapshot()
+    before = solver.log
     solver.update(parse_update("#step 3. e(2). #endstep."))
     solver.restore(before)
     assert (solver.step, solver.horizon) == (1, 1)
@@ -399,7 +401,7 @@ def test_a_long_stream_goes_on_from_a_state_not_from_its_start():
             if cycle in (40, 75):
                 os.kill(process.pid, signal.SIGKILL)
                 assert ended(process.pid)
-        assert len(there.snapshot().log) < 60
+        assert len(there.log.entries) < 60
         # 84 asked to go to 84 % 5 - 2, which is done by now; what was shown of retired steps is still told
         assert parse_atom("at(2,90)") in answer & other
         shown = {atom.arguments[1].number for atom in other if atom.name == "at"} - {0}  # which base holds
@@ -416,20 +418,17 @@ def test_states_travel_as_messages():
     ):
         solver.update(parse_update(text + " #endstep."))
     solver.close_cycle(1, [parse_atom("_action_lib(go,1,1)")])
-    state = solver.snapshot()
+    state = solver.state.copy()
     state.past = Past(2, frozenset([parse_atom("at(0,1)")]), ((1, parse_atom("at(0,1)")),))
     twin = state_from_message(json.loads(json.dumps(state_to_message(state))))
-    for entry in state.lapsing:
-        entry.guard = None  # of one engine only
     assert twin == state
     fact = parse_atom("_request(2,2)")
     assert not any(statement.concerns(frozenset([fact])) for statement in twin.less(frozenset([fact])).permanent)
 
 
 @pytest.mark.slow
-def test_states_that_come_with_searches_lead_back_whatever_ends_the_child(monkeypatch):
-    monkeypatch.setattr(process_solver, "LOG_LIMIT", 2)
-    with process_of(RUN, shortest=True, oclingo_strings=False, horizon_limit=100) as process:
+def test_states_that_come_with_searches_lead_back_whatever_ends_the_child():
+    with process_of(RUN, shortest=True, oclingo_strings=False, horizon_limit=100, log_limit=2) as process:
         solver = process.solver()
         done, now = [], None
         for cycle in range(1, 25):
@@ -437,27 +436,26 @@ def test_states_that_come_with_searches_lead_back_whatever_ends_the_child(monkey
             past = [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number < cycle]
             assert set(past) == set(done), "what was executed, and no more"
             done += now
-            before = solver.snapshot()
+            before = solver.log
             if cycle % 3 == 0:
                 kill(process)
             if cycle % 4 == 0:
                 with pytest.raises(SolverError, match="beyond the horizon limit"):
                     solver.update(parse_update("#step 101. #endstep."))
-                assert solver.snapshot() == before
+                assert solver.log is before
         assert len(done) >= 3
-        assert len(before.log) <= 3
+        assert len(before.entries) <= 4
 
 
-def test_the_state_of_a_search_that_was_ended_has_its_update(monkeypatch):
-    monkeypatch.setattr(process_solver, "LOG_LIMIT", 0)
-    with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100_000) as process:
+def test_the_state_of_a_search_that_was_ended_has_its_update():
+    with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100_000, log_limit=0) as process:
         solver = process.solver()
-        solver.forget_before(0)
         result = solver.update(parse_update("#step 1. e(1). #endstep."))
         assert atoms(result) == [["c(1)", "e(1)"]]
         result = solver.update(parse_update("#step 2. #endstep."), at_look(5))
         assert (result.outcome, solver.step) == (SolveOutcome.INTERRUPTED, 2)
-        assert [entry["do"] for entry in solver.snapshot().log] == ["restore"]
+        (checkpoint,) = solver.log.entries
+        assert (checkpoint.state.step, checkpoint.state.horizon) == (2, result.horizon)
         kill(process)
         late = solver.update(parse_update(f"#step {result.horizon} : 0. e({result.horizon}). #endstep."))
         assert late.outcome is SolveOutcome.SATISFIABLE
@@ -466,13 +464,11 @@ def test_the_state_of_a_search_that_was_ended_has_its_update(monkeypatch):
 
 def test_a_child_that_has_grown_is_replaced_between_two_searches(monkeypatch):
     """clingo's terms are never freed: only an end of the process gives the memory back."""
-    monkeypatch.setattr(process_solver, "LOG_LIMIT", 0)
     monkeypatch.setattr(process_module, "GROWTH", 100)
     sizes = iter([100, 190, 201, 300, 440, 451, 99])
     monkeypatch.setattr(WorkerProcess, "memory", property(lambda self: next(sizes)))
-    with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100) as process:
+    with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100, log_limit=0) as process:
         solver, twin = process.solver(), ReactiveSolver(ReactiveProgram.from_text(ENDLESS), shortest=True)
-        solver.forget_before(0)
         children = []
         for step in range(1, 8):
             children.append(process.pid)

@@ -20,7 +20,7 @@ class World:
     def __init__(self, answers, step=1, horizon=1, most=9, optimizes=False, **others):
         self.answers, self.most, self.asked = set(answers), most, []
         self.slow, self.dead, self.halts = others.get("slow", ()), others.get("dead"), others.get("halts")
-        self.state = SimpleNamespace(step=step, horizon=horizon)
+        self.state = SimpleNamespace(settled=step, horizon=horizon)
         self.program = SimpleNamespace(first_step=others.get("first_step", 1), optimizes=optimizes)
         self.conflicting = False
 

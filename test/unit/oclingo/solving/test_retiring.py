@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from stream_logs import cut
 from test_solver_properties import PARTS, UPDATES, without_strangers
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
@@ -84,7 +85,7 @@ def test_answers_stay_the_same(margin, monkeypatch):
     monkeypatch.setattr(retiring, "SHOWN_STEPS", 100)
     solver = walk()
     plans = drive(solver, 30, margin)
-    assert solver.snapshot().past.first >= 30 - margin - building.BLOCK
+    assert solver.state.past.first >= 30 - margin - building.BLOCK
     for mine, other in zip(plans, drive(walk(), 30, None)):
         assert [one for one in mine if "_action" in one] == [one for one in other if "_action" in one]
         assert mine == other
@@ -94,7 +95,7 @@ def test_answers_stay_the_same(margin, monkeypatch):
 def test_nothing_accumulates():
     solver = walk()
     drive(solver, 60, 2)
-    state = solver.snapshot()
+    state = solver.state
     assert len(state.past.facts) < 12
     assert len(state.permanent) + len(state.open_atoms) + len(state.closed_cycles) < 24
     assert len(state.forgotten) < 12
@@ -111,14 +112,14 @@ def test_cycles_in_which_nothing_can_be_done_are_retired(monkeypatch):
         text += f"_request(goal({'abc'[cycle // 5 % 3]},{cycle}),{cycle + 1}). " if cycle % 5 == 1 else ""
         solver.forget_before(cycle - 3)
         _, before = ask(solver, text + "#endstep.")
-    assert solver.snapshot().past.first >= 36
+    assert solver.state.past.first >= 36
 
 
 def test_what_is_open_is_ground_as_ever():
     """A base choice that decides what the steps hold keeps them all."""
     solver = ReactiveSolver(ReactiveProgram.from_text(WALK + "#program base.\n{ odd }.\n" + TIED), shortest=True)
     drive(solver, 8, 0)
-    assert solver.snapshot().past is None
+    assert solver.state.past is None
 
 
 def test_what_the_past_has_decided_of_base_stays_decided():
@@ -128,8 +129,8 @@ def test_what_the_past_has_decided_of_base_stays_decided():
         solver.forget_before(step)
         answers = solver.update(parse_update(f"#step {step} : 0. #endstep.")).answers
         assert answers == (frozenset([parse_atom("a")]),)
-    assert solver.snapshot().past.first > 2
-    assert len(solver.snapshot().permanent) == 1
+    assert solver.state.past.first > 2
+    assert len(solver.state.permanent) == 1
 
 
 TIED = """
@@ -164,7 +165,7 @@ def test_what_may_concern_later_steps_is_never_too_late():
 def test_a_state_can_be_restored():
     solver, other = walk(), walk()
     drive(solver, 12, 2)
-    other.restore(solver.snapshot())
+    other.restore(cut(solver))
     text = "#step 13. _request(goal(c,99),14). #endstep."
     assert set(solver.update(parse_update(text)).answers[0]) == set(other.update(parse_update(text)).answers[0])
 
@@ -172,7 +173,7 @@ def test_a_state_can_be_restored():
 def test_solvers_that_are_not_shortest_forget_nothing():
     solver = ReactiveSolver(ReactiveProgram.from_text(WALK))
     solver.forget_before(5)
-    assert solver.snapshot().keep_from == 0
+    assert solver.state.keep_from == 0
 
 
 def concerns(statement, first):

@@ -4,7 +4,7 @@ import pytest
 
 from rosoclingo.oclingo import Volatile, commitment, fact, parse_atom, parse_term, parse_update
 from rosoclingo.oclingo.progression.updates import Assert, Cumulative
-from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Entry, Past, StreamState, Term, lifetime_of
+from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Past, StreamState, Term, lifetime_of
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
@@ -30,8 +30,8 @@ def state():
         step=3,
         horizon=4,
         permanent=[fact(A), fact(B), RULE, DENIAL, commitment(GO)],
-        lapsing=[Entry(fact(A), UPDATE, 5), Entry(fact(B), 9, 6), Entry(RULE, 9, 7)],
-        waiting=[Entry(fact(A), UPDATE), Entry(fact(B), 9)],
+        lapsing=[Lapsing(fact(A), UPDATE), Lapsing(fact(B), 9), Lapsing(RULE, 9)],
+        waiting=[Lapsing(fact(A), UPDATE), Lapsing(fact(B), 9)],
         open_atoms=[A, B],
         forgotten={B},
         closed_cycles={1: frozenset([GO]), 2: frozenset()},
@@ -47,8 +47,8 @@ def test_a_state_without_some_facts():
     whole = state()
     less = whole.less(frozenset([A, GO]))
     assert less.permanent == [fact(B), RULE, DENIAL]
-    assert less.lapsing == [Entry(fact(B), 9, 6), Entry(RULE, 9, 7)]
-    assert less.waiting == [Entry(fact(B), 9)]
+    assert less.lapsing == [Lapsing(fact(B), 9), Lapsing(RULE, 9)]
+    assert less.waiting == [Lapsing(fact(B), 9)]
     assert less.open_atoms == [B]
     assert less.closed_cycles == {1: frozenset(), 2: frozenset()}
     assert less.past == Past(2, frozenset([B]), ((1, A),)), "what was shown was shown"
@@ -65,8 +65,8 @@ def test_a_copy_shares_nothing_that_changes():
         things.clear()
     copy.forgotten.add(A)
     copy.closed_cycles[3] = frozenset()
-    copy.lapsing.pop().guard = 1
-    copy.lapsing[0].guard = copy.waiting[0].guard = 99
+    copy.lapsing.pop()
+    copy.told.add("odd")
     copy.waiting.pop()
     assert whole == state()
 

@@ -1,0 +1,251 @@
+"""A stream's log is all there is: whoever reads it answers as the solver that wrote it."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from solver_reference import Parts, Reference
+from stream_logs import copied, cut
+from test_solver_properties import LITERALS, RULES, VOLATILE, function
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
+from rosoclingo.oclingo.progression.updates import (
+    Assert,
+    Cumulative,
+    Forget,
+    Literal,
+    Over,
+    Retract,
+    Statement,
+    StreamUpdate,
+    Volatile,
+)
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, Withdrawal
+
+PROGRAM = """
+#cumulative t.
+#external e(t).
+#volatile t.
+"""
+
+
+def test_a_restored_solver_knows_who_depends_on_whom():
+    solver = ReactiveSolver(ReactiveProgram.from_text(PROGRAM), models=0)
+    solver.update(parse_update("x(1) :- e(1). #endstep."))
+    twin = ReactiveSolver(solver.program, models=0)
+    twin.restore(cut(solver))
+    for text in ("#volatile. e(1) :- y(1). #endstep.", "e(1) :- x(1). #endstep."):
+        assert solver.update(parse_update(text)).answers == twin.update(parse_update(text)).answers == (frozenset(),)
+
+
+LOOPS = st.sampled_from(
+    [
+        "c(t) :- e(t).",
+        "c(t) :- f(x,t).",
+        "d(t) :- c(t).",
+        "d(t) :- d(t-1), not p(t).",
+        "w(t) :- d(t-1), e(t).",
+        ":- c(t), not d(t).",
+    ]
+)
+PARTS = st.builds(
+    lambda loops, rules, volatile: Parts(
+        ("{ a }.", "{ b }."),
+        ("{ p(t) }.", "#defined q/1.", "#defined g/2.", "#defined c/1.", "#defined d/1.", *loops, *rules),
+        tuple(volatile),
+        ("e(t)", "f(x,t)", "f(y,t)"),
+        (),
+        ("x", "y"),
+    ),
+    st.lists(LOOPS, max_size=4),
+    st.lists(RULES.filter(lambda rule: "g(" not in rule), max_size=2),
+    st.lists(VOLATILE, max_size=1),
+)
+STEPS = st.integers(1, 3)
+HEADS = st.sampled_from([function(name, 1) for name in "exy"] + [function("e", 2), function("f", "x", 1)])
+ATOMS = st.one_of(HEADS, HEADS, st.builds(lambda name, step: function(name, step), st.sampled_from("cdw"), STEPS))
+SUPPORTS = st.one_of(ATOMS.map(Literal), ATOMS.map(Literal), ATOMS.map(Literal), LITERALS)
+STATEMENTS = st.one_of(
+    st.builds(Statement, HEADS, SUPPORTS.map(lambda one: (one,))),
+    st.builds(Statement, HEADS, SUPPORTS.map(lambda one: (one,))),
+    st.builds(Statement, HEADS, st.lists(SUPPORTS, max_size=2).map(tuple)),
+    st.builds(Statement, st.none(), st.lists(LITERALS, min_size=1, max_size=2).map(tuple)),
+)
+TERMS = st.sampled_from([function("u"), function("v")])
+ITEMS = st.one_of(
+    STATEMENTS,
+    STATEMENTS,
+    STATEMENTS,
+    st.sampled_from([Cumulative(), Volatile(), Volatile(2)]),
+    st.builds(Assert, TERMS),
+    st.builds(Retract, TERMS),
+    st.builds(Forget, STEPS, STEPS),
+)
+UPDATES = st.builds(StreamUpdate, STEPS, st.integers(0, 2), st.lists(ITEMS, max_size=4).map(tuple))
+
+
+def the_same_log(writer, old, reader):
+    """Going on from a log, or back to it."""
+    reader.restore(writer.log)
+
+
+def its_text(writer, old, reader):
+    """A log on disk."""
+    reader.restore(copied(writer.log))
+
+
+def a_checkpoint(writer, old, reader):
+    """Nothing but where the log leads."""
+    reader.restore(cut(writer))
+
+
+def a_checkpoint_and_the_rest(writer, old, reader):
+    """What followed after an ``old`` log, from its state on."""
+    reader.restore(old)
+    rest = writer.log.since(old)
+    reader.restore(copied(writer.log if rest is None else cut(reader).then(*rest)))
+
+
+def piece_by_piece(writer, old, reader):
+    """Every entry as it comes."""
+    for entry in writer.log.entries:
+        reader.restore(copied(reader.log.then(entry)))
+        reader.read()
+
+
+WAYS = [the_same_log, its_text, a_checkpoint, a_checkpoint_and_the_rest, piece_by_piece]
+
+
+def comparable(state):
+    """All of a state, but for the order in which openings and lapsing statements were noted."""
+    values = dict(vars(state))
+    return {**values, "open_atoms": set(values["open_atoms"])}
+
+
+def check(mine, its):
+    """Two solvers have given the same result, though one may know already that it stays so for ever."""
+    assert texts(mine) == texts(its)
+    assert mine.outcome is its.outcome
+    if not (mine.permanent or its.permanent):
+        assert (mine.horizon, mine.step) == (its.horizon, its.step)
+        # whether a fact that follows from others is passed over in silence depends on what has been searched
+        for warning in set(mine.warnings) ^ set(its.warnings):
+            assert all(warning.split()[1] in answer for answer in texts(mine)), warning
+
+
+@given(PARTS, st.lists(UPDATES, min_size=1, max_size=6), st.lists(st.sampled_from([None, *WAYS]), min_size=6))
+def test_whoever_reads_a_log_answers_as_its_writer_and_as_one_from_scratch(parts, updates, ways):
+    """``ways`` tell how a new reader begins before each update; None is for the one that there is."""
+    reference, old = Reference(parts), StreamLog()
+    program = ReactiveProgram.from_text(parts.text())
+    writer = reader = ReactiveSolver(program, models=0, log_limit=3)
+    for update, way in zip(updates, ways):
+        if way is not None or reader is writer:
+            reader = ReactiveSolver(program, models=0, log_limit=3)
+            (way or the_same_log)(writer, old, reader)
+            assert comparable(reader.state) == comparable(writer.state)
+            old = writer.log
+        satisfiable, answers, horizon, _ = reference.update(update)
+        result, its = writer.update(update), reader.update(update)
+        check(result, its)
+        assert texts(result) == answers, (parts.text(), str(update))
+        assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
+        if result.permanent or its.permanent:
+            return
+        assert result.horizon == horizon
+
+
+@given(PARTS, st.lists(UPDATES, min_size=2, max_size=4), st.data())
+def test_going_back_is_going_on_from_an_earlier_log(parts, updates, data):
+    """Closed cycles, what is over and what is withdrawn included; each log leads on as it did at first."""
+    program = ReactiveProgram.from_text(parts.text())
+    solver, logs = ReactiveSolver(program, models=0, shortest=True, log_limit=3), []
+    for update in updates:
+        for entry in data.draw(st.lists(LOOSE, max_size=1)):
+            solver.restore(solver.log.then(entry))
+        before = solver.log
+        logs.append((before, update, solver.update(update)))
+        if logs[-1][-1].permanent:
+            break
+    log, update, result = data.draw(st.sampled_from(logs))
+    for reader in (solver, ReactiveSolver(program, models=0, shortest=True)):
+        reader.restore(log if reader is solver else copied(log))
+        check(result, reader.update(update))
+
+
+LOOSE = st.one_of(
+    st.builds(Close, STEPS, st.just(frozenset())),
+    st.builds(Over, STEPS),
+    st.builds(Withdrawal, st.sets(HEADS, min_size=1, max_size=2).map(frozenset)),
+)
+
+
+def texts(result):
+    return {frozenset(map(str, answer)) for answer in result.answers}
+
+
+@pytest.mark.slow
+def test_another_process_reads_the_log_of_this_one():
+    program = ReactiveProgram.from_text("#cumulative t. #external e(t). { c(t) } :- e(t). #volatile t. :- not c(t).")
+    here = ReactiveSolver(program, models=0, log_limit=3)
+    with SolverProcess(program, models=0, log_limit=3) as process:
+        for step in range(1, 12):
+            there = process.solver()
+            there.restore(here.log if step % 2 else copied(here.log))
+            update = parse_update(f"#step {step} : 0. e({step}). #endstep.")
+            mine, its = here.update(update), there.update(update)
+            assert texts(mine) == texts(its)
+            assert there.log.text() == here.log.text()
+            here.restore(there.log)
+
+
+def test_the_text_of_a_log():
+    log = StreamLog().then(
+        Taken(None, 1),
+        Taken(parse_update("#step 2 : 3. e(2). #volatile. :- not c(2). #endstep."), 4),
+        Close(2, frozenset([parse_atom("_action_lib(go,1,2)")])),
+        Over(1),
+        Withdrawal(frozenset([parse_atom('e("a b")')])),
+    )
+    assert log.text().splitlines() == [
+        '{"do":"update","update":null,"horizon":1}',
+        '{"do":"update","update":"#step 2 : 3.\\ne(2).\\n#volatile.\\n:- not c(2).\\n#end step.\\n","horizon":4}',
+        '{"do":"close","cycle":2,"executed":"_action_lib(go,1,2)"}',
+        '{"do":"forget","step":1}',
+        '{"do":"withdraw","facts":"e(\\"a b\\")"}',
+    ]
+    assert copied(log).entries == log.entries
+    assert copied(log).key == log.key != log.before.key
+    assert (log.step, log.horizon, log.length) == (2, 4, 5)
+    assert str(log.update).startswith("#step 2")
+    assert log.last is log.before.before.before
+    assert StreamLog().last is None
+    assert StreamLog().text() == ""
+
+
+def test_strings_as_oclingo_took_them_stay_what_they_are_in_a_checkpoint():
+    program = ReactiveProgram.from_text('#external said/1. heard(X) :- said(X). known :- said("a b"). #cumulative t.')
+    solver = ReactiveSolver(program, models=0)
+    solver.update(parse_update('said("a b"). said(f("x",1)). #endstep.'))
+    solver.restore(cut(solver))
+    (answer,) = texts(solver.solve())
+    assert answer == {'said("a b")', 'said(f("x",1))', 'heard("a b")', 'heard(f("x",1))'}
+
+
+def test_a_log_keeps_what_followed_the_last_checkpoint_but_one_and_no_more():
+    solver = ReactiveSolver(ReactiveProgram.from_text(PROGRAM), log_limit=4)
+    first = solver.log
+    lengths, kept = [], []
+    for step in range(1, 31):
+        solver.update(parse_update(f"#step {step} : 0. #forget {step}. #endstep."))
+        lengths.append(solver.log.length)
+        log, nodes = solver.log, 0
+        while log is not None:
+            log, nodes = log.before, nodes + 1
+        kept.append(nodes)
+        assert solver.log.update.step == step
+        assert solver.log.last.before is not None
+    assert max(lengths) <= 5
+    assert max(kept) <= 13
+    assert solver.log.since(first) is None
+    assert isinstance(solver.log.entries[0], Checkpoint)
