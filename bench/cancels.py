@@ -12,6 +12,8 @@ import random
 import time
 from pathlib import Path
 
+from figures import Figure, parse, write
+
 from rosoclingo.nodes.core.core_node import CANCEL_GRACE
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -99,13 +101,16 @@ def main():
     parser.add_argument("--cancels", type=float, default=0.3, help="share that is cancelled (default: %(default)s)")
     parser.add_argument("--within", type=float, default=1.0, help="seconds until a cancel comes (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="(default: %(default)s)")
-    run = Run(parser.parse_args())
+    options = parse(parser, offices=10, goals=30)
+    run = Run(options)
     seconds = run.play()
     ends = ", ".join(f"{count} {status}" for status, count in sorted(run.ends.items()))
     print(f"{sum(run.ends.values())} goals in {seconds:.0f} s, {run.core.cycle} cycles: {ends}")
     replaced = len(run.processes) - 1
     print(f"solver processes replaced: {run.lost} that were lost, {replaced - run.lost} that had grown")
     print(f"the longest turn, with all that was ground, solved and rebuilt in it: {run.longest:.2f} s")
+    found = [Figure("a goal", 1000 * seconds / options.goals, "ms"), Figure("longest turn", 1000 * run.longest, "ms")]
+    write(options.json, [*found, Figure("processes lost", run.lost, "of them")])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,8 @@ import statistics
 import time
 from pathlib import Path
 
+from figures import Figure, parse, write
+
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, PlanMade
@@ -100,7 +102,7 @@ def grow(run, cycles, batch, step=500):
 
 
 def compare(long, short, cycles, batch):
-    """Let two runs go on for some cycles, in turns, so that other programs slow both down alike."""
+    """Let two runs go on for some cycles, in turns, so that other programs slow both down alike; return the figures."""
     samples = {long: [], short: []}
     ends = {run: run.core.cycle + cycles for run in samples}
     while any(run.core.cycle < end for run, end in ends.items()):
@@ -110,6 +112,10 @@ def compare(long, short, cycles, batch):
         print(f"up to cycle {run.core.cycle:6d}: {describe(sample)}")
     seconds = [statistics.mean(one for one, _ in sample) for sample in samples.values()]
     print(f"a goal of the long run costs {seconds[0] / seconds[1]:.2f} times one of the short run")
+    names = zip(("long", "short"), seconds, samples.values())
+    costs = [Figure(f"a goal of the {name} run", 1000 * one, "ms of processor") for name, one, _ in names]
+    told = statistics.mean(size for _, size in samples[long])
+    return [*costs, Figure("long over short", seconds[0] / seconds[1], ""), Figure("told of a goal", told / 1000, "kB")]
 
 
 def describe(sample):
@@ -122,17 +128,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
     parser.add_argument("--cycles", type=int, default=10000, help="cycles of the long run (default: %(default)s)")
-    parser.add_argument("--short", type=int, default=100, help="cycles of the short run (default: %(default)s)")
+    parser.add_argument("--beside", type=int, default=100, help="cycles of the short run (default: %(default)s)")
     parser.add_argument("--window", type=int, default=400, help="cycles to compare them for (default: %(default)s)")
     parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
     parser.add_argument("--failures", type=float, default=0.0, help="share of actions that fail (default: %(default)s)")
-    options = parser.parse_args()
+    options = parse(parser, cycles=300, beside=30, window=60)
     names, goal = PROGRAMS[options.program]
     program = ReactiveProgram.from_files([ENCODINGS / name for name in names])
     runs = [Run(program, goal, options.failures) for _ in range(2)]
-    for run, cycles in zip(runs, (options.cycles, options.short)):
+    for run, cycles in zip(runs, (options.cycles, options.beside)):
         grow(run, cycles, options.batch)
-    compare(*runs, options.window, options.batch)
+    write(options.json, compare(*runs, options.window, options.batch))
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ import sys
 import time
 from pathlib import Path
 
+from figures import Figure, parse, write
+
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "src"))
 
@@ -89,7 +91,8 @@ class Robot:
         return seconds
 
 
-def run(offices: int, requests: int, cycles: int, seed: int) -> str:
+def run(offices: int, requests: int, cycles: int, seed: int) -> list:
+    """Print a line of the table; return its figures."""
     robot = Robot(offices, requests, seed)
     times = [robot.step() for _ in range(cycles)]
     later = [1000 * one for one in times[1:]]
@@ -100,7 +103,10 @@ def run(offices: int, requests: int, cycles: int, seed: int) -> str:
         statistics.median(later[:10]),
         statistics.median(later[-10:]),
     )
-    return "{:8d} {:9d} {:11.3f} {:11.2f} {:10.2f} {:12.2f} {:11.2f}".format(offices, requests, *figures)
+    line = "{:8d} {:9d} {:11.3f} {:11.2f} {:10.2f} {:12.2f} {:11.2f}"
+    print(line.format(offices, requests, *figures), flush=True)
+    what = f"{offices} offices, {requests} requests: "
+    return [Figure(what + "first plan", 1000 * figures[0], "ms"), Figure(what + "update", figures[1], "ms")]
 
 
 def main() -> None:
@@ -109,11 +115,11 @@ def main() -> None:
     parser.add_argument("--requests", type=int, nargs="+", default=[1, 3, 5])
     parser.add_argument("--cycles", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    options = parse(parser, offices=[4, 10], requests=[1, 3], cycles=40)
     print("offices  requests  first [s]  median [ms]  worst [ms]  first ten  last ten [ms]")
-    for offices in options.offices:
-        for requests in options.requests:
-            print(run(offices, requests, options.cycles, options.seed), flush=True)
+    pairs = [(offices, requests) for offices in options.offices for requests in options.requests]
+    found = [one for pair in pairs for one in run(*pair, options.cycles, options.seed)]
+    write(options.json, found)
 
 
 if __name__ == "__main__":

@@ -14,11 +14,14 @@ import time
 from pathlib import Path
 
 import numpy as np
+from figures import Figure, parse, write
 from ros_system import System, write_map
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
+
+MAPS = ((150, 150), (300, 300), (587, 540), (1000, 1000))  # cells
 
 
 def office(height: int, width: int, seed: int, room: int = 60) -> OccupancyGrid:
@@ -50,13 +53,14 @@ def far_apart(grid: OccupancyGrid, seed: int, low: float = 60.0, high: float = 8
             yield ends
 
 
-def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> None:
-    """Print what make_plan takes, service call included, in a running system (simulator, map_server, move_base)."""
+def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> list:
+    """Print what make_plan takes, with the call, in a running system (simulator, map_server, move_base); return it."""
     import rospy
     from nav_msgs.srv import GetPlan, GetPlanRequest
 
     rospy.init_node("planner_bench")
     rospy.wait_for_service("move_base/make_plan", 60.0)
+    found = []
     make_plan = rospy.ServiceProxy("move_base/make_plan", GetPlan)
     for _, ends in zip(range(pairs), far_apart(grid, seed)):
         request = GetPlanRequest()
@@ -76,10 +80,12 @@ def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> None:
         points = np.array([(pose.pose.position.x, pose.pose.position.y) for pose in poses])
         length = float(np.hypot(*np.diff(points, axis=0).T).sum())
         print(f"make_plan {length:5.1f} m: median {statistics.median(times):5.1f} ms, worst {max(times):5.1f} ms")
+        found.append(Figure(f"make_plan over {length:.0f} m", statistics.median(times), "ms"))
+    return found
 
 
-def serve(seed: int, pairs: int) -> None:
-    """Start a system of its own and call its service."""
+def serve(seed: int, pairs: int) -> list:
+    """Start a system of its own and call its service; return the figures."""
     grid = office(587, 540, seed)
     with tempfile.TemporaryDirectory() as name:
         folder, system = Path(name), System()
@@ -89,42 +95,51 @@ def serve(seed: int, pairs: int) -> None:
             (folder / "world.yaml").write_text(world)
             system.launch("simulation.launch", f"world:={folder}/world.yaml")
             system.launch("navigation.launch", f"map:={map_file}")
-            call_service(grid, seed, pairs)
+            return call_service(grid, seed, pairs)
         finally:
             system.stop()
 
 
+def measure(height: int, width: int, seed: int, plans: int) -> list:
+    """Print what planning on one map takes, by the length of the way; return the figures."""
+    planner, grid = GridPlanner(), office(height, width, seed)
+    Costmap(grid, CostmapLimits())
+    start = time.perf_counter()
+    costmap = Costmap(grid, CostmapLimits())
+    made = 1e3 * (time.perf_counter() - start)
+    times = {}
+    random = np.random.default_rng(seed)
+    free = np.argwhere(costmap.clearance > 3.0)
+    for _ in range(plans):
+        ends = [Pose2D(*grid.centre(*free[random.integers(len(free))])) for _ in range(2)]
+        planner.plan(costmap, ends[0], ends[0])
+        start = time.perf_counter()
+        plan = planner.plan(costmap, *ends)
+        if plan.outcome is PlanOutcome.FOUND:
+            times.setdefault(20 * int(plan.length // 20), []).append(1e3 * (time.perf_counter() - start))
+    for length, values in sorted(times.items()):
+        row = (width, height, made, length, length + 20, len(values))
+        print(
+            "{:4}x{:<4} {:10.1f}  {:4}-{:<4} {:6}".format(*row), f" {statistics.median(values):9.1f} {max(values):9.1f}"
+        )
+    every = [value for values in times.values() for value in values]
+    what = f"{width}x{height} cells, "
+    return [Figure(what + "costmap", made, "ms"), Figure(what + "a plan", statistics.median(every), "ms")]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--maps", type=int, default=len(MAPS), help="so many maps, the smallest first")
     parser.add_argument("--plans", type=int, default=60, help="plans a map")
     parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--pairs", type=int, default=3, help="pairs for make_plan as a service, 0: without ROS")
-    arguments = parser.parse_args()
-    planner = GridPlanner()
+    arguments = parse(parser, maps=3, plans=30, pairs=1)
     print("cells      costmap ms   length m  plans  median ms  worst ms")
-    for height, width in ((150, 150), (300, 300), (587, 540), (1000, 1000)):
-        grid = office(height, width, arguments.seed)
-        Costmap(grid, CostmapLimits())
-        start = time.perf_counter()
-        costmap = Costmap(grid, CostmapLimits())
-        made = time.perf_counter() - start
-        times = {}
-        random = np.random.default_rng(arguments.seed)
-        free = np.argwhere(costmap.clearance > 3.0)
-        for _ in range(arguments.plans):
-            ends = [Pose2D(*grid.centre(*free[random.integers(len(free))])) for _ in range(2)]
-            planner.plan(costmap, ends[0], ends[0])
-            start = time.perf_counter()
-            plan = planner.plan(costmap, *ends)
-            if plan.outcome is PlanOutcome.FOUND:
-                times.setdefault(20 * int(plan.length // 20), []).append(time.perf_counter() - start)
-        for length, values in sorted(times.items()):
-            row = (width, height, 1e3 * made, length, length + 20, len(values))
-            median, worst = 1e3 * statistics.median(values), 1e3 * max(values)
-            print("{:4}x{:<4} {:10.1f}  {:4}-{:<4} {:6}".format(*row), f" {median:9.1f} {worst:9.1f}")
+    found = [one for size in MAPS[: arguments.maps] for one in measure(*size, arguments.seed, arguments.plans)]
     if arguments.pairs:
-        serve(arguments.seed, arguments.pairs)
+        found += serve(arguments.seed, arguments.pairs)
     print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
+    write(arguments.json, found)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import time
 
 import actionlib
 import rospy
+from figures import Figure, parse, write
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal, TaskPlan
 
 from rosoclingo.oclingo import parse_atom
@@ -78,17 +79,20 @@ def play(batches, batch):
 
 
 def report(responder):
+    """Print the figures and return them."""
     times = sorted(1000 * one for one in responder.responses)
     share = sum(responder.clingo) / sum(responder.responses)
     p99 = times[min(len(times) - 1, int(0.99 * len(times)))]
-    print(f"{len(times)} responses: median {statistics.median(times):.1f} ms, p99 {p99:.1f} ms, {share:.0%} in clingo")
+    median = statistics.median(times)
+    print(f"{len(times)} responses: median {median:.1f} ms, p99 {p99:.1f} ms, {share:.0%} in clingo")
+    return [Figure("response, median", median, "ms"), Figure("response, 99 %", p99, "ms")]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--batches", type=int, default=20, help="batches of requests (default: %(default)s)")
     parser.add_argument("--requests", type=int, default=3, help="requests in a batch (default: %(default)s)")
-    options = parser.parse_args()
+    options = parse(parser, batches=5)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -97,7 +101,7 @@ def main():
     launch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         rospy.init_node("bench_response", disable_signals=True)
-        report(play(options.batches, options.requests))
+        write(options.json, report(play(options.batches, options.requests)))
     finally:
         launch.send_signal(signal.SIGINT)
         launch.wait(30)

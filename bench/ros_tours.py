@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import rosgraph
 import yaml
+from figures import Figure, parse, write
 from ros_system import System, move_base_client, write_map
 from tours import BODIES, SPARE, PlanOutcome, Tour, Variant, office_floor
 
@@ -68,8 +69,8 @@ def start(folder: Path, arguments) -> System:
     return system
 
 
-def drive(tour: Tour, goals: int) -> None:
-    """Send the robot to goals one after the other and tell what comes of it."""
+def drive(tour: Tour, goals: int) -> list:
+    """Send the robot to goals one after the other and tell what comes of it; return the figures."""
     import actionlib
     import rospy
     from move_base_msgs.msg import MoveBaseGoal
@@ -101,6 +102,8 @@ def drive(tour: Tour, goals: int) -> None:
         tour.drive.robot.pose = tour.drive.robot.pose._replace(x=here.x, y=here.y)
     factor = (rospy.get_time() - begin) / (time.monotonic() - wall)
     print(f"reached {reached}, missed {missed}, collisions {len(collisions)}, {factor:.0f} simulated s per s")
+    counts = [Figure("reached", reached, "goals", "higher"), Figure("missed", missed, "goals")]
+    return [*counts, Figure("collisions", len(collisions), ""), Figure("pace", factor, "simulated s per s", "higher")]
 
 
 def main() -> None:
@@ -112,14 +115,14 @@ def main() -> None:
     parser.add_argument("--goals", type=int, default=10)
     parser.add_argument("--drift", type=float, default=0.0, help="greatest relative error of odometry")
     parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
+    arguments = parse(parser, goals=2)
     random = np.random.default_rng(arguments.seed)
     tour = Tour(office_floor(arguments.seed), Variant(footprint=BODIES[arguments.body]), random, 60, 0.0)
     with tempfile.TemporaryDirectory() as name:
         write_world(Path(name), tour, arguments.drift)
         system = start(Path(name), arguments)
         try:
-            drive(tour, arguments.goals)
+            write(arguments.json, drive(tour, arguments.goals))
         finally:
             system.stop()
 

@@ -14,6 +14,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from figures import Figure, parse, write
+
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
 
 SMALL = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n:- t < 0.\n"
@@ -71,13 +73,17 @@ def compare(solver, client, count):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--updates", type=int, default=300, help="updates of each program (default: %(default)s)")
-    options = parser.parse_args()
+    options = parse(parser, updates=100)
+    found = []
     print(f"{'answers':<12} {'library':>11} {'service':>11} {'more':>10} {'ratio':>7}   median of {options.updates}")
     for name, program in (("3 atoms", SMALL), ("300 atoms", WIDE)):
         library, service = measure(program, options.updates)
         more = statistics.median(theirs - ours for ours, theirs in zip(library, service))
         here, there = statistics.median(library), statistics.median(service)
         print(f"{name:<12} {here:8.2f} ms {there:8.2f} ms {more:7.2f} ms {there / here:7.2f}")
+        found += [Figure(f"{name}, library", here, "ms"), Figure(f"{name}, service", there, "ms")]
+        found.append(Figure(f"{name}, service over library", there / here, ""))
+    write(options.json, found)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Optional
 
 import rosgraph
+from figures import Figure, parse, write
 from ros_system import System, move_base_client
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -142,23 +143,35 @@ def measure(case, seconds: float, folder: Path) -> str:
         system.stop()
 
 
+def pace(report: str) -> float:
+    """Return the simulated seconds per second that a report begins with."""
+    return float(report.split()[0])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=6.0, help="wall time of each run")
     parser.add_argument("--runs", type=int, default=3, help="runs of each case, of which the best is shown")
-    parser.add_argument("--only", type=int, help="the number of the only case to run, from 0")
+    cases = range(len(CASES))
+    parser.add_argument(
+        "--only", type=int, nargs="+", default=cases, choices=cases, help="the numbers of the cases to run"
+    )
     parser.add_argument("--watch", nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--hear", help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
+    arguments = parse(parser, seconds=3.0, runs=1, only=[0, 1, 2])
     if arguments.hear is not None:
         return hear(arguments.hear)
     if arguments.watch:
         return watch(arguments.watch[0] == "1", float(arguments.watch[1]))
     with tempfile.TemporaryDirectory() as folder:
+        figures = []
         for number, (name, case) in enumerate(CASES.items()):
-            if arguments.only in (None, number):
+            if number in arguments.only:
                 found = [measure(case, arguments.seconds, Path(folder)) for _ in range(arguments.runs)]
-                print(f"{name:38}", max(found, key=lambda text: float(text.split()[0])), flush=True)
+                best = max(found, key=pace)
+                print(f"{name:38}", best, flush=True)
+                figures.append(Figure(name, pace(best), "simulated s per s", "higher"))
+    write(arguments.json, figures)
     print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
     return None
 

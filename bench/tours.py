@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import NamedTuple, Tuple
 
 import numpy as np
+from figures import Figure, parse, write
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
@@ -250,7 +251,7 @@ def main() -> None:
     parser.add_argument("--events", type=int, default=4, help="in how many of ten drives something happens")
     parser.add_argument("--plain", action="store_true", help="a disc, straight clean maps, control at 10 Hz")
     parser.add_argument("--body", choices=BODIES, help="the robot's body on all floors")
-    arguments = parser.parse_args()
+    arguments = parse(parser, small=3, offices=0, goals=3, plain=True)
     counts = dict.fromkeys(("reached", "told", "either", "MISSED", "NO END"), 0)
     begin, collisions, simulated, slowness, aborts, costs = time.time(), 0, 0.0, [], [], []
     kinds = ["small"] * arguments.small + ["office"] * arguments.offices
@@ -272,11 +273,16 @@ def main() -> None:
         simulated += tour.drive.world.time
         slowness, aborts, costs = slowness + tour.slowness, aborts + tour.aborts, costs + tour.drive.costs
     print(", ".join(f"{name} {count}" for name, count in counts.items()), f"collisions {collisions}", sep=", ")
-    print(f"{simulated:.0f} simulated s in {time.time() - begin:.0f} s; longest abort {max(aborts, default=0.0):.0f} s")
+    wall = time.time() - begin
+    print(f"{simulated:.0f} simulated s in {wall:.0f} s; longest abort {max(aborts, default=0.0):.0f} s")
     if slowness:
         print(f"time over length / {SPEED} m/s: median {statistics.median(slowness):.2f}, worst {max(slowness):.2f}")
     costs = 1e6 * np.array(costs)
     print(f"a control period takes {np.median(costs):.0f} us (median), {np.percentile(costs, 99):.0f} us (99 %)")
+    found = [Figure("control period", float(np.median(costs)), "us"), Figure("collisions", collisions, "")]
+    found.append(Figure("reached", counts["reached"], "goals", "higher"))
+    found.append(Figure("missed, or no end", counts["MISSED"] + counts["NO END"], "goals"))
+    write(arguments.json, [*found, Figure("pace", simulated / wall, "simulated s per s", "higher")])
 
 
 if __name__ == "__main__":

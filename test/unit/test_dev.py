@@ -21,7 +21,7 @@ def test_an_unknown_command_is_told_the_known_ones():
     code, said = dev("nosuch")
     assert code == 1
     assert "unknown command: nosuch" in said
-    assert "demo test lint exec exec-install exec-python38 shell setup help" in said
+    assert "demo test lint bench exec exec-install exec-python38 shell setup help" in said
 
 
 def test_an_unknown_scenario_is_told_the_known_ones_before_any_set_up():
@@ -37,6 +37,32 @@ def test_a_known_scenario_is_set_up_for(scenario):
     _, said = dev("demo", scenario)
     assert "/proc/no/folder" in said
     assert "scenario" not in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["nosuch"], "no such bench: nosuch; there are cancels "),
+        (["oclingo", "--rounds", "0"], "--rounds is at least 1"),
+        (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
+    ],
+)
+def test_a_wrong_bench_is_told_before_any_set_up(arguments, told):
+    code, said = dev("bench", *arguments)
+    assert code == 2
+    assert told in said
+    assert "/proc/no/folder" not in said
+
+
+def test_a_known_bench_is_set_up_for():
+    _, said = dev("bench", "oclingo")
+    assert "/proc/no/folder" in said
+
+
+def test_help_needs_no_set_up():
+    code, said = dev("bench", "--help")
+    assert code == 0
+    assert not said
 
 
 def python38(path, body):

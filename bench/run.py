@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+"""Runs the benches' short forms one after the other and prints one table of their figures: ./dev bench.
+
+With --against another commit is measured beside this checkout, in turns: one run of each, three times or more. It is
+built once, in a folder of its own outside the source tree. This checkout's benches measure both, so that the measure is
+the same; where one does not run there, that commit's own does if it writes figures, else the bench is "not there".
+The ratio is that of the bests; "better" and "worse" mark those that differ by more than a tenth.
+
+The exit code is 0; 1 if a bench failed or the other commit cannot be built; 2 for a wrong command line.
+"""
+
+import argparse
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Callable, Dict, List, Optional, Sequence
+
+import figures
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "test"))
+
+from processes import run  # noqa: E402
+
+BENCHES = sorted(
+    path.stem
+    for path in (ROOT / "bench").glob("*.py")
+    if path != Path(__file__).resolve() and path.read_text().startswith("#!")  # the others are modules of theirs
+)
+LIMIT = 900.0  # s that a bench may take
+FEWEST = 3  # rounds, where two versions are compared
+SHOWN = 15  # lines of a failed bench's output
+
+
+class BenchError(Exception):
+    """A bench has failed; the message is why."""
+
+
+class Checkout:
+    """This checkout, or the tree of another commit: where its benches lie, best first, and what begins the command."""
+
+    def __init__(self, name: str, folders: Sequence[Path], start: Sequence[str], logs: Path) -> None:
+        self.name, self._folders, self._start, self._logs = name, folders, start, logs
+        self._scripts: Dict[str, Path] = {}  # what has run
+
+    def measure(self, bench: str) -> List[figures.Figure]:
+        """Run a bench's short form; raises BenchError."""
+        reasons = []
+        for script in self._candidates(bench):
+            try:
+                found = self._measure(script)
+            except BenchError as failed:
+                reasons.append(str(failed))
+            else:
+                self._scripts[bench] = script
+                return found
+        raise BenchError(reasons[0])
+
+    def _candidates(self, bench: str) -> List[Path]:
+        if bench in self._scripts:
+            return [self._scripts[bench]]
+        return [path for path in (folder / f"{bench}.py" for folder in self._folders) if path.exists()]
+
+    def _measure(self, script: Path) -> List[figures.Figure]:
+        handle, name = tempfile.mkstemp(prefix=f"{script.stem}-{self.name}-", suffix=".log", dir=str(self._logs))
+        os.close(handle)
+        log = Path(name)
+        result = log.with_suffix(".json")
+        ended = run([*self._start, str(script), "--short", "--json", str(result)], log, LIMIT, os.environ)
+        if ended.code is None:
+            raise BenchError(f"it did not end within {LIMIT:.0f} s, its output is {log}")
+        if ended.code != 0:
+            last = log.read_text(errors="replace").rstrip().splitlines()[-SHOWN:]
+            raise BenchError("\n    ".join([f"exit code {ended.code}, all of its output is {log}", *last]))
+        try:
+            return figures.read(result)
+        except (OSError, figures.FigureError) as error:
+            raise BenchError(f"it has written no figures: {error}") from error
+
+
+def git(*arguments: str) -> bytes:
+    """Return what git says about this checkout; raises subprocess.CalledProcessError."""
+    command = ["git", "-C", str(ROOT), *arguments]
+    return subprocess.run(command, check=True, capture_output=True).stdout
+
+
+def commit_named(text: str) -> str:
+    """Return the commit that git knows by a name, for argparse."""
+    try:
+        return git("rev-parse", "--verify", "--quiet", text + "^{commit}").decode().strip()
+    except FileNotFoundError:
+        raise argparse.ArgumentTypeError("git is not there: it has the other commit") from None
+    except subprocess.CalledProcessError as error:
+        why = error.stderr.decode().strip() or f"git knows no such commit: {text}"
+        raise argparse.ArgumentTypeError(why) from None
+
+
+def make_once(target: Path, make: Callable[[Path], object]) -> None:
+    """Make a folder unless it is there; whole or not at all, also where another run makes it at the same time."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if target.exists():
+        return
+    with tempfile.TemporaryDirectory(dir=str(target.parent)) as name:
+        draft = Path(name) / "draft"
+        make(draft)
+        try:
+            draft.rename(target)
+        except OSError:
+            if not target.exists():
+                raise
+
+
+def export(commit: str, folder: Path) -> None:
+    """Write the files of a commit to a folder."""
+    folder.mkdir()
+    subprocess.run(["tar", "-x", "-C", str(folder)], check=True, input=git("archive", commit))
+
+
+def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
+    """Build another commit where that is not done yet; its own ``./dev`` does it. Raises BenchError."""
+    tree, ours = base / commit[:12], ROOT / "bench"
+    make_once(tree, lambda folder: export(commit, folder))
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(ours.glob("*.py")))).hexdigest()[:8]
+    lent = tree / f"bench-{digest}"  # beside its own folder, so that "../src" is that commit's
+    make_once(
+        lent, lambda folder: shutil.copytree(str(ours), str(folder), ignore=shutil.ignore_patterns("__pycache__"))
+    )
+    os.environ["ROSOCLINGO_HOME"] = str(base)
+    start = [str(tree / "dev"), "exec"]
+    try:
+        subprocess.run([*start, "true"], check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise BenchError(f"commit {commit[:12]} cannot be built: {error}") from error
+    return Checkout(commit[:8], [lent, tree / "bench"], [*start, "python3"], logs)
+
+
+def compare(bench: str, here: Checkout, there: Optional[Checkout], rounds: int) -> List[figures.Row]:
+    """Run a bench of one checkout or of two in turns; raises BenchError where it fails in this one."""
+    runs: Dict[str, list] = {"here": [], "there": []}
+    sides = {"here": here} if there is None else {"here": here, "there": there}
+    missing = False
+    for side in figures.turns(list(sides), rounds):
+        if side == "there" and missing:
+            continue
+        tell(f"{bench}: {sides[side].name}")
+        try:
+            runs[side].append(sides[side].measure(bench))
+        except BenchError as failed:
+            if side == "here" or runs["there"]:
+                raise
+            missing = True
+            tell(f"{bench}: not there in {sides[side].name}: {failed}")
+    return figures.rows(bench, runs["here"], runs["there"])
+
+
+def tell(text: str) -> None:
+    print(f"bench: {text}", file=sys.stderr, flush=True)
+
+
+def measure_all(options, logs: Path) -> int:
+    """Run what was asked for and print the table; return the exit code."""
+    here, there = Checkout("here", [ROOT / "bench"], [sys.executable], logs), None
+    if options.against:
+        there = other_checkout(options.against, options.work / "against", logs)
+    found, failures = [], 0
+    for bench in options.names or BENCHES:
+        try:
+            found += compare(bench, here, there, options.rounds)
+        except BenchError as failed:
+            failures += 1
+            tell(f"error: {bench} failed: {failed}")
+    print(figures.table(found, there and there.name))
+    print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
+    if failures:
+        tell(f"error: {failures} of {len(options.names or BENCHES)} failed")
+    return min(failures, 1)
+
+
+def command_line():
+    """Return what was asked for; ends with exit code 2 where it is wrong."""
+    parser = argparse.ArgumentParser(
+        "./dev bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"all without a name: {' '.join(BENCHES)}")
+    parser.add_argument(
+        "--against", type=commit_named, metavar="COMMIT", help="another commit to measure beside this checkout"
+    )
+    parser.add_argument(
+        "--rounds", type=int, help=f"runs of each bench (default: 1, with --against {FEWEST}, the fewest there)"
+    )
+    parser.add_argument(
+        "--work", type=Path, help=argparse.SUPPRESS
+    )  # ./dev's folder; without, the line is only checked
+    options = parser.parse_args()
+    for name in options.names:
+        if name not in BENCHES:
+            parser.error(f"no such bench: {name}; there are {' '.join(BENCHES)}")
+    fewest = FEWEST if options.against else 1
+    options.rounds = fewest if options.rounds is None else options.rounds
+    if options.rounds < fewest:
+        parser.error(f"--rounds is at least {fewest} here")
+    return options
+
+
+def main() -> int:
+    options = command_line()
+    if options.work is None:
+        return 0
+    (options.work / "bench").mkdir(exist_ok=True)
+    logs = Path(tempfile.mkdtemp(dir=str(options.work / "bench")))
+    try:
+        code = measure_all(options, logs)
+    except BenchError as failed:
+        tell(f"error: {failed}")
+        return 1
+    if code == 0:
+        shutil.rmtree(str(logs))  # else they tell why
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,162 @@
+"""The runner of the benches, on small repositories with benches that measure nothing, and on a real one."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.append(str(ROOT / "bench"))
+
+import run  # noqa: E402
+
+BENCH = """#!/usr/bin/env python3
+import sys
+from pathlib import Path
+{more}
+here = Path(__file__).resolve().parents[1]
+value = int((here / "src" / "value").read_text())
+figure = '{{"name": "{name}", "value": %d, "unit": "ms", "better": "lower"}}' % value
+assert sys.argv[1:3] == ["--short", "--json"]
+Path(sys.argv[3]).write_text(figure)
+"""
+DEV = '#!/bin/sh\n[ "$1" = exec ] && shift && exec "$@"\n'
+
+
+class Repository:
+    """A repository with a value that its bench reads, in place of this one."""
+
+    def __init__(self, folder, monkeypatch):
+        self.folder = folder
+        monkeypatch.setattr(run, "ROOT", folder)
+        self.git("init", "--quiet")
+        self.write("dev", DEV).chmod(0o755)
+
+    def git(self, *words):
+        name = ("-c", "user.name=test", "-c", "user.email=test@localhost")
+        subprocess.run(["git", *name, *words], cwd=self.folder, check=True, timeout=60)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        return path
+
+    def bench(self, name, more=""):
+        self.write("bench/speed.py", BENCH.format(name=name, more=more))
+
+    def commit(self, value):
+        self.write("src/value", str(value))
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "-m", "a value")
+        return run.commit_named("HEAD")
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    if not shutil.which("git"):
+        pytest.skip("git is not there")
+    monkeypatch.setenv("ROSOCLINGO_HOME", str(tmp_path))  # which the runner sets
+    (tmp_path / "repository").mkdir()
+    (tmp_path / "logs").mkdir()
+    return Repository(tmp_path / "repository", monkeypatch)
+
+
+def compare(repository, commit, rounds=3):
+    logs = repository.folder.parent / "logs"
+    here = run.Checkout("here", [repository.folder / "bench"], [sys.executable], logs)
+    there = run.other_checkout(commit, repository.folder.parent / "against", logs)
+    return [(row.name, row.here, row.there) for row in run.compare("speed", here, there, rounds)]
+
+
+def test_this_checkouts_bench_measures_a_commit_that_has_none(repository):
+    commit = repository.commit(3)
+    repository.bench("a value")
+    repository.commit(2)
+    assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
+
+
+def test_it_measures_a_commit_that_has_another(repository):
+    repository.bench("another value")
+    commit = repository.commit(3)
+    repository.bench("a value")
+    repository.write("src/value", "2")  # not committed
+    assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
+    repository.bench("a newer value")
+    assert compare(repository, commit) == [("a newer value", (2.0,) * 3, (3.0,) * 3)]
+
+
+NEEDS_NEW = 'sys.path.append(str(Path(__file__).resolve().parents[1] / "src"))\nimport new'
+
+
+def test_where_it_does_not_run_the_commits_own_does(repository):
+    repository.bench("a value")
+    commit = repository.commit(3)
+    repository.bench("a value", NEEDS_NEW)
+    repository.write("src/new.py", "")
+    repository.write("src/value", "2")
+    assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
+
+
+def test_where_none_runs_it_is_told_why(repository, capfd):
+    commit = repository.commit(3)
+    repository.bench("a value", NEEDS_NEW)
+    repository.write("src/new.py", "")
+    assert compare(repository, commit) == [("a value", (3.0,) * 3, ())]
+    said = capfd.readouterr().err
+    assert f"speed: not there in {commit[:8]}" in said
+    assert "No module named 'new'" in said
+    assert said.count(f"speed: {commit[:8]}") == 1, "it was tried again"
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [("raise SystemExit(3)", "exit code 3"), ("raise SystemExit", "no figures"), ("print('here', 1 / 0)", "division")],
+)
+def test_a_bench_that_fails_here_is_told(repository, more, told):
+    repository.bench("a value", more)
+    with pytest.raises(run.BenchError, match=told):
+        compare(repository, repository.commit(3))
+
+
+def test_a_bench_that_does_not_end_is_ended(repository, monkeypatch):
+    monkeypatch.setattr(run, "LIMIT", 0.5)
+    repository.bench("a value", "import time\ntime.sleep(600)")
+    with pytest.raises(run.BenchError, match="did not end within"):
+        compare(repository, repository.commit(3))
+
+
+def test_a_commit_that_cannot_be_built_is_told(repository):
+    repository.write("dev", "#!/bin/sh\nexit 1\n").chmod(0o755)
+    repository.bench("a value")
+    with pytest.raises(run.BenchError, match="cannot be built"):
+        compare(repository, repository.commit(3))
+
+
+def runner(*arguments):
+    command = [sys.executable, str(ROOT / "bench" / "run.py"), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+@pytest.mark.slow
+def test_a_real_bench(tmp_path):
+    done = runner("service", "--work", tmp_path)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
+    assert [line.split()[0] for line in lines[1:-1]] == ["service"] * 6
+    assert not list((tmp_path / "bench").iterdir()), "the logs of what went well are removed"
+
+
+@pytest.mark.parametrize("name", run.BENCHES)
+def test_every_bench_has_a_short_form_and_hands_its_figures_on(name):
+    text = (ROOT / "bench" / f"{name}.py").read_text()
+    assert " = parse(parser, " in text
+    assert "write(" in text
+
+
+def test_the_modules_that_benches_share_are_none():
+    assert not {"run", "figures", "ros_system", "tour_floors"} & set(run.BENCHES)
+    assert {"oclingo", "response", "tours"} <= set(run.BENCHES)
