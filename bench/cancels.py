@@ -110,7 +110,7 @@ def main():
     print(f"solver processes replaced: {run.lost} that were lost, {replaced - run.lost} that had grown")
     print(f"the longest turn, with all that was ground, solved and rebuilt in it: {run.longest:.2f} s")
     found = [Figure("a goal", 1000 * seconds / options.goals, "ms"), Figure("longest turn", 1000 * run.longest, "ms")]
-    write(options.json, [*found, Figure("processes lost", run.lost, "of them")])
+    write(options.json, [*found, Figure("processes lost", run.lost, "")])
 
 
 if __name__ == "__main__":

@@ -50,10 +50,12 @@ class Row(NamedTuple):
 
     @property
     def mark(self) -> str:
-        """ "better" or "worse" where the two differ by more than a tenth, else nothing."""
+        """ "better" or "worse" where the two differ by more than a tenth, else nothing; "?" follows if runs overlap."""
         if self.ratio is None or abs(self.ratio - 1.0) <= TENTH:
             return ""
-        return "better" if (self.ratio < 1.0) == (self.better == "lower") else "worse"
+        apart = max(self.here) < min(self.there) or min(self.here) > max(self.there)
+        word = "better" if (self.ratio < 1.0) == (self.better == "lower") else "worse"
+        return word if apart else word + "?"
 
 
 def parse(parser, **short):

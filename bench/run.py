@@ -4,7 +4,8 @@
 With --against another commit is measured beside this checkout, in turns: one run of each, three times or more. It is
 built once, in a folder of its own outside the source tree. This checkout's benches measure both, so that the measure is
 the same; where one does not run there, that commit's own does if it writes figures, else the bench is "not there".
-The ratio is that of the bests; "better" and "worse" mark those that differ by more than a tenth.
+The ratio is that of the bests; "better" and "worse" mark those that differ by more than a tenth, with "?" where some
+runs of the one are as good as some of the other: more rounds, or a machine with less to do, tell whether it is so.
 
 The exit code is 0; 1 if a bench failed or the other commit cannot be built; 2 for a wrong command line.
 """
@@ -217,6 +218,9 @@ def main() -> int:
     except BenchError as failed:
         tell(f"error: {failed}")
         return 1
+    except KeyboardInterrupt:
+        tell(f"interrupted; the output of what has run is in {logs}")
+        return 130
     if code == 0:
         shutil.rmtree(str(logs))  # else they tell why
     return code

@@ -87,7 +87,10 @@ def test_runs_are_gathered_by_name():
         ([2.18], [2.0], "lower", 1.09, ""),
         ([2.5], [2.0], "lower", 1.25, "worse"),
         ([1.0], [2.0], "lower", 0.5, "better"),
-        ([1.0, 8.0], [4.0, 2.0], "higher", 2.0, "better"),
+        ([1.0, 8.0], [4.0, 2.0], "higher", 2.0, "better?"),
+        ([8.0, 5.0], [4.0, 2.0], "higher", 2.0, "better"),
+        ([3.0, 5.0], [2.0, 3.0], "lower", 1.5, "worse?"),
+        ([4.0, 5.0], [2.0, 3.0], "lower", 2.0, "worse"),
         ([3.0], [4.0], "higher", 0.75, "worse"),
         ([0.0], [0.0], "lower", 1.0, ""),
         ([1.0], [0.0], "lower", float("inf"), "worse"),
@@ -125,6 +128,6 @@ def test_the_table_of_two_versions():
     found = [row([3.0, 2.0, 4.0], [4.0, 5.0, 5.0]), Row("tours", "pace", "s per s", "higher", (50.0,), ())]
     assert table(found, "0123abcd").splitlines() == [
         "bench   figure     unit     best  median  0123abcd: best  median  ratio",
-        "solver  an update  ms          2       3               4       5   0.50  better",
+        "solver  an update  ms          2       3               4       5   0.50  better?",
         "tours   pace       s per s    50      50               -       -      -",
     ]
