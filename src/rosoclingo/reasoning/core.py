@@ -21,12 +21,12 @@ from rosoclingo.reasoning.goal_manager import GoalDesk
 from rosoclingo.reasoning.goal_status import Statuses, judge
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
-from rosoclingo.reasoning.intake import Intake
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.observations import DONE
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
+from rosoclingo.reasoning.returns import Intake
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
 

@@ -4,8 +4,8 @@ from typing import FrozenSet, Tuple
 
 from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
-from rosoclingo.reasoning.intake import Intake
 from rosoclingo.reasoning.keywords import PREEMPTED, Action, Return
+from rosoclingo.reasoning.returns import Intake
 from rosoclingo.reasoning.stream_planner import Planner
 
 

@@ -340,7 +340,7 @@ def test_a_message_has_a_greatest_number_of_facts():
 
 
 def test_only_so_many_facts_wait_while_an_action_runs(monkeypatch):
-    monkeypatch.setattr("rosoclingo.reasoning.intake.MOST_WAITING", 5)
+    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_WAITING", 5)
     driver = Driver().goal("a", "do(walk,1)").facts(*(f"_seen({number})" for number in range(8)))
     assert driver.journal.problems == [
         f"'_seen({number})' from 'interface' is ignored: 5 facts wait for the next update already"

@@ -1,8 +1,8 @@
 import pytest
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning.dispatch import Dispatch, ReturnError
 from rosoclingo.reasoning.keywords import TIMEOUT, action_of, return_of
+from rosoclingo.reasoning.returns import Dispatch, ReturnError
 
 
 def dispatch(*actions):

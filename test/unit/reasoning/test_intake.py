@@ -13,7 +13,7 @@ MOST_FACTS = 3
 @pytest.fixture(autouse=True)
 def few_facts(monkeypatch):
     """Messages have few facts, to be quick."""
-    monkeypatch.setattr("rosoclingo.reasoning.intake.MOST_FACTS", MOST_FACTS)
+    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_FACTS", MOST_FACTS)
 
 
 def test_as_many_facts_as_a_message_may_have():
@@ -56,7 +56,7 @@ def test_actions_that_time_out_are_told_one_by_one():
 
 
 def test_so_many_facts_that_name_their_cycle_are_remembered(monkeypatch):
-    monkeypatch.setattr("rosoclingo.reasoning.intake.KNOWN", 2)
+    monkeypatch.setattr("rosoclingo.reasoning.returns.KNOWN", 2)
     driver = Driver(BATTERY).facts("_battery(high,7)", "_battery(high,8)").facts("_battery(high,7)", "_battery(high,8)")
     assert len(driver.journal.updates) == 1, "told again they are nothing new"
     driver.facts("_battery(high,9)").facts("_battery(high,8)")
