@@ -8,7 +8,7 @@ from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.reasoning.program_fitness import constant_remarks, program_warnings
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
-DELIVERY = (ENCODINGS / "delivery.lp").read_text().splitlines()
+RULES = (ENCODINGS / "delivery" / "rules.lp").read_text().splitlines()
 ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < n."
 EXTERNALS = "#external _request/2. #external _return/3."
 CONSTANTS = """#const n = 3.
@@ -34,8 +34,8 @@ def test_the_shipped_programs_are_fit(files):
     assert constant_remarks(program, {"capacity": parse_term("1"), "tries": parse_term("5")}) == ([], [])
     (fault,), _ = constant_remarks(program, {"capacity": parse_term("three")})
     assert fault.startswith("capacity is three, but the program's own value is 3 (")
-    line = next(line for line, text in enumerate(DELIVERY, 1) if text.startswith("#const capacity"))
-    assert fault.endswith(f"delivery.lp:{line}): give a number")
+    line = next(line for line, text in enumerate(RULES, 1) if text.startswith("#const capacity"))
+    assert fault.endswith(f"delivery/rules.lp:{line}): give a number")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,79 @@
+"""The names of the shared rules of delivery: few are a domain's concern, and few join the files."""
+
+import re
+from pathlib import Path
+
+import pytest
+from clingo.ast import ASTType
+from core_driver import Driver
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.directives import Directives
+from rosoclingo.oclingo.program.signatures import Signature, occurrences
+from rosoclingo.oclingo.program.sources import Source, read_sources
+from rosoclingo.reasoning import CoreSettings
+
+ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
+FILES = sorted((ENCODINGS / "delivery").glob("*.lp"))
+
+
+def statements(*files):
+    parsed = [read_sources([Source.from_file(file)], Directives(), []) for file in files]
+    return [one for sources in parsed for source in sources for one in source.statements]
+
+
+def predicates(head, *files):
+    """The predicates in heads, or those in bodies and conditions."""
+    found = (one for statement in statements(*files) for one in occurrences(statement))
+    return {one.signature for one in found if one.head == head}
+
+
+def listed(file):
+    """The predicates that the comment at the top of a file lists, each at the begin of a line or after another."""
+    text = file.read_text(encoding="utf-8").split("\n#")[0]
+    lines = [line[4:].split("  ")[0] for line in text.splitlines() if line.startswith("%   ")]
+    forms = [form for line in lines for form in re.findall(r"([_a-z]\w*)\(([^()]*)\)", line)]
+    return {Signature(name, len(arguments.split(","))) for name, arguments in forms}
+
+
+def test_what_fails_is_joined_to_the_other_rules_by_the_hooks_that_are_listed():
+    rules = [ENCODINGS / "delivery" / name for name in ("rules.lp", "statuses.lp")]
+    others = [file for file in FILES if file not in rules]
+    assert len(others) == 2
+    hooks = predicates(False, *rules) & (predicates(True, *others) - predicates(True, *rules))
+    assert hooks == listed(ENCODINGS / "delivery" / "rules.lp")
+    assert len(hooks) <= 6
+
+
+def test_every_name_is_listed_or_begins_with_an_underscore():
+    known = listed(ENCODINGS / "delivery.lp") | listed(ENCODINGS / "delivery" / "rules.lp")
+    assert Signature("place", 1) in known
+    names = {one for one in predicates(True, *FILES) if not one.name.startswith("_")}
+    assert names <= known
+    given = {one.name for one in known - names if not one.name.startswith("_")}
+    assert given == {"place", "connection", "start", "kind", "cancel", "order", "refused"}
+
+
+def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_may_have():
+    names = {one.name for one in statements(*FILES) if one.ast_type == ASTType.Definition}
+    assert {name for name in names if not name.startswith("_")} == {"capacity", "tries"}
+    assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period"}
+
+
+@pytest.mark.parametrize("thing", ["window", "told", "memory", "period"])
+def test_a_thing_may_have_any_name(thing):
+    files = [ENCODINGS / "house.lp", ENCODINGS / "home.lp"]
+    sources = [*map(Source.from_file, files), Source("more", f"#program base. thing({thing},kitchen).")]
+    house = Driver(settings=CoreSettings(), program=ReactiveProgram(sources))
+    house.goal("first", f"bring(bedroom,{thing})").finish()
+    assert house.states("first")[-1] == "succeeded"
+
+
+def test_a_domain_may_use_the_names_of_helpers():
+    own = "#program cumulative(t). closed(shop,t). line(1). valid(1,t). check(t). idle(t). shut(office1,t). way(a,b)."
+    files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
+    program = ReactiveProgram([*map(Source.from_file, files), Source("own", own)])
+    mailbot = Driver(settings=CoreSettings(), program=program)
+    mailbot.goal("first", "goal(office3,office2,1)").finish()
+    assert mailbot.states("first")[-1] == "succeeded"
+    assert len(mailbot.journal.actions) == 5
