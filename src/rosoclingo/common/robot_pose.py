@@ -14,10 +14,11 @@ class RobotPose:
 
     Parameters
     ----------
-        ~map_frame (string, "map"), ~base_frame (string, "base_link"): the frames between which the robot is looked up.
-        ~pose_max_age (float, 5.0): seconds of ROS time after which a pose is too old to be believed.
+        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames between which the robot is
+            looked up.
+        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
     Subscribes:
-        /tf, /tf_static
+        /tf, /tf_static (tf2_msgs/TFMessage)
 
     """
 

@@ -84,7 +84,7 @@ class Interface(abc.ABC):
         /diagnostics (diagnostic_msgs/DiagnosticArray): server, actions under way, counts, the last failure and
             fault, once a second and on change.
     Actions called:
-        the server that is given by name; it may come, go and come back.
+        SERVER: that of the action, by name and type; it may come, go and come back.
 
     Arguments: the interface's name (the first argument of `_action_lib`), the action type, the server's name, time
     limits and retries, the reasons after which a goal is sent again, and the worker on which all this runs.

@@ -24,14 +24,15 @@ class InterfacesNode:
 
     Parameters
     ----------
-        ~interfaces (mapping): the entries, as config.py describes them.  Default: those of config/interfaces.yaml.
-        ~names (list): which of them this node runs.  Default: what the script says, else all.
-        ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.  Default: none, so that an entry
-            that asks for the pose of a label returns unknown_label.
-        ~frame (string, "map"): tf frame of labels that name none.
-        ~server, ~timeout, ~server_timeout, ~pause, ~retries: in place of the entry's own, if the node runs a single
-            interface.
-    Topics and actions: those of Interface, for each.
+        ~interfaces (map, optional): the entries, as doc/interfaces.md has them; without, those of
+            config/interfaces.yaml.
+        ~names (list of str, default []): which of them this node runs; without, what the script says, else all.
+        ~labels (map, optional): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`; without, an entry that asks
+            for the pose of a label returns unknown_label.
+        ~frame (str, default "map"): tf frame of labels that name none.
+        ~server (str, optional), ~timeout (float, optional), ~server_timeout (float, optional), ~pause (float,
+            optional), ~retries (int, optional): in place of the entry's own, if the node runs a single interface.
+    Topics and actions are those of Interface, for each of them.
     Raises ConfigError, listing every fault, if a parameter cannot be used.
 
     """

@@ -90,7 +90,10 @@ class AccountNode(TopicAccount):
     """Tells the account of what happens from now on.
 
     Subscribes:
-        all of TOPICS, and /clock through ROS time.
+        out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), rosoclingo/task_plan (rosoclingo/TaskPlan)
+        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
+        rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/updates (std_msgs/String)
+        packages (rosoclingo/PackageStates), base_pose_ground_truth (nav_msgs/Odometry)
     """
 
     def __init__(self, say: Callable[[str], None], labels: Optional[LabelTable] = None) -> None:

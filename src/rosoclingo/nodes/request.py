@@ -17,6 +17,9 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> 
     """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES.
 
     A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost.
+
+    Actions called:
+        SERVER (rosoclingo/ROSoClingo): that of ``server``.
     """
     client = CoreClient(server)
     if not client.wait_for_server(wait):

@@ -14,15 +14,15 @@ from rosoclingo.common.starting import missing, needed_modules
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 PARAMETERS = {
     "core": ["~program_files (list of str, required)", "~horizon_limit (int, default 100)"],
-    "interface": ["~interfaces (mapping)", "~server_timeout"],
-    "move_base_interface": ["~interfaces (mapping)"],
-    "record": ["~topics (list of strings)"],
+    "interface": ["~interfaces (map, optional)", "~server_timeout"],
+    "move_base_interface": ["~interfaces (map, optional)"],
+    "record": ["~topics (list of str, required)"],
     "markers": ["~panel (list"],
-    "office": ["~duration (float, 3.0)"],
-    "map_server": ["~frame_id (string", "[MAP.yaml]"],
+    "office": ["~duration (float, default 3.0)"],
+    "map_server": ["~frame_id (str, default", "[MAP.yaml]"],
     "fake_localization": ["~odom_frame_id"],
-    "simulator": ["~speed (float, 1.0)"],
-    "move_base": ["~controller_frequency", "doc/simulator_and_navigation.md"],
+    "simulator": ["~speed (float, default 1.0)"],
+    "move_base": ["~controller_frequency (float, default 20.0)", "doc/simulator_and_navigation.md"],
 }
 
 

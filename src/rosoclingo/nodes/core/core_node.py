@@ -47,7 +47,8 @@ class CoreNode:
     ----------
         ~program_files (list of str, required): the reactive logic program, files in order.
         ~constants (map, default {}): values of the program's ``#const`` names; numbers where the program has numbers.
-        ~labels (map or list, default {}): named locations; each is given to the program's base part as ``label(Name).``
+        ~labels (map, default {}): named locations, or a list of their names; each is given to the program's base part
+            as ``label(Name).``
         ~horizon_limit (int, default 100): steps that a plan may reach beyond the current cycle.
         ~goals_at_once (int, default 8): goals that the program is told of at the same time; further ones wait, pending,
             the oldest first. 0 for no limit.
@@ -70,7 +71,7 @@ class CoreNode:
             of its search and what is past: played with ``oclingo --shortest --stream`` they give the same plans.
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
-    Actions:
+    Actions served:
         rosoclingo (rosoclingo/ROSoClingo): goals of any number of clients, each with its own status.
 
     Raises ParameterError and ProgramError when it cannot start.

@@ -46,11 +46,11 @@ class RecorderNode:
 
     Parameters
     ----------
-        ~topics (list of strings): what to record.
-        ~bag (string, ""): the bag's file; empty: mailbot_DATE.bag in the working directory, for roslaunch ~/.ros.
-        ~patience (float, 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
+        ~topics (list of str, required): what to record.
+        ~bag (str, default ""): the bag's file; empty: mailbot_DATE.bag in the working directory, for roslaunch ~/.ros.
+        ~patience (float, default 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
     Subscribes:
-        all of ~topics, whatever their types.
+        TOPIC: each of ~topics, whatever its type.
 
     Raises ParameterError and BagError.
 

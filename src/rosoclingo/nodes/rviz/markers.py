@@ -39,17 +39,21 @@ class MarkersNode:
 
     Parameters
     ----------
-        ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
-        ~map_frame (string, "map"), ~base_frame (string, "base_link"), ~pose_max_age (float, 5.0): as in RobotPose.
-        ~robot_radius (float, 0.18): metres.
-        ~panel (list, []): x and y in metres of the upper edge's middle of the plan's text; empty: below the map.
-        ~title (string, ""): words to the left of the plan's text.
-        ~size (float, 0.0): by how much texts and arrows are larger than for a map of 16 m; 0: by the size of the map.
+        ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
+        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames between which the robot is
+            looked up.
+        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
+        ~robot_radius (float, default 0.18): metres.
+        ~panel (list, default []): x and y in metres of the upper edge's middle of the plan's text; empty: below the
+            map.
+        ~title (str, default ""): words to the left of the plan's text.
+        ~size (float, default 0.0): by how much texts and arrows are larger than for a map of 16 m; 0: by the size of
+            the map.
     Subscribes:
-        map (nav_msgs/OccupancyGrid): for the two, where they are not given.
+        map (nav_msgs/OccupancyGrid): for panel and size, where one of them is not given.
         packages (rosoclingo/PackageStates): where the packages are.
         rosoclingo/task_plan (rosoclingo/TaskPlan): the current plan.
-        /tf, /tf_static
+        /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
         ~markers (visualization_msgs/MarkerArray, latched): everything anew whenever something has changed.
 

@@ -31,13 +31,14 @@ class ScenarioPlayer:
 
     Subscribes:
         rosoclingo/task_plan (rosoclingo/TaskPlan): the cycles that events refer to.
-        NAME/status for each name of ``wait_for``: the action servers that have to be there.
+        NAME/status (actionlib_msgs/GoalStatusArray): of the action servers that have to be there, ``wait_for``.
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
     Services called:
-        office/put_package (rosoclingo/PutPackage), when the scenario puts packages, and those that it names.
+        office/put_package (rosoclingo/PutPackage): when the scenario puts packages.
+        SERVICE: those that the scenario names.
     Actions called:
-        rosoclingo (rosoclingo/ROSoClingo), with a client of its own for each client of the scenario.
+        rosoclingo (rosoclingo/ROSoClingo): with a client of its own for each client of the scenario.
     """
 
     def __init__(

@@ -54,16 +54,17 @@ class FakeLocalizationNode:
 
     Parameters
     ----------
-        ~odom_frame_id (string, "odom"), ~base_frame_id (string, "base_link"), ~global_frame_id (string, "map")
-        ~delta_x, ~delta_y, ~delta_yaw (float, 0.0): a point of the world is turned back by the yaw (rad), then moved
-        back by x and y (m), and so has its place in the map.
-        ~transform_tolerance (float, 0.1): map -> odom is dated that far (s) into the future.
+        ~odom_frame_id (str, default "odom"), ~base_frame_id (str, default "base_link"),
+            ~global_frame_id (str, default "map"): the frames of odometry, robot and map.
+        ~delta_x, ~delta_y, ~delta_yaw (float, default 0.0): a point of the world is turned back by the yaw (rad), then
+            moved back by x and y (m), and so has its place in the map.
+        ~transform_tolerance (float, default 0.1): map -> odom is dated that far (s) into the future.
     Subscribes:
         base_pose_ground_truth (nav_msgs/Odometry)
         initialpose (geometry_msgs/PoseWithCovarianceStamped): moves the map so that the robot is there; in any frame.
-        /tf, /tf_static
+        /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
-        amcl_pose (geometry_msgs/PoseWithCovarianceStamped), particlecloud (geometry_msgs/PoseArray): latched
+        amcl_pose (geometry_msgs/PoseWithCovarianceStamped, latched), particlecloud (geometry_msgs/PoseArray, latched)
         /tf (tf2_msgs/TFMessage): global_frame_id -> odom_frame_id
 
     """

@@ -52,8 +52,8 @@ class MapServerNode:
 
     Parameters
     ----------
-        ~frame_id (string, "map"): the frame of the map.
-        ~map (string): the map's YAML file, unless it is given on the command line.
+        ~frame_id (str, default "map"): the frame of the map.
+        ~map (str, required): the map's YAML file, unless it is given on the command line.
     Publishes:
         map (nav_msgs/OccupancyGrid, latched), map_metadata (nav_msgs/MapMetaData, latched)
     Services:

@@ -80,18 +80,19 @@ class OfficeNode:
 
     Parameters
     ----------
-        ~labels (mapping): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
-        ~packages (mapping, {}): which packages lie where at the start, `{office3: [1, 2]}`.
-        ~appear (bool, false): a package never heard of is found where the robot first tries to pick it up.
-        ~capacity (int, 3): how many packages the robot can carry.
-        ~duration (float, 3.0): seconds of ROS time that the arm takes.
-        ~tolerance (float, 0.5): metres within which the robot counts as at a label.
-        ~map_frame (string, "map"), ~base_frame (string, "base_link"): tf frames between which the robot is looked up.
-        ~pose_max_age (float, 5.0): seconds of ROS time after which a pose is too old to be believed.
+        ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
+        ~packages (map, default {}): which packages lie where at the start, `{office3: [1, 2]}`.
+        ~appear (bool, default false): a package never heard of is found where the robot first tries to pick it up.
+        ~capacity (int, default 3): how many packages the robot can carry.
+        ~duration (float, default 3.0): seconds of ROS time that the arm takes.
+        ~tolerance (float, default 0.5): metres within which the robot counts as at a label.
+        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames between which the robot is
+            looked up.
+        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
     Publishes:
         packages (rosoclingo/PackageStates, latched): where each package is.
     Subscribes:
-        /tf, /tf_static
+        /tf, /tf_static (tf2_msgs/TFMessage)
     Services:
         ~put_package (rosoclingo/PutPackage): put a package at a label, or take it out of the office.
     Actions served:

@@ -41,21 +41,91 @@ class MoveBaseNode:
     """Drives the robot to poses: a stand-in for the package move_base.
 
     The action server appears when there are a map and the robot's pose, and all is compiled; its status topic is
-    there before.
+    there before. Parameters have move_base's and costmap_2d's names; doc/simulator_and_navigation.md says what differs.
 
     Parameters
     ----------
-        As move_base and costmap_2d name them; the page doc/simulator_and_navigation.md lists each with its default:
-        ~base_global_planner, ~base_local_planner, ~recovery_behaviors and what is below the names of these plugins,
-        ~controller_frequency and the other limits, ~footprint, ~global_costmap/..., ~local_costmap/...
+        ~base_global_planner (str, default "rosoclingo.robot.navigation.grid_planner.GridPlanner"): the class path of a
+            GlobalPlanner.
+        ~base_local_planner (str, default "rosoclingo.robot.navigation.follower.RolloutFollower"): that of a
+            LocalPlanner.
+        ~recovery_behaviors (list, optional): mappings with name and type, the class path of a RecoveryBehavior;
+            without, move_base's own four.
+        ~controller_frequency (float, default 20.0): commands in a second.
+        ~planner_frequency (float, default 1.0): plans in a second; 0: for a new goal and when the way is blocked only.
+        ~planner_patience (float, default 5.0), ~controller_patience (float, default 15.0): seconds without a plan, or a
+            command, before the recovery behaviors.
+        ~max_planning_retries (int, default -1): -1: as many as the patience allows.
+        ~oscillation_timeout (float, default 0.0), ~oscillation_distance (float, default 0.5): seconds, 0 for no limit,
+            in which the robot has to come so many metres away.
+        ~progress_timeout (float, default 60.0): seconds in which the way left has to become shorter; 0 for no limit.
+        ~recovery_behavior_enabled (bool, default true), ~clearing_rotation_allowed (bool, default true): whether there
+            are recovery behaviors, and those that turn the robot.
+        ~conservative_reset_dist (float, default 3.0), ~aggressive_reset/reset_distance (float, default 1.84): metres
+            from the robot beyond which the costmap is cleared; the latter is four times ~local_costmap/robot_radius.
+        ~shutdown_costmaps (bool, default false): read no scans without a goal.
+        ~footprint (list, optional), ~global_costmap/footprint (list, default []): corners [x, y] in metres; the latter
+            where both are given; empty: a disc.
+        ~global_costmap/robot_radius (float, default 0.18), ~local_costmap/robot_radius (float, default 0.46): metres;
+            the latter for ~aggressive_reset/reset_distance alone.
+        ~global_costmap/global_frame (str, default "map"), ~global_costmap/robot_base_frame (str, default "base_link")
+        ~global_costmap/transform_tolerance (float, default 0.5): seconds after which a transform is too old.
+        ~local_costmap/global_frame (str, default ""): empty: that of the odometry.
+        ~local_costmap/width, ~local_costmap/height (float, default 6.0): metres.
+        ~global_costmap/publish_frequency (float, default 0.0), ~local_costmap/publish_frequency (float, default 2.0):
+            in a second; 0: only where something subscribes anew.
+        ~global_costmap/update_frequency, ~local_costmap/update_frequency (float, default 5.0): of the footprint, in a
+            second.
+        ~global_costmap/always_send_full_costmap, ~local_costmap/always_send_full_costmap (bool, default false)
+        ~global_costmap/plugins (list, default []): mappings with name and type, which tell the names of the layers
+            below.
+        ~global_costmap/static_layer/map_topic (str, default "map")
+        ~global_costmap/static_layer/lethal_cost_threshold (int, default 100): from it on a cell is occupied.
+        ~global_costmap/inflation_layer/inflation_radius (float, default 0.55): metres.
+        ~global_costmap/inflation_layer/cost_scaling_factor (float, default 10.0)
+        ~global_costmap/obstacle_layer/enabled (bool, default true)
+        ~global_costmap/obstacle_layer/observation_sources (str, default "base_scan"): the name of a laser, SOURCE
+            below.
+        ~global_costmap/obstacle_layer/SOURCE/topic (str, default "base_scan"): without, the source's name.
+        ~global_costmap/obstacle_layer/SOURCE/data_type (str, default "LaserScan")
+        ~global_costmap/obstacle_layer/SOURCE/expected_update_rate (float, default 1.0): seconds after which a scan is
+            too old to drive on; 0: never.
+        ~global_costmap/obstacle_layer/obstacle_range (float, default 5.0),
+            ~global_costmap/obstacle_layer/raytrace_range (float, default 6.0): metres up to which a hit marks, and a
+            ray clears.
+        ~global_costmap/obstacle_layer/static_tolerance (float, default 0.04),
+            ~global_costmap/obstacle_layer/most_tolerance (float, default 0.1): metres to something on the map within
+            which a hit is that thing; the latter with a noisy laser.
+        ~GridPlanner/allow_unknown (bool, default false): plan through unknown cells.
+        ~GridPlanner/default_tolerance (float, default 0.0): metres from a goal that cannot be reached.
+        ~GridPlanner/comfort_weight (float, default 0.15), ~GridPlanner/comfort_distance (float, default 0.45): a path
+            next to a wall costs up to (1 + weight) times one that keeps the distance (m).
+        ~GridPlanner/escape_distance (float, default 0.5): metres to a place with clearance from which it sets off.
+        ~GridPlanner/spacing (float, default 0.25): metres between the points of a path.
+        ~RolloutFollower/max_vel_x (float, default 0.65), ~RolloutFollower/max_vel_theta (float, default 1.2),
+            ~RolloutFollower/acc_lim_x (float, default 1.0), ~RolloutFollower/acc_lim_theta (float, default 3.2): m/s,
+            rad/s, m/s^2, rad/s^2.
+        ~RolloutFollower/xy_goal_tolerance, ~RolloutFollower/yaw_goal_tolerance (float, default 0.1): m, rad.
+        ~RolloutFollower/sim_time (float, default 1.2): seconds that a rollout looks ahead.
+        ~RolloutFollower/vx_samples (int, default 7), ~RolloutFollower/vtheta_samples (int, default 21)
+        ~RolloutFollower/lookahead (float, default 0.7): metres ahead on the path that it aims at.
+        ~RolloutFollower/margin (float, default 0.02), ~RolloutFollower/creep_vel_x (float, default 0.15): metres kept
+            free beside the robot; m/s where there is less.
+        ~RolloutFollower/comfort (float, default 0.15): metres up to which more room counts as better.
+        ~RolloutFollower/turn_gain (float, default 1.8): 1/s, by which it turns slower towards the end of a turn.
+        ~rotate_recovery/max_vel_theta (float, default 1.0), ~rotate_recovery/patience (float, default 20.0): rad/s, s.
     Subscribes:
-        map (nav_msgs/OccupancyGrid), base_scan (sensor_msgs/LaserScan), odom (nav_msgs/Odometry), /tf, /tf_static
+        map (nav_msgs/OccupancyGrid), base_scan (sensor_msgs/LaserScan), odom (nav_msgs/Odometry)
+        /tf, /tf_static (tf2_msgs/TFMessage)
         move_base_simple/goal (geometry_msgs/PoseStamped): a goal without an action client.
     Publishes:
         cmd_vel (geometry_msgs/Twist)
         ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
         ~GridPlanner/plan, ~RolloutFollower/global_plan, ~RolloutFollower/local_plan (nav_msgs/Path)
-        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid), their costmap_updates and footprint
+        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid): the whole, to each new subscriber.
+        ~global_costmap/costmap_updates, ~local_costmap/costmap_updates (map_msgs/OccupancyGridUpdate): the rectangle
+            that has changed.
+        ~global_costmap/footprint, ~local_costmap/footprint (geometry_msgs/PolygonStamped)
     Services:
         ~make_plan, ~GridPlanner/make_plan (nav_msgs/GetPlan), ~clear_costmaps (std_srvs/Empty)
     Actions served:

@@ -49,19 +49,21 @@ class SimulatorNode:
 
     Parameters
     ----------
-        ~world (string): the world file (YAML).
-        ~map (string, ""): a map file (YAML of map_server) instead of the one that the world file names.
-        ~speed (float, 1.0): simulated seconds per second; 0: as fast as it goes and those who command can follow.
-        ~base_watchdog_timeout (float, 0.2): a robot without a command for that long (simulated s) stops; 0: never.
-        ~paused (bool, false): start paused.
-        ~use_model_names (bool, false): several robots: prefix with their names in the world file.
+        ~world (str, required): the world file (YAML).
+        ~map (str, default ""): a map file (YAML of map_server) instead of the one that the world file names.
+        ~speed (float, default 1.0): simulated seconds per second; 0: as fast as it goes and those who command can
+            follow.
+        ~base_watchdog_timeout (float, default 0.2): a robot without a command for that long (simulated s) stops; 0:
+            never.
+        ~paused (bool, default false): start paused.
+        ~use_model_names (bool, default false): several robots: prefix with their names in the world file.
     Subscribes:
         cmd_vel (geometry_msgs/Twist): velocity, one for each robot.
     Publishes:
         /clock (rosgraph_msgs/Clock): simulated time, one message a step.
         /tf (tf2_msgs/TFMessage): odom -> base_footprint -> base_link -> base_laser_link of each robot.
         odom, base_pose_ground_truth (nav_msgs/Odometry), base_scan (sensor_msgs/LaserScan): for each robot;
-        base_scan_0, base_scan_1 ... for one with several lasers.
+            base_scan_0, base_scan_1 ... for one with several lasers.
         ~collisions (std_msgs/String): which robot ran into what, and where.
     Services:
         reset_positions (std_srvs/Empty): put the robots back to where they started.
