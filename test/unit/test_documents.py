@@ -1,0 +1,177 @@
+"""The documents: every page is in the index, every link leads somewhere, the drawing of a request's way is true."""
+
+import ast
+import re
+import textwrap
+from pathlib import Path
+
+import pytest
+from test_house import imports_of
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_updates, solving
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "rosoclingo"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "doc").glob("*.md"))]
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+STEP = re.compile(r"(?P<lead>[ |]*)(?:\+(?P<arrow>-->|\.\.>|==>|~~>) )?(?P<file>[\w/]+\.py)(?P<words>  .*)?")
+
+
+def prose(path):
+    """A page's text without its blocks of code, fenced or indented."""
+    text = re.sub(r"^```.*?^```$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"^    .*$", "", text, flags=re.MULTILINE)
+
+
+def anchors(path):
+    """The anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", prose(path), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+def links(path):
+    return [one for one in LINK.findall(prose(path)) if not re.match(r"\w+:", one)]
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_links_lead_somewhere(path):
+    for link in links(path):
+        name, _, anchor = link.partition("#")
+        target = (path.parent / name).resolve() if name else path
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def test_the_index_has_every_page():
+    index = ROOT / "doc" / "README.md"
+    listed = {(index.parent / link.partition("#")[0]).resolve() for link in links(index)}
+    assert set(PAGES) - {index} <= listed
+
+
+def test_the_index_is_linked_from_the_front_page():
+    assert "doc/README.md" in links(ROOT / "README.md")
+
+
+# ---- the way of a request -------------------------------------------------------------------------------------------
+
+
+def drawing():
+    """The lines of the drawing: (parent's file, arrow, file, words), the parent empty for the first."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## The way of a request")[2]
+    block = text.partition("```text\n")[2].partition("```")[0]
+    found, above = [], {}
+    for line in block.splitlines():
+        step = STEP.fullmatch(line)
+        assert step, f"no line of the drawing: {line}"
+        depth = len(step["lead"]) + (2 if step["arrow"] else 0)
+        above = {place: file for place, file in above.items() if place < depth}
+        found.append((above[max(above)] if above else "", step["arrow"], step["file"], step["words"]))
+        above[depth] = step["file"]
+    return found
+
+
+def module(file):
+    return "rosoclingo." + file[: -len(".py")].replace("/", ".")
+
+
+def imports(file, other):
+    """Whether a file imports another one, or what the front of its folder gives of it."""
+    found, front = imports_of(PACKAGE / file), (PACKAGE / other).parent / "__init__.py"
+    package, name = module(other).rsplit(".", 1)
+    given = {one.rsplit(".", 1)[1] for one in imports_of(front) if one.startswith(f"{package}.{name}.")}
+    return module(other) in found or bool(found & {f"{package}.{one}" for one in given})
+
+
+def texts_of(file):
+    """The texts in a file and in those that it imports from its own folder."""
+    beside = [path for path in (PACKAGE / file).parent.glob("*.py") if module_of(path) in imports_of(PACKAGE / file)]
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (PACKAGE / file, *beside)]
+    constants = [one.value for tree in trees for one in ast.walk(tree) if isinstance(one, ast.Constant)]
+    return {value for value in constants if isinstance(value, str)}
+
+
+def module_of(path):
+    return module(path.relative_to(PACKAGE).as_posix())
+
+
+def test_the_drawing_shows_the_whole_way():
+    assert len(drawing()) > 10
+    assert [line for line in drawing() if not line[1]] == drawing()[:1], "one root"
+    assert {line[1] for line in drawing()} == {None, "-->", "..>", "==>", "~~>"}
+
+
+@pytest.mark.parametrize("line", drawing(), ids=lambda line: line[2])
+def test_the_files_of_the_drawing_exist(line):
+    assert (PACKAGE / line[2]).is_file()
+
+
+@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "-->"], ids=lambda line: line[2])
+def test_what_is_drawn_as_an_import_is_one(line):
+    assert imports(line[0], line[2])
+
+
+@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "..>"], ids=lambda line: line[2])
+def test_what_is_drawn_as_handed_over_comes_from_the_root(line):
+    parent, _, file, _ = line
+    assert not imports(parent, file), "it is an import: draw -->"
+    assert imports(drawing()[0][2], file)
+
+
+@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "==>"], ids=lambda line: line[2])
+def test_what_is_drawn_as_a_process_is_started_by_its_name(line):
+    parent, _, file, _ = line
+    assert not imports(parent, file)
+    assert module(file) in texts_of(parent)
+
+
+@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "~~>"], ids=lambda line: line[2])
+def test_what_is_drawn_as_a_topic_is_named_at_both_ends(line):
+    parent, _, file, words = line
+    topic = words.partition(":")[0].split()[-1]
+    assert topic in texts_of(parent)
+    assert topic in texts_of(file)
+
+
+# ---- the solver's loop ----------------------------------------------------------------------------------------------
+
+
+def code_of(text):
+    """The indented blocks of a text."""
+    return textwrap.dedent("\n".join(line for line in text.splitlines() if not line or line.startswith("    ")))
+
+
+def lift():
+    """The program of doc/oclingo_service.md, its stream, and the answers that the page shows."""
+    text = (ROOT / "doc" / "oclingo_service.md").read_text(encoding="utf-8")
+    program, stream = text.split("```\n")[1:4:2]
+    return ReactiveProgram.from_text(program), parse_updates(stream)
+
+
+def bounded(loop):
+    """The loop, which fails rather than looks ahead for ever."""
+
+    class Bounded(loop):
+        def grow(self):
+            assert self.horizon < 10
+            super().grow()
+
+    return Bounded
+
+
+def test_the_loop_of_the_solver_runs():
+    room = {}
+    exec(code_of(solving.__doc__), room)  # noqa: S102 it is the code under test
+    program, stream = lift()
+    loop, solver = bounded(room["Loop"])(program), ReactiveSolver(program)
+    answers = [sorted(map(str, loop.update(update))) for update in stream]
+    assert answers == [["up(1)", "up(2)"], ["down(3)", "down(4)", "up(1)", "up(2)"]]
+    assert loop.horizon == 4
+    assert answers == [sorted(map(str, solver.update(update).answers[0])) for update in stream]
+
+
+def test_the_loop_is_short_and_names_its_neighbours():
+    assert len([line for line in code_of(solving.__doc__).splitlines() if line.strip()]) <= 40
+    here = {path.name for path in (PACKAGE / "oclingo" / "solving").glob("*.py")}
+    named = set(re.findall(r"(?<![/\w])\w+\.py\b", solving.__doc__))
+    assert named
+    assert named <= here
