@@ -19,7 +19,7 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> 
     A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost.
 
     Actions called:
-        SERVER (rosoclingo/ROSoClingo): that of ``server``.
+        SERVER (rosoclingo/ROSoClingoAction): that of ``server``.
     """
     client = CoreClient(server)
     if not client.wait_for_server(wait):

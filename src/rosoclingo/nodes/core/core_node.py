@@ -72,7 +72,7 @@ class CoreNode:
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Actions served:
-        rosoclingo (rosoclingo/ROSoClingo): goals of any number of clients, each with its own status.
+        rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 
     Raises ParameterError and ProgramError when it cannot start.
 

@@ -38,7 +38,7 @@ class ScenarioPlayer:
         office/put_package (rosoclingo/PutPackage): when the scenario puts packages.
         SERVICE: those that the scenario names.
     Actions called:
-        rosoclingo (rosoclingo/ROSoClingo): with a client of its own for each client of the scenario.
+        rosoclingo (rosoclingo/ROSoClingoAction): with a client of its own for each client of the scenario.
     """
 
     def __init__(

@@ -120,6 +120,7 @@ class MoveBaseNode:
         move_base_simple/goal (geometry_msgs/PoseStamped): a goal without an action client.
     Publishes:
         cmd_vel (geometry_msgs/Twist)
+        move_base/goal (move_base_msgs/MoveBaseActionGoal): what comes by move_base_simple/goal.
         ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
         ~GridPlanner/plan, ~RolloutFollower/global_plan, ~RolloutFollower/local_plan (nav_msgs/Path)
         ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid): the whole, to each new subscriber.
