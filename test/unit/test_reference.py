@@ -3,9 +3,12 @@
 import importlib
 import runpy
 from pathlib import Path
+from pkgutil import extend_path
 
 import pytest
 import yaml
+
+import rosoclingo
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKER = runpy.run_path(str(ROOT / "doc" / "make_reference.py"))
@@ -20,9 +23,18 @@ class Read(Exception):  # noqa: N818 it ends a node's start, not an error
 
 
 @pytest.fixture
-def read_parameters(monkeypatch):
+def workspace(monkeypatch):
+    """The messages that the build has made; unit tests take the package from its sources, where they are not."""
+    pytest.importorskip("rospy")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+
+
+@pytest.fixture
+def read_parameters(monkeypatch, workspace):
     """Starts a node of some class up to where it has read its parameters; gives their names and the defaults."""
-    rospy = pytest.importorskip("rospy")
+    import rospy
+
     tf2_ros = pytest.importorskip("tf2_ros", reason="compiled, and not for this Python")
     from rosoclingo.common import parameters
     from rosoclingo.common.reading import Reader
@@ -64,8 +76,7 @@ def concrete(name):
     return name
 
 
-def test_the_page_is_made_of_the_docstrings():
-    pytest.importorskip("rospy")
+def test_the_page_is_made_of_the_docstrings(workspace):
     assert MAKER["page"]() == MAKER["PAGE"].read_text(encoding="utf-8"), "make it anew: doc/make_reference.py"
 
 
