@@ -143,6 +143,7 @@ class Play:
         self._together = False  # the goal that has ended could not be met beside others
         self._number = 0
         self._rumours = Rumours()
+        self._put_back: Dict[str, str] = {}  # goals whose end must be on its way, else this is wrong
 
     # ---- what the clients and the sensors do --------------------------------------------------------------------
 
@@ -227,6 +228,9 @@ class Play:
             self._fault(f"{text} is no action")
             return
         interface, what, self.cycle = found[1], found[2], int(found[3])
+        for key in [key for key in self._put_back if key in self.live]:
+            self._fault(self._put_back[key])
+        self._put_back.clear()
         self._say(text)
         reason = self._reason(interface, what)
         self._rumours.returned(self.cycle)
@@ -296,8 +300,11 @@ class Play:
         right = set() if wish is None else {wish.to}
         if wish is None or wish.cancelled or not wish.known:
             right.add(thing.origin)
-        if thing.place != ROBOT or self.astray or self.robot not in right:
-            self._fault(f"{what}, which is at {thing.place}, is to be put down at {self.robot}, but belongs to {right}")
+        wrong = f"{what}, which is at {thing.place}, is to be put down at {self.robot}, but belongs to {right}"
+        if thing.place != ROBOT or self.astray or self.robot not in {*right, thing.origin}:
+            self._fault(wrong)
+        elif wish is not None and self.robot not in right:  # an action and the end of a goal may overtake each other
+            self._put_back[wish.key] = wrong
         if reason is None:
             thing.place, thing.slips, thing.missed = self.robot, 0, False
         else:
@@ -325,6 +332,9 @@ class Play:
     def ended(self, key: str, status: str, message: str) -> None:
         """A goal has ended: judge it."""
         wish = self.live.pop(key)
+        wrong = self._put_back.pop(key, None)
+        if wrong is not None and status != "aborted":
+            self._fault(wrong)
         if status not in DONE:
             self._fault(f"{wish.text} ended as {status}: {message}")
             return

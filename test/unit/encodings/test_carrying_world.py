@@ -120,11 +120,25 @@ def test_an_action_is_not_judged_by_a_goal_that_it_crosses():
             play.command("_action_lib(move_base,office2,5)")  # this one may have crossed it as well
             play.command("_action_lib(move_base,office1,6)")
         play.command("_action_lib(deliver,2,7)")
+        play.command("_action_lib(move_base,office2,8)")
         plays.append(play)
     crossed, late = plays
     assert crossed.faults == []
     assert len(late.faults) == 1
     assert "is to be put down at office1" in late.faults[0]
+
+
+@pytest.mark.parametrize(("status", "faults"), [("aborted", 0), ("canceled", 2)])
+def test_an_action_may_overtake_the_end_of_the_goal_that_it_follows_from(status, faults):
+    """What belongs to a goal that was given up is brought back; the end is told on a topic of its own."""
+    play = Play(OFFICE, Deaf(), Random(1), 0)
+    play.things["2"], play.calm = Thing(ROBOT, origin=play.robot, missed=True), True
+    play.wish("2")
+    (wish,) = play.live.values()
+    wish.known = wish.heard = wish.missed = True
+    play.command("_action_lib(deliver,2,7)")
+    play.ended(wish.key, status, "")
+    assert len(play.faults) == faults, play.story
 
 
 @pytest.mark.parametrize("seed", range(20))
