@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import List, Optional
 
+from core_journal import Journal
+
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Problem
-from rosoclingo.reasoning.journal import Journal
 from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 
 #: One errand per goal ``do(What,Id)``; see the file.

@@ -1,10 +1,10 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
+from dataclasses import dataclass
 from typing import List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
-from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
@@ -16,22 +16,44 @@ from rosoclingo.reasoning.events import (
     UpdateSent,
 )
 from rosoclingo.reasoning.explanations import Explanations
-from rosoclingo.reasoning.feeding import feed_less
-from rosoclingo.reasoning.goal_manager import GoalDesk
-from rosoclingo.reasoning.goal_status import Statuses, judge
+from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
 from rosoclingo.reasoning.goals import Goal, Outcome
-from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
+from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.observations import DONE
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
-from rosoclingo.reasoning.returns import Intake
-from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.reasoning.stream_planner import DisturbedError, Planner, SearchWatch, SolverFactory, unwatched
+from rosoclingo.reasoning.returns import ExecutionMonitor
+from rosoclingo.reasoning.stream_planner import (
+    DisturbedError,
+    Planner,
+    SearchWatch,
+    SolverFactory,
+    feed_less,
+    unwatched,
+)
 
 #: So often in a row it may stay open whether there is an answer at all, before everything begins anew.
 PATIENCE = 2
+
+
+@dataclass(frozen=True)
+class CoreSettings:
+    """How far to plan and how long to wait.
+
+    ``horizon_limit``: steps that a plan may reach beyond the current cycle. ``action_timeout``: seconds until an
+    action that has not returned counts as failed with the value ``timeout``; 0 waits for ever. ``preempt``: whether
+    an action under way that a new plan does not want is ended at once. ``goals_at_once``: goals that the program is
+    told of at the same time, since the search for a shortest plan takes ever longer with their number; more of them
+    wait, the oldest first; 0 for no limit.
+    """
+
+    horizon_limit: int = 100
+    action_timeout: float = 600.0
+    preempt: bool = False
+    goals_at_once: int = 8
 
 
 class Core:
@@ -61,9 +83,9 @@ class Core:
         self._speaks = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
-        self._desk = GoalDesk(program, self._feeder, observer, lambda: self.cycle, settings.goals_at_once)
-        self._intake = Intake(program, self._feeder, self._clock, observer, lambda: self.cycle)
-        self._preemption = Preemption(self._feeder, self._intake, program.declares_external(CANCEL_ACTION, 3))
+        self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings.goals_at_once)
+        self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
+        self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
         self._told = 0  # the cycle whose update was told last
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
@@ -83,28 +105,28 @@ class Core:
     @property
     def live_goals(self) -> List[Goal]:
         """The goals that have not ended, oldest first."""
-        return self._desk.live
+        return self._goals.live
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
         """The actions under way that have not returned."""
-        return self._intake.awaited
+        return self._execution.awaited
 
     def add_goal(self, key: str, text: str) -> None:
         """The client's handle ``key`` asks for the goal ``text``; it ends as refused when it cannot be taken."""
-        self._desk.add(key, text)
+        self._goals.add(key, text)
 
     def cancel_goal(self, key: str) -> None:
         """A client cancels; without effect on a goal that has ended."""
-        self._desk.cancel(key)
+        self._goals.cancel(key)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
-        self._intake.receive(origin, facts)
+        self._execution.receive(origin, facts)
 
     def poll(self, now: float) -> None:
         """Time passes: actions that have not returned in time count as failed."""
-        self._intake.expire(now, self._settings.action_timeout)
+        self._execution.expire(now, self._settings.action_timeout)
 
     def start(self) -> None:
         """Solve once before any update; an empty plan leaves the core idle in cycle 1."""
@@ -134,7 +156,7 @@ class Core:
 
     def abandon(self, why: str) -> None:
         """The core goes away: every goal is aborted."""
-        self._desk.end(self._desk.live, Outcome.ABORTED, why)
+        self._goals.end(self._goals.live, Outcome.ABORTED, why)
 
     def _preempt(self) -> None:
         """Something has arrived while actions run: end those that are of no use any more."""
@@ -147,18 +169,18 @@ class Core:
 
     def _due(self) -> bool:
         """Whether something happened, an action has ended, a search was left, or the plan has something later only."""
-        return self._feeder.pending or bool(self._intake.under_way) or self._plan is None or self._later()
+        return self._feeder.pending or bool(self._execution.under_way) or self._plan is None or self._later()
 
     def _later(self) -> bool:
-        unseen = any(goal.request_cycle is not None and goal.request_cycle > self._step for goal in self._desk.fed)
+        unseen = any(goal.request_cycle is not None and goal.request_cycle > self._step for goal in self._goals.fed)
         return unseen or bool(self.plan.after(self._step))
 
     def _next_cycle(self, now: float) -> None:
-        executed = self._intake.end_cycle()
+        executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
         self._step = self._told + 1
-        since = min((goal.request_cycle or self._told for goal in self._desk.fed), default=self._told)
+        since = min((goal.request_cycle or self._told for goal in self._goals.fed), default=self._told)
         self._solve(self._feeder.next_update(self._step, self._planner.over(self._step, since - 1)), now)
 
     def _solve(self, batch: Batch, now: float) -> None:
@@ -166,7 +188,7 @@ class Core:
             try:
                 result: Optional[SolveResult] = self._planner.update(batch.update)
             except SolverError as error:
-                result = feed_less(self._planner, batch, error, self._desk, self._problem)
+                result = feed_less(self._planner, batch, error, self._goals.end, self._problem)
         except DisturbedError as disturbance:
             self._leave(disturbance)
             if disturbance.kept:
@@ -190,8 +212,8 @@ class Core:
 
     def _give_up(self) -> None:
         """Go back to a short horizon, and give up the goals; the rest of the update comes with the next one."""
-        self._plan, known = TaskPlan(), self._desk.fed
-        self._desk.end(self._desk.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
+        self._plan, known = TaskPlan(), self._goals.fed
+        self._goals.end(self._goals.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
         for goal in known:
             self._feeder.add_cancellation(goal.identifier)
         self._feeder.wait()
@@ -203,9 +225,9 @@ class Core:
         present = {item.head for item in self._update.items if isinstance(item, Statement)}
         for fact in batch.facts:
             if fact.atom not in present:
-                self._intake.forget(fact)
+                self._execution.forget(fact)
             elif not fact.is_return:
-                self._intake.observations.add_fact(fact)
+                self._execution.observations.add_fact(fact)
             if fact.outdated:
                 self._problem(f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}")
 
@@ -224,7 +246,7 @@ class Core:
         self._plan = TaskPlan()
         for warning in result.warnings:
             self._problem(warning)
-        self._desk.reject_undeclared(batch.goals, result.warnings)
+        self._goals.reject_undeclared(batch.goals, result.warnings)
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._tell_update()
             self._undecided = 0
@@ -236,20 +258,20 @@ class Core:
     def _use(self, result: SolveResult, now: float) -> None:
         answer = result.answers[0]
         plan = self._plan = extract_plan(answer)
-        statuses = Statuses(answer, self._step)
+        statuses = GoalStatuses(answer, self._step)
         for fault in (*plan.faults, *statuses.faults):
             self._problem(fault)
         self._tell_plan(result)
-        for goal in self._desk.fed:
-            judge(goal, statuses, plan, self._step, result.horizon, self._speaks)
+        for goal in self._goals.fed:
+            update_status(goal, statuses, plan, self._step, result.horizon, self._speaks)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
         shown = self._shown()
-        for goal in self._desk.fed:
+        for goal in self._goals.fed:
             self._tell(GoalProgress(self._step, goal.key, goal.state, shown))
         actions = plan.at(self._step)
         if actions:
-            self._intake.begin(self._step, actions, now)
+            self._execution.begin(self._step, actions, now)
             if self._settings.preempt:
                 self._preemption.begin()
             self._tell(ActionsDispatched(self._step, actions))
@@ -260,16 +282,16 @@ class Core:
         """A cycle without actions ends at once; a plan that is put off for more cycles than it may be long is none."""
         self._problem(f"the plan was put off {self._waits} times in a row: it is given up")
         self._plan = TaskPlan()
-        self._desk.drop(self._desk.fed, "cannot be met: the program keeps putting off its plan")
+        self._goals.drop(self._goals.fed, "cannot be met: the program keeps putting off its plan")
 
     def _recover(self, result: SolveResult, batch: Batch, now: float, mended: bool) -> None:
         """No plan: end the goals that must go and start the next cycle without them, or doubt what was seen."""
-        goals, why = self._desk.fed, self._planner.why_none(result)
+        goals, why = self._goals.fed, self._planner.why_none(result)
         question = Question(
             self._step + 1,
             tuple(reversed(goals)),
             tuple(goal for goal in reversed(goals) if goal in batch.goals),
-            self._intake.observations.newest_first,
+            self._execution.observations.newest_first,
             result.outcome is SolveOutcome.UNSATISFIABLE,
             self._watch_recovery,
         )
@@ -288,7 +310,7 @@ class Core:
 
     def _mend(self, question: Question, batch: Batch, now: float) -> bool:
         """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
-        observations = self._intake.observations
+        observations = self._execution.observations
         found = mend(self._planner, Case(batch, self._update, observations.executed, question, self._clock))
         if found is None:
             return False
@@ -304,7 +326,7 @@ class Core:
     def _lose(self, why: str) -> None:
         """No way on was found: the goals are cancelled, and the next update tries again."""
         self._problem(f"no answer was found, whatever goals are given up: {why}")
-        self._desk.drop(self._desk.fed, f"cannot be met: {why}")
+        self._goals.drop(self._goals.fed, f"cannot be met: {why}")
         self._planner = self._planner.restarted()
 
     def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
@@ -320,14 +342,14 @@ class Core:
             self._lose(why)
             return
         self._problem(f"ERROR: the program has no answer after all that was done and told: {why}; it begins anew")
-        self._desk.end(
-            [goal for goal in self._desk.fed if goal not in batch.goals],
+        self._goals.end(
+            [goal for goal in self._goals.fed if goal not in batch.goals],
             Outcome.ABORTED,
             "is given up: the program begins anew",
         )
-        self._desk.again(batch.goals)
+        self._goals.again(batch.goals)
         self._planner, self._told = planner, self._step
-        self._intake.forget_all()
+        self._execution.forget_all()
         for update in updates:
             self._tell(_sent(self._step, update))
         self._answered(result, Batch(self._update), now, mended=True)
@@ -341,8 +363,8 @@ class Core:
         explanations = Explanations(found.result.answers[0])
         for fault in explanations.faults:
             self._problem(fault)
-        for loss in found.losses:
-            loss.goal.end(Outcome.ABORTED, loss.text(explanations, why))
+        for one in found.unmet:
+            one.goal.end(Outcome.ABORTED, one.text(explanations, why))
         self._answered(found.result, Batch(found.update), now)
 
     def _tell_plan(self, result: SolveResult) -> None:
@@ -351,7 +373,7 @@ class Core:
 
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
-        return self._intake.observations.executed[-DONE:] + self.plan.remaining(self.cycle)
+        return self._execution.observations.executed[-DONE:] + self.plan.remaining(self.cycle)
 
     def _problem(self, message: str, origin: str = "") -> None:
         self._tell(Problem(self.cycle, message, origin))

@@ -4,7 +4,7 @@ from enum import IntEnum
 from typing import Dict, List, NamedTuple, Optional, Sequence
 
 from rosoclingo.reasoning.events import PlanMade, Problem
-from rosoclingo.reasoning.log_throttle import Complaints
+from rosoclingo.reasoning.log_throttle import LogThrottle
 
 #: Seconds for which a problem makes the core's state a warning.
 FRESH = 10.0
@@ -29,7 +29,7 @@ class Health:
     """Remembers the latest plan and the latest problem. ``now`` is in seconds of a clock that only goes forward."""
 
     def __init__(self) -> None:
-        self._complaints = Complaints()
+        self._throttle = LogThrottle()
         self._plan: Optional[PlanMade] = None
         self._trouble = float("-inf")
 
@@ -40,11 +40,11 @@ class Health:
     def problem(self, event: Problem, now: float) -> str:
         """Something is wrong; the line for the log, empty where it was said before."""
         self._trouble = now
-        return self._complaints.take(event, now)
+        return self._throttle.take(event, now)
 
     def counted(self, now: float) -> List[str]:
         """Lines for the log: how many problems were not said, a minute after."""
-        return self._complaints.counted(now)
+        return self._throttle.counted(now)
 
     def report(
         self,
@@ -69,12 +69,12 @@ class Health:
             "interfaces": ", ".join(interfaces),
             "last solve time": f"{plan.solve:.3f}",
             "last ground time": f"{plan.ground:.3f}",
-            "problems": self._complaints.count,
-            "last error": self._complaints.latest,
+            "problems": self._throttle.count,
+            "last error": self._throttle.latest,
         }
         level, message = Level.OK, "waits for {}".format(", ".join(awaited)) if awaited else "idle"
         if missing:
             level, message = Level.WARN, missing
         elif now - self._trouble < FRESH:
-            level, message = Level.WARN, self._complaints.latest
+            level, message = Level.WARN, self._throttle.latest
         return Report(level, message, {key: str(value) for key, value in values.items()})

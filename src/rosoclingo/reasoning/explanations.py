@@ -41,7 +41,7 @@ class Explanations:
 T = TypeVar("T")
 
 
-class Loss(NamedTuple):
+class UnmetGoal(NamedTuple):
     """``goal`` and the goals ``together`` cannot be met after ``observations``.
 
     ``sure`` tells that this is so, and would not be with any of them left out.
@@ -53,7 +53,7 @@ class Loss(NamedTuple):
     sure: bool = True
 
     def text(self, explanations: Explanations, why: str) -> str:
-        """The loss in words, the program's where it has some; ``why`` is told where nothing else is known."""
+        """The one in words, the program's where it has some; ``why`` is told where nothing else is known."""
         others = _joined(self.together, str)
         seen = _joined(self.observations, lambda one: explanations.of(one.atom) or str(one))
         reason = explanations.of(self.goal.identifier) or ("" if seen or others else why)

@@ -9,7 +9,7 @@ from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import REQUEST, request
 
 
-class GoalDesk:
+class GoalManager:
     """The goals of all clients. ``tell`` hears of each change, ``cycle`` gives the logical time point.
 
     At most ``at_once`` goals (0: any number) are with the program at a time; further ones wait for their turn.

@@ -35,7 +35,7 @@ class Status(NamedTuple):
         return WORDS[self.word]
 
 
-class Statuses:
+class GoalStatuses:
     """The statuses of an answer from the cycle ``since`` on; ``faults`` holds what was no status."""
 
     def __init__(self, answer: FrozenSet[Symbol], since: int = 0) -> None:
@@ -76,7 +76,7 @@ _TEXTS = {
 }
 
 
-def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: int, speaks: bool) -> None:
+def update_status(goal: Goal, statuses: GoalStatuses, plan: TaskPlan, cycle: int, horizon: int, speaks: bool) -> None:
     """Bring a fed, live goal to the state that the answer of ``cycle`` gives it.
 
     The program's ``_status`` of the cycle decides. Where it says nothing of a goal, the goal is accepted, and met (or
@@ -91,7 +91,7 @@ def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: i
         goal.known = True
         _obey(goal, status)
     elif first > cycle:
-        _judge_early(goal, statuses.read(goal.identifier, first), horizon >= first and not speaks)
+        _update_early(goal, statuses.read(goal.identifier, first), horizon >= first and not speaks)
     elif speaks and not goal.known:
         _end(goal, Outcome.REJECTED, "it has no word for it")
     else:
@@ -100,7 +100,7 @@ def judge(goal: Goal, statuses: Statuses, plan: TaskPlan, cycle: int, horizon: i
             _end(goal, Outcome.CANCELED if goal.cancelling else Outcome.SUCCEEDED)
 
 
-def _judge_early(goal: Goal, status: Optional[Status], seen: bool) -> None:
+def _update_early(goal: Goal, status: Optional[Status], seen: bool) -> None:
     if status is None:
         if seen:
             goal.accept()

@@ -6,8 +6,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 from clingo import Symbol
 
 from rosoclingo.oclingo import ProgressionError, parse_term
-from rosoclingo.reasoning.keywords import CANCEL, identifier_of
-from rosoclingo.reasoning.texts import LONGEST, shortened
+from rosoclingo.reasoning.keywords import CANCEL, LONGEST, identifier_of, shortened
 
 
 class GoalState(Enum):

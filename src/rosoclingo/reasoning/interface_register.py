@@ -2,8 +2,7 @@
 
 from typing import AbstractSet, Dict, List, NamedTuple, Sequence, Set
 
-from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.texts import shortened
+from rosoclingo.reasoning.keywords import Action, shortened
 
 #: Seconds for which an action may wait for its interface to appear before that is told.
 GRACE = 2.0

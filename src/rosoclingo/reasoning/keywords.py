@@ -25,6 +25,12 @@ TIMEOUT = Function("timeout")
 #: The return value of an action that was ended since nobody wants it any more.
 PREEMPTED = Function("preempted")
 
+#: Characters of one goal or one fact.
+LONGEST = 65536
+
+#: Characters of a text that a message repeats, half of them from each end.
+SHOWN = 200
+
 
 class KeywordError(ValueError):
     """An atom with a keyword's name that is not of the keyword's form."""
@@ -108,6 +114,13 @@ def identifier_of(goal: Symbol) -> Optional[Symbol]:
 def name_of(term: Symbol) -> str:
     """A term as a name: a string's content, else the term's text."""
     return term.string if term.type is SymbolType.String else str(term)
+
+
+def shortened(text: str, shown: int = SHOWN) -> str:
+    """The text without its middle, if it is long: whoever has sent a megabyte need not read it again."""
+    if len(text) <= shown:
+        return text
+    return f"{text[: shown // 2]} ... {text[-(shown // 2) :]} ({len(text)} characters)"
 
 
 def _arguments(atom: Symbol, name: str, form: str) -> "tuple[Symbol, Symbol, int]":

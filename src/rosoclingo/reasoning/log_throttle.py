@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Dict, List, Tuple
 
 from rosoclingo.reasoning.events import Problem
-from rosoclingo.reasoning.texts import shortened
+from rosoclingo.reasoning.keywords import shortened
 
 #: Seconds in which the same is not said again, and after which it is said how much there was of it.
 QUIET = 60.0
@@ -38,7 +38,7 @@ class _Kind:
         self.unsaid, self.latest = self.unsaid + 1, text
 
 
-class Complaints:
+class LogThrottle:
     """Says what is worth a line. ``count`` is the number of all problems, ``latest`` the text of the last one.
 
     Problems of one interface are the same if their texts differ in numbers only; the core's own if their texts are the

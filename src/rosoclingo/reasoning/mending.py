@@ -12,9 +12,8 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
-from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.conflicts import Met, UndecidedError, choose, least_number, remembering
-from rosoclingo.reasoning.input_feeder import Batch
+from rosoclingo.reasoning.input_feeder import Batch, Clock
 from rosoclingo.reasoning.keywords import CANCEL, REQUEST, Action, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.recovery import Question, is_answerable

@@ -5,17 +5,17 @@ from typing import FrozenSet, Tuple
 from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import PREEMPTED, Action, Return
-from rosoclingo.reasoning.returns import Intake
+from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner
 
 
 class Preemption:
     """Thinks again of the actions under way whenever something has arrived; each is found unwanted once."""
 
-    def __init__(self, feeder: InputFeeder, intake: Intake, told: bool) -> None:
-        """Think for the actions that ``intake`` awaits; ``told`` says whether the program hears of those it ends."""
+    def __init__(self, feeder: InputFeeder, execution: ExecutionMonitor, told: bool) -> None:
+        """Think for the actions that ``execution`` awaits; ``told`` says whether the program hears of those it ends."""
         self._feeder = feeder
-        self._intake = intake
+        self._execution = execution
         self._told = told
         self._considered = 0
         self._found: FrozenSet[Action] = frozenset()
@@ -30,10 +30,10 @@ class Preemption:
         Suppose that they return ``preempted`` now: then one is wanted if there is a shortest plan that begins with it
         again. Without a plan, or if the program does not know this return, each is.
         """
-        if self._considered == self._feeder.arrivals or not self._intake.under_way:
+        if self._considered == self._feeder.arrivals or not self._execution.under_way:
             return ()
-        running = tuple(action for action in self._intake.awaited if action not in self._found)
-        found = self._ask(planner, self._intake.under_way, running) if running else ()
+        running = tuple(action for action in self._execution.awaited if action not in self._found)
+        found = self._ask(planner, self._execution.under_way, running) if running else ()
         for action in found if self._told else ():
             self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals

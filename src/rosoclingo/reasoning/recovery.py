@@ -11,7 +11,7 @@ from clingo import Symbol
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Item, Withdraw
 from rosoclingo.reasoning.conflicts import Choice, Conflict, UndecidedError, choose, find_conflict, remembering
-from rosoclingo.reasoning.explanations import Loss
+from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.keywords import cancellation
@@ -39,7 +39,7 @@ class Question(NamedTuple):
 
 
 class Recovery(NamedTuple):
-    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the goals of ``losses``.
+    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the goals of ``unmet``.
 
     ``withheld`` tells that cancelling did not help, so that the requests had to be taken out of the history.
     """
@@ -48,7 +48,7 @@ class Recovery(NamedTuple):
     update: StreamUpdate
     result: SolveResult
     withheld: bool
-    losses: Tuple[Loss, ...] = ()
+    unmet: Tuple[UnmetGoal, ...] = ()
 
     @property
     def met(self) -> bool:
@@ -119,7 +119,7 @@ class _Attempts:
             result = fresh.update(update)
         except SolverError:  # what is left of the goals takes too long, or is refused, as well
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
-        found = Recovery(fresh, update, result, self._withhold, tuple(Loss(goal, sure=False) for goal in dropped))
+        found = Recovery(fresh, update, result, self._withhold, tuple(UnmetGoal(goal, sure=False) for goal in dropped))
         if found.met:
             self.latest = found
         return found
@@ -127,7 +127,7 @@ class _Attempts:
     def known(self, dropped: Sequence[Goal], everything: Recovery) -> Recovery:
         """As ``without``, unless that has been planned just now, or ``everything`` is dropped."""
         for found in (everything, self.latest):
-            if found is not None and {loss.goal for loss in found.losses} == set(dropped):
+            if found is not None and {one.goal for one in found.unmet} == set(dropped):
                 return found
         return self.without([goal for goal in self._question.goals if goal in dropped])
 
@@ -155,17 +155,17 @@ def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Op
     if not choice:
         return None
     found = attempts.known([goal for goal, _ in choice], everything)
-    return found._replace(losses=_losses(attempts, question, choice)) if found.met else None
+    return found._replace(unmet=_unmet(attempts, question, choice)) if found.met else None
 
 
-def _losses(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[Loss, ...]:
+def _unmet(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[UnmetGoal, ...]:
     attempts.begin()
-    losses: List[Loss] = []
+    unmet: List[UnmetGoal] = []
     for goal, conflict in reversed(choice):
         seen = _observed(attempts, conflict.things, question.observations)
         others = tuple(other for other in reversed(conflict.things) if other is not goal)
-        losses.append(Loss(goal, others, tuple(reversed(seen.things)), conflict.minimal and seen.minimal))
-    return tuple(losses)
+        unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.things)), conflict.minimal and seen.minimal))
+    return tuple(unmet)
 
 
 def _observed(
@@ -186,8 +186,8 @@ def _few(attempts: _Attempts, question: Question, everything: Recovery) -> Recov
     found = attempts.without(question.fresh) if 0 < len(question.fresh) < len(question.goals) else everything
     found = found if found.met else everything
     attempts.begin()
-    for loss in reversed(found.losses):
-        fewer = [other.goal for other in found.losses if other.goal is not loss.goal]
+    for one in reversed(found.unmet):
+        fewer = [other.goal for other in found.unmet if other.goal is not one.goal]
         if fewer and not attempts.over:
             tried = attempts.without(fewer)
             if tried.result.outcome is SolveOutcome.INTERRUPTED:

@@ -6,12 +6,27 @@ from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 from clingo import Symbol, SymbolType
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
-from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.events import Event, FactTaken, Problem, ReturnTaken
-from rosoclingo.reasoning.input_feeder import InputFeeder
-from rosoclingo.reasoning.keywords import RESERVED, RETURN, TIMEOUT, Action, KeywordError, Return, is_keyword, return_of
+from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
+from rosoclingo.reasoning.keywords import (
+    LONGEST,
+    RESERVED,
+    RETURN,
+    TIMEOUT,
+    Action,
+    KeywordError,
+    Return,
+    is_keyword,
+    return_of,
+    shortened,
+)
 from rosoclingo.reasoning.observations import Observation, Observations
-from rosoclingo.reasoning.texts import LONGEST, MOST_FACTS, MOST_WAITING, shortened
+
+#: Facts of one message.
+MOST_FACTS = 1000
+
+#: Facts that may wait for the next update, returns not counted.
+MOST_WAITING = 10000
 
 
 class ReturnError(ValueError):
@@ -119,7 +134,7 @@ class FactError(ValueError):
 KNOWN = 1000
 
 
-class Intake:
+class ExecutionMonitor:
     """Takes facts into the feeder, counts the returns of what is under way, and remembers ``observations``."""
 
     def __init__(

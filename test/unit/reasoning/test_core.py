@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 from core_driver import ERRANDS, Driver
+from core_journal import Journal
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
@@ -15,9 +16,9 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning import Core, CoreSettings, GoalProgress, PlanMade, Problem
-from rosoclingo.reasoning.journal import Journal
+from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.observations import DONE
-from rosoclingo.reasoning.texts import LONGEST, MOST_FACTS
+from rosoclingo.reasoning.returns import MOST_FACTS
 
 #: Nothing can be done before cycle 4; goals ``wait(Id)``.
 WAIT = """

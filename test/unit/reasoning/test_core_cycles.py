@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 from core_driver import ERRANDS, Driver
+from core_journal import Journal
 from test_core import Picky, Procrastinator
 from test_late_facts import BATTERY
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.reasoning import Core, CoreSettings, Halt, PlanMade
-from rosoclingo.reasoning.journal import Journal
 
 #: A goal ``told(Id)`` is under way as long as nothing ends it, and needs no action.
 UNDER_WAY = """

@@ -1,11 +1,11 @@
 """Searches that are ended: by what comes meanwhile, by time, by the loss of the solver's process."""
 
 from core_driver import ERRANDS, Driver
+from core_journal import Journal
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, Halt
-from rosoclingo.reasoning.journal import Journal
 
 
 class Solver(ReactiveSolver):

@@ -1,10 +1,10 @@
 """What the core does when the solver finds no plan: it ends goals with the reason, as few as possible, and goes on."""
 
 from core_driver import ERRANDS, Driver
+from core_journal import Journal
 
 from rosoclingo.oclingo import ReactiveSolver
 from rosoclingo.reasoning import Core, CoreSettings, Halt
-from rosoclingo.reasoning.journal import Journal
 
 #: ``lock`` and ``open`` exclude each other.
 EXCLUSIVE = (

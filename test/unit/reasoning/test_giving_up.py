@@ -111,7 +111,7 @@ def lost(world):
             + [one.key for one in loss.together]
             + [str(one.atom.arguments[0]) for one in loss.observations]
         )
-        for loss in found.losses
+        for loss in found.unmet
     ]
 
 
@@ -223,7 +223,7 @@ def test_no_search_is_made_twice():
 def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
     world = World(4, conflicts=["1 2", "3 4", "1 4"])
     found = recover(world, world.question)
-    gone = {loss.goal.key for loss in found.losses}
+    gone = {loss.goal.key for loss in found.unmet}
     assert (
         text(found.update)
         == "#step 5. " + "".join(f"_request(cancel({key}),5). " for key in sorted(gone)) + "#end step."

@@ -7,8 +7,8 @@ import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import GoalEvent, GoalState, Outcome, TaskPlan
-from rosoclingo.reasoning.goal_manager import GoalDesk
-from rosoclingo.reasoning.goal_status import Statuses, judge
+from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
 from rosoclingo.reasoning.goals import TERMINAL
 from rosoclingo.reasoning.input_feeder import InputFeeder
 
@@ -26,11 +26,11 @@ def table():
 
 
 def a_goal(state):
-    """A desk with a goal that was fed and is in a state, what it went through from there, and the desk."""
+    """A goal manager with a goal that was fed and is in a state, what it went through from there, and the manager."""
     told = []
-    desk = GoalDesk(PROGRAM, InputFeeder(), told.append, lambda: 5)
-    desk.add("key", "go(1)")
-    goal = desk.live[0]
+    manager = GoalManager(PROGRAM, InputFeeder(), told.append, lambda: 5)
+    manager.add("key", "go(1)")
+    goal = manager.live[0]
     goal.feed(4)
     steps = {
         "pending": [],
@@ -42,31 +42,31 @@ def a_goal(state):
     for event in steps[state]:
         goal.apply(event)
     told.clear()
-    return desk, goal, told
+    return manager, goal, told
 
 
-def happen(event, desk):
+def happen(event, manager):
     """Let it happen to all goals that live."""
     word = event.partition("the program: ")[2]
     if word:
-        statuses = Statuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
-        for goal in desk.fed:
-            judge(goal, statuses, TaskPlan(), 5, 9, False)
+        statuses = GoalStatuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
+        for goal in manager.fed:
+            update_status(goal, statuses, TaskPlan(), 5, 9, False)
     elif event == "the client cancels":
-        desk.cancel("key")
+        manager.cancel("key")
     else:
         assert event in ("it cannot be met", "the core shuts down")
-        desk.end(desk.live, Outcome.ABORTED, "why")
+        manager.end(manager.live, Outcome.ABORTED, "why")
 
 
 @pytest.mark.parametrize(("event", "state", "cell"), list(table()))
 def test_the_table(event, state, cell):
-    desk, goal, told = a_goal(state)
-    happen(event, desk)
+    manager, goal, told = a_goal(state)
+    happen(event, manager)
     expected = [] if cell == "–" else cell.split(";")[0].split(", ")
     assert [one.state.value for one in told] == expected
     ended = goal.state in TERMINAL
-    assert (goal in desk.live) != ended
+    assert (goal in manager.live) != ended
     assert (goal.outcome is not None and bool(goal.message)) == (ended and state != "ended")
 
 
@@ -77,10 +77,10 @@ def test_the_table_is_whole():
 
 
 def test_cancelled_before_it_was_fed():
-    desk, goal, told = a_goal("pending")
+    manager, goal, told = a_goal("pending")
     goal.forget()
-    desk.cancel("key")
-    desk.cancel("key")
+    manager.cancel("key")
+    manager.cancel("key")
     assert [one.state.value for one in told] == ["recalling", "recalled"]
 
 

@@ -14,7 +14,7 @@ from rosoclingo.reasoning import (
     read_goal,
 )
 from rosoclingo.reasoning.goals import CANCELLING, UNDECIDED, GoalBook
-from rosoclingo.reasoning.texts import LONGEST
+from rosoclingo.reasoning.keywords import LONGEST
 
 
 def goal(text="goal(a,b,1)", key="key"):

@@ -2,8 +2,7 @@ import pytest
 
 from rosoclingo.oclingo import Statement, parse_atom, parse_term, parse_update
 from rosoclingo.reasoning import Goal, Outcome
-from rosoclingo.reasoning.clock import Clock
-from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, requests_of
+from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import action_of
 
 

@@ -4,6 +4,7 @@ from itertools import combinations
 
 import pytest
 from core_driver import ERRANDS, Driver
+from core_journal import Journal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,7 +20,6 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.reasoning import Core, CoreSettings, Halt
-from rosoclingo.reasoning.journal import Journal
 
 #: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` shuts for good, lead to rooms. A room is entered once at most
 #: where that failed, and not at all after one that it clashes with.

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.reasoning.clock import Clock
+from rosoclingo.reasoning.input_feeder import Clock
 
 ENCODINGS = Path(__file__).resolve().parents[4] / "encodings"
 RULES = """

@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from core_journal import Journal
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -29,7 +30,6 @@ from rosoclingo.oclingo.solving import compaction as retiring
 from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
 from rosoclingo.oclingo.solving.stream_state import Past
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
-from rosoclingo.reasoning.journal import Journal
 
 ENCODINGS = Path(__file__).resolve().parents[4] / "encodings"
 DATA = Path(__file__).parents[3] / "data"

@@ -1,4 +1,4 @@
-"""A record of what the core told, for tests, for diagnosis and for replay."""
+"""A record of what the core told, for tests."""
 
 from collections import deque
 from typing import Deque, List, Tuple, Type, TypeVar

@@ -5,10 +5,9 @@ from clingo import parse_term
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Closed, Withdraw
-from rosoclingo.reasoning.clock import Clock
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.input_feeder import Batch
+from rosoclingo.reasoning.input_feeder import Batch, Clock
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.mending import Case, Change, mend
 from rosoclingo.reasoning.observations import Observation

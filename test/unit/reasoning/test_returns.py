@@ -5,7 +5,7 @@ from core_driver import Driver
 from test_late_facts import BATTERY
 
 from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken
-from rosoclingo.reasoning.texts import LONGEST
+from rosoclingo.reasoning.keywords import LONGEST
 
 MOST_FACTS = 3
 

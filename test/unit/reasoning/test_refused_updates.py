@@ -4,10 +4,10 @@ import pytest
 
 from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, SolveResult, parse_atom, parse_term
 from rosoclingo.reasoning import Outcome
-from rosoclingo.reasoning.feeding import feed_less
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.stream_planner import feed_less
 
 COMMITMENT, REQUEST, FACT = ":- not _action_lib(a,x,4).", "_request(g(1),6).", "_seen(ball)."
 RESULT = SolveResult(SolveOutcome.SATISFIABLE, (), 5, 5)
@@ -32,7 +32,7 @@ class Planner:
         return RESULT
 
 
-class Desk:
+class Ends:
     """Keeps which goals ended how."""
 
     def __init__(self):
@@ -44,14 +44,14 @@ class Desk:
 
 def fed(planner, facts=True):
     """What came of feeding a batch, how its goal ended, and the problems."""
-    feeder, goal, desk, problems = InputFeeder(), Goal("a", parse_term("g(1)"), lambda _goal, _event: None), Desk(), []
+    feeder, goal, ended, problems = InputFeeder(), Goal("a", parse_term("g(1)"), lambda _goal, _event: None), Ends(), []
     feeder.add_goal(goal)
     if facts:
         feeder.add_fact(parse_atom("_seen(ball)"))
     feeder.add_executed([action_of(parse_atom("_action_lib(a,x,4)"))])
     batch = feeder.next_update(5)
     error = planner.errors.pop(0)
-    return feed_less(planner, batch, error, desk, problems.append), desk.ends, problems
+    return feed_less(planner, batch, error, ended.end, problems.append), ended.ends, problems
 
 
 @pytest.mark.parametrize("times", [1, 2])

@@ -3,7 +3,7 @@ import pytest
 
 from rosoclingo.oclingo import parse_term
 from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
-from rosoclingo.reasoning.goal_status import Status, Statuses, judge
+from rosoclingo.reasoning.goal_status import GoalStatuses, Status, update_status
 
 
 def answer(*atoms):
@@ -17,7 +17,7 @@ def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False, speaks
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)
     shown = answer(*atoms)
-    judge(goal, Statuses(shown), extract_plan(shown), cycle, horizon, speaks)
+    update_status(goal, GoalStatuses(shown), extract_plan(shown), cycle, horizon, speaks)
     return goal
 
 
@@ -40,7 +40,7 @@ def test_malformed_actions_are_faults():
 
 
 def test_malformed_statuses_are_faults():
-    statuses = Statuses(answer("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)"))
+    statuses = GoalStatuses(answer("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)"))
     assert len(statuses.faults) == 4
     assert all("write _status(Id,S,C)" in fault for fault in statuses.faults)
     assert statuses.faults == sorted(statuses.faults)
@@ -52,7 +52,9 @@ def test_a_goal_ends_with_words_of_its_own():
 
 
 def test_worst_status_counts():
-    statuses = Statuses(answer("_status(1,succeeded,2)", "_status(1,aborted(blocked,x),2)", "_status(1,accepted,2)"))
+    statuses = GoalStatuses(
+        answer("_status(1,succeeded,2)", "_status(1,aborted(blocked,x),2)", "_status(1,accepted,2)")
+    )
     assert statuses.read(parse_term("1"), 2) == Status("aborted", "blocked, x")
     assert statuses.read(parse_term("1"), 3) is None
     assert statuses.read(parse_term("2"), 2) is None

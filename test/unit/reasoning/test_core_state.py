@@ -5,74 +5,74 @@ from core_driver import Driver
 
 from rosoclingo.reasoning import PlanMade, Problem
 from rosoclingo.reasoning.core_state import FRESH, Health, Level
-from rosoclingo.reasoning.log_throttle import FEW, MANY, QUIET, Complaints
-from rosoclingo.reasoning.texts import shortened
+from rosoclingo.reasoning.keywords import shortened
+from rosoclingo.reasoning.log_throttle import FEW, MANY, QUIET, LogThrottle
 
 
 def test_the_same_is_said_once():
-    complaints = Complaints()
+    throttle = LogThrottle()
     assert (
-        complaints.take(Problem(3, "'_return(a,1,2)' is ignored", "arm"), 0.0) == "cycle 3: '_return(a,1,2)' is ignored"
+        throttle.take(Problem(3, "'_return(a,1,2)' is ignored", "arm"), 0.0) == "cycle 3: '_return(a,1,2)' is ignored"
     )
     for number in range(50):
-        assert complaints.take(Problem(3, f"'_return(a,1,{number})' is ignored", "arm"), 1.0) == ""
-    assert complaints.count == 51
-    assert complaints.latest == "cycle 3: '_return(a,1,49)' is ignored"
-    assert complaints.take(Problem(3, "'_return(a,1,2)' is ignored", "leg"), 1.0)
-    assert complaints.take(Problem(9, "'_return(a,1,2)' is ignored", "arm"), QUIET + 1.0)
+        assert throttle.take(Problem(3, f"'_return(a,1,{number})' is ignored", "arm"), 1.0) == ""
+    assert throttle.count == 51
+    assert throttle.latest == "cycle 3: '_return(a,1,49)' is ignored"
+    assert throttle.take(Problem(3, "'_return(a,1,2)' is ignored", "leg"), 1.0)
+    assert throttle.take(Problem(9, "'_return(a,1,2)' is ignored", "arm"), QUIET + 1.0)
 
 
 def test_many_different_problems_of_one_interface():
-    complaints = Complaints()
-    lines = [complaints.take(Problem(1, "x" * number, "arm"), 0.0) for number in range(100)]
+    throttle = LogThrottle()
+    lines = [throttle.take(Problem(1, "x" * number, "arm"), 0.0) for number in range(100)]
     said = [line for line in lines if line]
     assert len(said) == MANY
     assert said[-1].endswith("only counted for a minute")
-    assert complaints.take(Problem(1, "y", "leg"), 0.0)
-    assert complaints.take(Problem(1, "z", "arm"), QUIET)
+    assert throttle.take(Problem(1, "y", "leg"), 0.0)
+    assert throttle.take(Problem(1, "z", "arm"), QUIET)
 
 
 def test_the_cores_own_problems_are_the_same_if_their_texts_are():
-    complaints = Complaints()
-    assert complaints.take(Problem(1, "update 1 is refused"), 0.0)
-    assert complaints.take(Problem(2, "update 2 is refused"), 0.0)
-    assert not complaints.take(Problem(3, "update 2 is refused"), 0.0)
+    throttle = LogThrottle()
+    assert throttle.take(Problem(1, "update 1 is refused"), 0.0)
+    assert throttle.take(Problem(2, "update 2 is refused"), 0.0)
+    assert not throttle.take(Problem(3, "update 2 is refused"), 0.0)
 
 
 @pytest.mark.parametrize("origin", ["", "eye"])
 def test_many_of_a_kind_are_counted(origin):
-    complaints = Complaints()
+    throttle = LogThrottle()
     texts = [f'Head _blocked({"x" * number},hall,"(") came too late' for number in range(1, 501)]
-    said = [line for line in (complaints.take(Problem(7, text, origin), 0.1) for text in texts) if line]
+    said = [line for line in (throttle.take(Problem(7, text, origin), 0.1) for text in texts) if line]
     assert [line.split(";")[0] for line in said] == [f"cycle 7: {text}" for text in texts[:FEW]]
     assert said[-1].endswith("; more of the kind are only counted for a minute")
-    assert complaints.take(Problem(7, "something else", origin), 0.2)
-    assert complaints.counted(QUIET) == []
-    assert complaints.counted(QUIET + 0.1) == [f"497 more of this kind in a minute, the last: cycle 7: {texts[-1]}"]
-    assert complaints.counted(QUIET + 1.0) == [], "once"
-    assert complaints.take(Problem(8, texts[0], origin), QUIET + 1.0)
+    assert throttle.take(Problem(7, "something else", origin), 0.2)
+    assert throttle.counted(QUIET) == []
+    assert throttle.counted(QUIET + 0.1) == [f"497 more of this kind in a minute, the last: cycle 7: {texts[-1]}"]
+    assert throttle.counted(QUIET + 1.0) == [], "once"
+    assert throttle.take(Problem(8, texts[0], origin), QUIET + 1.0)
 
 
 def test_what_was_too_much_of_one_interface_is_counted():
-    complaints = Complaints()
+    throttle = LogThrottle()
     for number in range(100):
-        complaints.take(Problem(1, "x" * (number + 1), "arm"), 0.0)
-    assert complaints.take(Problem(2, "of another", "leg"), 2 * QUIET)
-    assert complaints.counted(2 * QUIET) == [f"90 more from 'arm' in a minute, the last: cycle 1: {'x' * 100}"]
+        throttle.take(Problem(1, "x" * (number + 1), "arm"), 0.0)
+    assert throttle.take(Problem(2, "of another", "leg"), 2 * QUIET)
+    assert throttle.counted(2 * QUIET) == [f"90 more from 'arm' in a minute, the last: cycle 1: {'x' * 100}"]
 
 
 def test_the_same_said_again_is_counted():
-    complaints = Complaints()
-    said = [complaints.take(Problem(1, "17(2)", "arm"), 1000.0 + second) for second in range(5)]
+    throttle = LogThrottle()
+    said = [throttle.take(Problem(1, "17(2)", "arm"), 1000.0 + second) for second in range(5)]
     assert said == ["cycle 1: 17(2)", "", "", "", ""]
-    assert complaints.counted(1000.0 + QUIET) == ["4 more of this kind in a minute, the last: cycle 1: 17(2)"]
+    assert throttle.counted(1000.0 + QUIET) == ["4 more of this kind in a minute, the last: cycle 1: 17(2)"]
 
 
 def test_what_was_too_much_of_the_cores_own_is_counted():
-    complaints = Complaints()
+    throttle = LogThrottle()
     for number in range(MANY + 5):
-        complaints.take(Problem(1, "x" * (number + 1)), 0.0)
-    assert complaints.counted(QUIET) == [f"5 more of the core's own in a minute, the last: cycle 1: {'x' * (MANY + 5)}"]
+        throttle.take(Problem(1, "x" * (number + 1)), 0.0)
+    assert throttle.counted(QUIET) == [f"5 more of the core's own in a minute, the last: cycle 1: {'x' * (MANY + 5)}"]
 
 
 @pytest.mark.parametrize(("long", "told"), [(20, "x" * 20), (21, f"{'x' * 10} ... {'x' * 10} (21 characters)")])
@@ -133,8 +133,8 @@ def test_problems_name_the_interface_that_they_are_about():
 
 
 def test_a_long_problem_is_told_by_its_beginning_and_its_end():
-    complaints = Complaints()
-    line = complaints.take(Problem(1, f"'seen({'9' * 100_000})' is ignored: it makes no sense", "eye"), 0.0)
+    throttle = LogThrottle()
+    line = throttle.take(Problem(1, f"'seen({'9' * 100_000})' is ignored: it makes no sense", "eye"), 0.0)
     assert len(line) < 1000
     assert line.startswith("cycle 1: 'seen(999")
     assert "it makes no sense (" in line

@@ -1,7 +1,7 @@
 import pytest
 from clingo import parse_term
 
-from rosoclingo.reasoning.explanations import Explanations, Loss, text_of
+from rosoclingo.reasoning.explanations import Explanations, UnmetGoal, text_of
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Return, action_of
 from rosoclingo.reasoning.observations import MEMORY, Observation, Observations
@@ -63,16 +63,19 @@ TOLD = Observation(parse_term("_shut(d)"), 5)
 @pytest.mark.parametrize(
     ("loss", "text"),
     [
-        (Loss(goal("go(a,3)")), "go(a,3) cannot be met: there is none"),
-        (Loss(goal("go(a,3)"), sure=False), "go(a,3) perhaps cannot be met: there is none"),
-        (Loss(goal("go(a,3)"), (goal("go(b,2)"),)), "go(a,3) cannot be met together with go(b,2)"),
+        (UnmetGoal(goal("go(a,3)")), "go(a,3) cannot be met: there is none"),
+        (UnmetGoal(goal("go(a,3)"), sure=False), "go(a,3) perhaps cannot be met: there is none"),
+        (UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"),)), "go(a,3) cannot be met together with go(b,2)"),
         (
-            Loss(goal("go(a,3)"), (goal("go(b,2)"), goal("go(c,1)")), (TOLD,)),
+            UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"), goal("go(c,1)")), (TOLD,)),
             "go(a,3) cannot be met together with go(b,2) and go(c,1) since _shut(d) was told in cycle 5",
         ),
-        (Loss(goal("go(a,3)"), (), (FAILED,)), "go(a,3) cannot be met since go(office4) returned blocked in cycle 3"),
         (
-            Loss(goal("go(a,3)"), (), (FAILED, TOLD), sure=False),
+            UnmetGoal(goal("go(a,3)"), (), (FAILED,)),
+            "go(a,3) cannot be met since go(office4) returned blocked in cycle 3",
+        ),
+        (
+            UnmetGoal(goal("go(a,3)"), (), (FAILED, TOLD), sure=False),
             "go(a,3) perhaps cannot be met perhaps since go(office4) returned blocked in cycle 3"
             " and _shut(d) was told in cycle 5",
         ),
@@ -85,7 +88,7 @@ def test_losses_in_generic_words(loss, text):
 def test_losses_in_the_programs_words():
     atoms = ['_explain(3,(office4," is unreachable"),5)', '_explain(_return(go,blocked,3),("the way was blocked"),3)']
     explanations = Explanations(frozenset(parse_term(atom) for atom in atoms))
-    loss = Loss(goal("go(a,3)"), (goal("go(b,2)"),), (FAILED, FAILED, TOLD))
+    loss = UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"),), (FAILED, FAILED, TOLD))
     assert loss.text(explanations, "") == (
         "go(a,3) cannot be met together with go(b,2): office4 is unreachable"
         " since the way was blocked and _shut(d) was told in cycle 5"

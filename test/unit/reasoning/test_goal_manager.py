@@ -1,0 +1,130 @@
+"""The goal manager: who is let in, who waits, who is told what."""
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import GoalChanged, GoalRefused, GoalState, Outcome
+from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.input_feeder import InputFeeder
+
+
+class Clients:
+    """A goal manager with its feeder, and what was told."""
+
+    def __init__(self, text="#external _request/2.", at_once=0):
+        self.feeder, self.told = InputFeeder(), []
+        self.goals = GoalManager(ReactiveProgram.from_text(text), self.feeder, self.told.append, lambda: 7, at_once)
+
+    def add(self, *numbers):
+        for number in numbers:
+            self.goals.add(f"g{number}", f"go({number})")
+        return self
+
+    def feed(self, step=1):
+        """The update of a step reaches the program; the requests in it."""
+        batch = self.feeder.next_update(step)
+        self.feeder.taken(batch)
+        return [str(item.head) for item in batch.update.items]
+
+    @property
+    def live(self):
+        return [goal.key for goal in self.goals.live]
+
+    @property
+    def fed(self):
+        return [goal.key for goal in self.goals.fed]
+
+    def ends(self):
+        return [(event.key, event.outcome) for event in self.told if isinstance(event, GoalChanged) and event.outcome]
+
+
+def test_any_number_of_goals_is_with_the_program():
+    clients = Clients().add(*range(1, 8))
+    assert len(clients.feed()) == 7
+    assert clients.live == clients.fed == [f"g{number}" for number in range(1, 8)]
+
+
+@pytest.mark.parametrize("at_once", [1, 2, 3])
+def test_some_at_once(at_once):
+    clients = Clients(at_once=at_once).add(1, 2, 3, 4, 5)
+    assert len(clients.feed()) == at_once
+    assert clients.fed == ["g1", "g2", "g3"][:at_once]
+    assert len(clients.live) == 5
+    assert clients.feed() == []
+
+
+def test_the_end_of_one_lets_the_next_in():
+    clients = Clients(at_once=2).add(1, 2, 3, 4)
+    clients.feed()
+    clients.goals.end(clients.goals.fed[:1], Outcome.SUCCEEDED, "is done")
+    assert clients.feed(2) == ["_request(go(3),3)"]
+    clients.goals.end(clients.goals.fed, Outcome.SUCCEEDED, "is done")
+    assert clients.feed(3) == ["_request(go(4),4)"]
+    assert clients.live == ["g4"]
+
+
+def test_one_that_waits_is_cancelled():
+    clients = Clients(at_once=1).add(1, 2, 3)
+    clients.goals.cancel("g2")
+    clients.goals.cancel("g1")
+    assert clients.feed() == ["_request(go(3),2)"]
+    assert clients.ends() == [("g2", Outcome.CANCELED), ("g1", Outcome.CANCELED)]
+
+
+def test_cancelled_once_it_is_with_the_program():
+    clients = Clients().add(1)
+    clients.feed()
+    clients.goals.cancel("g1")
+    clients.goals.cancel("g1")
+    assert clients.feed(2) == ["_request(cancel(1),2)"]
+    assert clients.live == ["g1"]
+
+
+def test_goals_that_are_dropped_are_cancelled_for_the_program():
+    clients = Clients().add(1, 2)
+    clients.feed()
+    clients.goals.drop(clients.goals.fed[:1], "cannot be met")
+    assert clients.feed(4) == ["_request(cancel(1),4)"]
+    assert clients.ends() == [("g1", Outcome.ABORTED)]
+
+
+def test_goals_that_have_ended_stay_as_they_are():
+    clients = Clients().add(1, 2)
+    goals = clients.goals.live
+    clients.goals.end(goals[:1], Outcome.SUCCEEDED, "is done")
+    clients.goals.end(goals, Outcome.ABORTED, "is given up")
+    assert [goal.state for goal in goals] == [GoalState.SUCCEEDED, GoalState.ABORTED]
+    assert clients.feed() == []
+
+
+def test_undeclared_requests_end_their_goals_alone():
+    clients = Clients().add(1, 2)
+    clients.feed()
+    warning = "Head _request(go(2),2) has not been declared external. The entire rule will be ignored."
+    clients.goals.reject_undeclared(clients.goals.fed, ["something else", warning])
+    assert clients.live == ["g1"]
+    assert clients.ends() == [("g2", Outcome.REJECTED)]
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "reason"),
+    [
+        ("g1", "go(2)", "is in use"),
+        ("g2", "stay(1)", "is taken"),
+        ("g2", "go(", "no ground term"),
+        ("g2", "(go,2)", "names no goal"),
+    ],
+)
+def test_refused(key, text, reason):
+    clients = Clients().add(1)
+    clients.goals.add(key, text)
+    refused = [event for event in clients.told if isinstance(event, GoalRefused)]
+    assert [(event.cycle, event.key, event.text) for event in refused] == [(7, key, text)]
+    assert reason in refused[0].message
+    assert clients.live == ["g1"]
+
+
+def test_a_program_that_takes_no_requests():
+    clients = Clients("#external _request/1.").add(1)
+    assert "no external _request/2" in clients.told[0].message
+    assert clients.live == []
