@@ -56,13 +56,14 @@ def run_node(
     arguments: Sequence[Any] = (),
     begin: Callable[[Any], None] = lambda node: None,
 ) -> int:
-    """Be the node until shutdown; the exit code: 0, or 1 where making it raised one of the ``errors``.
+    """Be the node until shutdown; the exit code: 0, or 1 where making it raised one of ``errors`` or its worker failed.
 
     Parameters that it has not read by then are told.
     """
     import rospy
 
     from rosoclingo.common.parameters import warn_of_unread
+    from rosoclingo.common.worker import failed
 
     rospy.init_node(name)
     try:
@@ -73,10 +74,10 @@ def run_node(
     warn_of_unread()
     begin(made)
     rospy.spin()
-    return 0
+    return 1 if failed() else 0
 
 
-def _pip(package: str) -> str:
+def _pip(*packages: str) -> str:
     managed = os.path.exists(os.path.join(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED"))
     outside = sys.prefix == sys.base_prefix
     words = [

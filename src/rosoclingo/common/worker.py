@@ -3,13 +3,24 @@
 import queue
 import threading
 import traceback
-from typing import Callable, List, Optional, TypeVar
+from concurrent import futures
+from typing import Callable, List, Optional, Set, TypeVar
 
 import rospy
 
 Job = Callable[[], object]
 Settle = Callable[[], Optional[float]]
 Answer = TypeVar("Answer")
+_failure = threading.Event()  # of any worker: it is the node, thus the process, that ends
+
+
+def failed() -> bool:
+    """Whether a worker of this process has failed, and thus the node."""
+    return _failure.is_set()
+
+
+def _refusal() -> rospy.ServiceException:
+    return rospy.ServiceException(f"{rospy.get_name()} does not answer: its worker has ended")
 
 
 class Worker:
@@ -19,14 +30,16 @@ class Worker:
     many seconds it wants its next turn.
 
     An exception that reaches the worker is a fault of the program, and its state may be half changed: it is logged with
-    its traceback and the node ends, as a node without its worker would only seem to live. What a plugin, a user's
-    subclass or a file may raise is caught where these are called.
+    its traceback and the node ends (run_node: with exit code 1), as a node without its worker would only seem to live.
+    What a plugin, a user's subclass or a file may raise is caught where these are called.
     """
 
     def __init__(self, settle: Optional[Settle] = None, period: float = 0.05) -> None:
         self._queue: queue.Queue[Optional[Job]] = queue.Queue()
         self._settlers: List[Settle] = [settle] if settle is not None else []
         self._period = period
+        self._asked: Set[futures.Future] = set()  # questions that wait for their answer
+        self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
 
     def add(self, settle: Settle) -> None:
@@ -44,14 +57,19 @@ class Worker:
     def ask(self, work: Callable[[], Answer], timeout: float = 30.0) -> Answer:
         """Have the worker find an answer and wait for it: what the callback of a service does.
 
-        Raises rospy.ServiceException after ``timeout`` seconds (wall time).
+        Raises rospy.ServiceException after ``timeout`` seconds (wall time), or as soon as the worker has ended.
         """
-        answers: queue.Queue[Answer] = queue.Queue(1)
-        self.put(lambda: answers.put(work()))
+        answer: futures.Future[Answer] = futures.Future()
+        self._asked.add(answer)  # then the look at the end: the worker sets that first, then refuses what was asked
         try:
-            return answers.get(timeout=timeout)
-        except queue.Empty as error:
+            if self._ended.is_set():
+                raise _refusal()
+            self.put(lambda: answer.set_result(work()))
+            return answer.result(timeout)
+        except futures.TimeoutError as error:
             raise rospy.ServiceException(f"{rospy.get_name()} does not answer") from error
+        finally:
+            self._asked.discard(answer)
 
     def stop(self, timeout: float = 2.0) -> None:
         """End after the jobs that wait now, and wait for that, at most ``timeout`` seconds (wall time)."""
@@ -67,12 +85,23 @@ class Worker:
     def _run(self) -> None:
         try:
             wait: Optional[float] = self._period
-            while wait is not None:
-                wait = self._once(wait)
+            try:
+                while wait is not None:
+                    wait = self._once(wait)
+            finally:
+                self._refuse()
         except Exception:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
             if not rospy.core.is_shutdown_requested():  # else topics are closed, which is no fault
                 rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
+                _failure.set()
                 rospy.signal_shutdown("the worker failed")
+
+    def _refuse(self) -> None:
+        """Let nobody wait for an answer any longer."""
+        self._ended.set()
+        for answer in list(self._asked):
+            if not answer.done():
+                answer.set_exception(_refusal())
 
     def _once(self, wait: float) -> Optional[float]:
         """Do what comes within ``wait`` seconds, and settle; return how long to wait next, None at the end."""

@@ -15,6 +15,7 @@ move_base:                           # the first argument of _action_lib(move_ba
 """
 
 import re
+import warnings
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Pattern, Tuple
 
 from rosoclingo.common.reading import Reader
@@ -124,7 +125,12 @@ def _rule(reader: Reader) -> Rule:
 
 def _pattern(value: Any, reader: Reader) -> Optional[Pattern[str]]:
     try:
-        return None if value is None else re.compile(str(value))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", FutureWarning)
+            return None if value is None else re.compile(str(value))
     except re.error as error:
         reader.fault(f"{value!r} is no regular expression: {error}")
-        return None
+    except FutureWarning as warning:
+        mend = "put a backslash before the character"
+        reader.fault(f"{value!r} is a regular expression that a later Python reads in another way, {mend}: {warning}")
+    return None

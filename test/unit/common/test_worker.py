@@ -1,6 +1,9 @@
 """The worker thread: jobs in order, settling, questions, and one policy for what goes wrong."""
 
 import queue
+import subprocess
+import sys
+import threading
 
 import pytest
 
@@ -66,9 +69,35 @@ def test_questions_are_answered(make, monkeypatch):
     assert worker.ask(lambda: 42, PATIENCE) == 42
 
 
+@pytest.mark.parametrize("job", [lambda: 1 / 0, None])
+def test_a_worker_that_ends_leaves_no_question_waiting(make, monkeypatch, job):
+    monkeypatch.setattr(rospy, "get_name", lambda: "/node")
+    monkeypatch.setattr(rospy, "logfatal", lambda *_: None)
+    monkeypatch.setattr(rospy, "signal_shutdown", lambda _: None)
+    monkeypatch.setattr(worker_module, "_failure", threading.Event())
+    worker = make()
+    asked, found, put = threading.Event(), queue.Queue(), worker.put
+    worker.put(job)
+    monkeypatch.setattr(worker, "put", lambda question: (put(question), asked.set()))
+
+    def ask():
+        try:
+            found.put(worker.ask(lambda: 1, timeout=3600.0))
+        except rospy.ServiceException as error:
+            found.put(str(error))
+
+    threading.Thread(target=ask, daemon=True).start()
+    assert asked.wait(PATIENCE)
+    worker.start()
+    assert found.get(timeout=PATIENCE) == "/node does not answer: its worker has ended"
+    ask()
+    assert found.get_nowait() == "/node does not answer: its worker has ended", "a question that comes later"
+
+
 @pytest.mark.parametrize("at_the_end", [False, True])
 def test_an_error_ends_the_node_and_is_told_with_its_traceback(make, monkeypatch, at_the_end):
     told, ended, after = [], [], []
+    monkeypatch.setattr(worker_module, "_failure", threading.Event())
     monkeypatch.setattr(rospy, "logfatal", lambda text, *values: told.append(text % values))
     monkeypatch.setattr(rospy, "signal_shutdown", ended.append)
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: at_the_end)
@@ -78,9 +107,36 @@ def test_an_error_ends_the_node_and_is_told_with_its_traceback(make, monkeypatch
     worker.start()
     worker.stop(PATIENCE)
     assert not after, "its state may be half changed"
+    assert worker_module.failed() != at_the_end
     if at_the_end:
         assert not told, "topics are closed then, which is no fault"
     else:
         assert len(told) == len(ended) == 1
         assert "Traceback" in told[0]
         assert "ZeroDivisionError" in told[0]
+
+
+NODE = """
+import sys, rospy
+from rosoclingo.common import parameters, starting
+from rosoclingo.common.worker import Worker
+
+rospy.init_node = lambda name: rospy.core.set_initialized(True)  # there is no master
+parameters.warn_of_unread = lambda: None
+
+def node():
+    worker = Worker()
+    worker.put(lambda: {job})
+    worker.start()
+
+sys.exit(starting.run_node("node", node, ()))
+"""
+
+
+@pytest.mark.parametrize(("job", "code"), [("1 / 0", 1), ("rospy.signal_shutdown('asked to')", 0)])
+def test_a_node_whose_worker_failed_ends_with_exit_code_1(job, code):
+    done = subprocess.run(
+        [sys.executable, "-c", NODE.format(job=job)], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.returncode == code, done.stderr
+    assert ("ZeroDivisionError" in done.stderr) == bool(code)

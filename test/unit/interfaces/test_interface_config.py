@@ -79,6 +79,14 @@ def test_everything_given():
         ),
         ({**TYPE, "returns": [{"text": "("}]}, r"arm.returns\[0\].text: '\(' is no regular expression"),
         ({**TYPE, "returns": [{"when": {"x": "/(/"}}]}, r"arm.returns\[0\].when.x: '\(' is no regular expression"),
+        (
+            {**TYPE, "returns": [{"text": "[[a-z]"}]},
+            r"arm.returns\[0\].text: '\[\[a-z\]' is a regular expression that a later Python .*: Possible nested set",
+        ),
+        (
+            {**TYPE, "returns": [{"when": {"x": "/[a-z&&b]/"}}]},
+            r"arm.returns\[0\].when.x: '\[a-z&&b\]' is .* put a backslash .*: Possible set intersection at position 4",
+        ),
         ({**TYPE, "returns": [{"when": 3}]}, r"arm.returns\[0\].when: must be a mapping"),
         ({**TYPE, "returns": [{"facts": "a"}]}, r"arm.returns\[0\].facts: must be a list"),
         ({**TYPE, "returns": [{"return": "$what"}]}, r"arm.returns\[0\].return: no \$what"),
