@@ -65,6 +65,19 @@ def test_help_needs_no_set_up():
     assert not said
 
 
+def test_what_is_edited_while_it_runs_does_not_reach_it(tmp_path):
+    script = Path(shutil.copy(str(ROOT / "dev"), str(tmp_path)))
+    editor = tmp_path / "cat"  # which prints the usage
+    editor.write_text(f'#!/bin/sh\necho "echo edited" >>"{script}"\nexec /bin/cat "$@"\n')
+    editor.chmod(0o755)
+    variables = {**os.environ, "PATH": f"{tmp_path}:{SYSTEM}"}
+    done = subprocess.run([script, "help"], env=variables, capture_output=True, text=True, check=False, timeout=60)
+    assert script.read_text().endswith("echo edited\n")
+    assert done.returncode == 0
+    assert "usage: ./dev" in done.stdout
+    assert not done.stdout.endswith("edited\n")
+
+
 def python38(path, body):
     shim = path / "python3.8"
     shim.write_text(f"#!/bin/sh\n{body}\n")

@@ -1,6 +1,8 @@
-"""The packages' fronts: every name is there, and who wants little does not load the compiler."""
+"""The packages' fronts: every name is there, and who wants little loads, and needs, little."""
 
 import importlib
+import importlib.util
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -25,3 +27,33 @@ def test_every_name_is_there(package):
 def test_what_needs_no_compiler_loads_none(module):
     code = f"import sys, {module}; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=str(SOURCES), check=False, timeout=120).returncode == 0
+
+
+WITHOUT = """
+import importlib, sys
+for name in sys.argv[1].split(","):
+    sys.modules[name] = None  # as if it were not installed
+for name in sys.argv[2].split(","):
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        print(name, "lacks", error.name)
+"""
+
+
+@pytest.mark.parametrize("package", ["common", "interfaces", "nodes", "oclingo", "reasoning", "runs"])
+def test_who_has_a_robot_of_his_own_needs_nothing_of_the_stand_ins(package):
+    """numpy is the rviz tools' too."""
+    if subprocess.run([sys.executable, "-c", "import rospy, rosoclingo.msg"], check=False, timeout=120).returncode:
+        pytest.skip("there is no built workspace")
+    front = importlib.import_module(f"rosoclingo.{package}")
+    names = [info.name for info in pkgutil.walk_packages(front.__path__, f"rosoclingo.{package}.")]
+    drawing = [name for name in names if name.startswith("rosoclingo.nodes.rviz.")]
+    for lacking, wanted in (("numba,llvmlite,PIL,scipy", names), ("numpy", sorted({*names} - {*drawing}))):
+        command = [sys.executable, "-c", WITHOUT, lacking, ",".join(wanted)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+        assert done.returncode == 0, done.stderr
+        lines = done.stdout.splitlines()
+        if importlib.util.find_spec("tf2_ros") is None:  # compiled, and not for this Python
+            lines = [line for line in lines if not line.endswith(" lacks tf2_ros")]
+        assert not lines

@@ -9,7 +9,10 @@ import sys
 import sysconfig
 from typing import Any, Callable, Iterator, Sequence, Tuple, Type
 
-__all__ = ["needed_modules", "node_arguments", "run_node"]
+__all__ = ["missing", "needed_modules", "node_arguments", "run_node"]
+
+_PYPI = {"PIL": "Pillow", "yaml": "PyYAML"}  # where the package has another name than the module
+_ROBOT = {"PIL", "llvmlite", "numba"}  # rosoclingo.robot's alone: optional for those with another robot
 
 
 @contextlib.contextmanager
@@ -29,7 +32,10 @@ def missing(module: str) -> str:
         return f"clingo is not installed for {python}: {_pip('clingo>=5.7')}"
     if package == "rosoclingo":
         return f"there is no {module}: build the workspace and source its setup.bash (devel/setup.bash)"
-    return f"{package} is not installed for {python}: rosdep install rosoclingo, or {_pip(package)}"
+    if package in _ROBOT:
+        mend = f"rosdep install rosoclingo, or {_pip('numba', 'Pillow')}"
+        return f"{package} is not installed for {python}, and rosoclingo's simulator and navigation need it: {mend}"
+    return f"{package} is not installed for {python}: rosdep install rosoclingo, or {_pip(_PYPI.get(package, package))}"
 
 
 def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequence[str]:
@@ -86,6 +92,6 @@ def _pip(*packages: str) -> str:
         "pip",
         "install",
         *(["--break-system-packages"] if managed and outside else []),
-        package,
+        *packages,
     ]
     return " ".join(map(shlex.quote, words))

@@ -58,10 +58,15 @@ def test_arguments_that_nobody_reads_are_refused():
     assert "unrecognized arguments: program.lp" in done.stderr
 
 
+def run_without(module, folder, script, *arguments):
+    text = f"No module named '{module}'"
+    (folder / f"{module}.py").write_text(f"raise ModuleNotFoundError({text!r}, name={module!r})\n")
+    return run(script, *arguments, PYTHONPATH=os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")]))
+
+
 @pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
 def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
-    (tmp_path / "clingo.py").write_text("raise ModuleNotFoundError(\"No module named 'clingo'\", name='clingo')\n")
-    done = run(script, "--help", PYTHONPATH=os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]))
+    done = run_without("clingo", tmp_path, script, "--help")
     if script == "request":
         assert done.returncode in (0, 1)
     else:
@@ -72,7 +77,30 @@ def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("script", "module"),
+    [("simulator", "numba"), ("move_base", "numba"), ("map_server", "PIL"), ("stage_world", "PIL")],
+)
+def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, module, tmp_path):
+    done = run_without(module, tmp_path, script, "--help")
+    if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
+        pytest.skip("tf2_ros is compiled, and not for this Python")
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"{script}: {module} is not installed for {sys.executable} (Python 3.")
+    assert "rosoclingo's simulator and navigation need it: rosdep install rosoclingo, or " in line
+    assert line.endswith(" numba Pillow")
+
+
+@pytest.mark.parametrize("script", ["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])
+@pytest.mark.parametrize("module", ["numba", "PIL", "numpy"])
+def test_the_others_do_without_it(script, module, tmp_path):
+    done = run_without(module, tmp_path, script, "--help")
+    assert done.returncode == 0, done.stderr
+
+
 def test_other_modules():
+    assert missing("yaml.nodes").endswith(" PyYAML")
     assert "build the workspace and source" in missing("rosoclingo.msg")
     assert "numba is not installed for" in missing("numba.core")
     with pytest.raises(SystemExit, match="nosuchmodule is not installed"), needed_modules():

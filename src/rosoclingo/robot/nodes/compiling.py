@@ -1,7 +1,4 @@
-"""Compiling everything once, before anybody waits for it, and telling so.
-
-Run by the build: ``python3 -m rosoclingo.robot.nodes.compiling FOLDER`` compiles all and puts a copy into a folder.
-"""
+"""Compiling everything once, before anybody waits for it, and telling so."""
 
 import contextlib
 import fcntl
@@ -9,10 +6,8 @@ import importlib
 import json
 import os
 import platform
-import shutil
-import sys
 from pathlib import Path
-from typing import Callable, Iterator, Sequence
+from typing import Callable, Iterator
 
 import llvmlite.binding
 import numba
@@ -69,25 +64,3 @@ def _alone(part: str) -> Iterator[None]:
             file = stack.enter_context(Path(FOLDER, f"{part}.lock").open("w"))
             fcntl.flock(file, fcntl.LOCK_EX)
         yield
-
-
-def _say(text: str) -> None:
-    sys.stdout.write(text + "\n")
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Compile all parts and put a copy into each folder that is given; what goes wrong costs time at a start only."""
-    try:
-        for part in PARTS:
-            compile_once(part, _say)
-        for folder in arguments:
-            target = Path(folder, os.path.basename(FOLDER))
-            shutil.rmtree(str(target), ignore_errors=True)
-            shutil.copytree(FOLDER, str(target))
-    except (ImportError, OSError) as error:
-        _say(f"not compiled now, but at the first start: {error}")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rosoclingo.robot.navigation import Costmap, GridPlanner, OccupancyGrid
-from rosoclingo.robot.nodes import compiling
+from rosoclingo.robot.nodes import building, compiling
 from rosoclingo.robot.nodes.move_base.plugins import prepare
 
 HERE = Path(__file__).resolve().parents[2]
@@ -94,7 +94,7 @@ def test_without_a_folder_it_is_compiled_nevertheless(monkeypatch, tmp_path):
 def test_the_build_puts_a_copy_where_a_node_begins_with_it(tmp_path):
     """What is in the space's share folder is taken over by who has nothing yet."""
     share = tmp_path / "space" / "share" / "rosoclingo" / "numba"
-    assert compiling.main([str(share)]) == 0
+    assert building.main([str(share)]) == 0
     code = "from rosoclingo.robot.nodes import compiling as c; [c.compile_once(part, print) for part in c.PARTS]"
     new = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "CMAKE_PREFIX_PATH": f"/nowhere:{tmp_path / 'space'}"}
     assert run(code, **new) == ""
@@ -104,8 +104,21 @@ def test_the_build_puts_a_copy_where_a_node_begins_with_it(tmp_path):
 
 def test_what_cannot_be_copied_is_left_to_the_first_start(tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    assert compiling.main([str(tmp_path / "file" / "numba")]) == 0
+    assert building.main([str(tmp_path / "file" / "numba")]) == 0
     assert "not compiled now, but at the first start" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("module", ["numba", "llvmlite"])
+def test_the_build_goes_on_without_numba_and_says_so(tmp_path, module):
+    (tmp_path / f"{module}.py").write_text(f"raise ModuleNotFoundError('none', name={module!r})\n")
+    path = os.pathsep.join([str(tmp_path), str(HERE.parents[1] / "src"), *sys.path])
+    code = "import runpy; runpy.run_module('rosoclingo.robot.nodes.building', run_name='__main__')"
+    said = run(code, PYTHONPATH=path)
+    (line,) = said.splitlines()
+    assert line.startswith(
+        f"navigation and simulation are not compiled: {module} is not installed for {sys.executable} "
+    )
+    assert line.endswith(" numba Pillow")
 
 
 def test_a_map_whose_clearest_cell_is_unknown_is_prepared():
