@@ -109,9 +109,9 @@ def _sum(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Opti
         return None
     if term.operator_type in (BinaryOperator.Plus, BinaryOperator.Minus):
         return _plus(left, right, 1 if term.operator_type == BinaryOperator.Plus else -1)
-    if term.operator_type == BinaryOperator.Multiplication and min(set(left), set(right), key=len) <= {""}:
-        number, other = (left, right) if set(left) <= {""} else (right, left)
-        return _plus({}, other, number.get("", 0))
+    for number, other in ((left, right), (right, left)) if term.operator_type == BinaryOperator.Multiplication else ():
+        if set(number) <= {""}:
+            return _plus({}, other, number.get("", 0))
     value = evaluate(term, constants)
     return None if value is None or value.type != clingo.SymbolType.Number else {"": value.number}
 

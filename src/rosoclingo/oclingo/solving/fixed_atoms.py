@@ -74,7 +74,7 @@ class Census(Propagator):
     ``steps`` and ``defined`` are for afterwards.
 
     Attributes:
-        first: the first step, up to ``before``, of a block that is not decided; 0 where nothing could be read.
+        first: the first step, up to ``before``, of a block that is not decided; ``start`` where nothing could be read.
         values: the fixed atoms and their truth values.
         literals: the atoms' literals.
 
@@ -83,15 +83,17 @@ class Census(Propagator):
     def __init__(self, recorder: StepRecorder, start: int, before: int) -> None:
         """Look at the recorded steps from ``start`` to before ``before``."""
         self._recorder, self._start, self._before = recorder, start, before
-        self.first = 0
+        self.first = start
+        self._read = False
         self.values: Dict[clingo.Symbol, bool] = {}
         self.literals: Dict[clingo.Symbol, int] = {}
 
     def init(self, init: PropagateInit) -> None:
         """Called by clingo before each search; the first one is looked at."""
         init.check_mode = PropagatorCheckMode.Off
-        if self.first or self._recorder.opaque or not init.propagate():
+        if self._read or self._recorder.opaque or not init.propagate():
             return
+        self._read = True
         for one in init.symbolic_atoms:
             value = _fixed(init, one.literal)
             self.literals[one.symbol] = one.literal
@@ -99,7 +101,6 @@ class Census(Propagator):
                 self.values[one.symbol] = value
         # what base defines without a name can't be told to a later grounding
         nameless = self._recorder.heads.get(BASE, set()) - set(self.literals.values())
-        self.first = self._start
         while self.first in self._recorder.blocks and self._recorder.blocks[self.first][-1] < self._before:
             atoms = self._recorder.atoms.get(self.first, set())
             if atoms & nameless or any(_fixed(init, atom) is None for atom in atoms):

@@ -195,10 +195,10 @@ class Engine:
         """Tell what is fixed for good, looking at the steps from ``start`` to before ``before``."""
         census = Census(self._recorder, start, before)
         self._control.register_propagator(census)
-        free = self._editor.backend.add_atom()
-        self._editor.backend.add_rule([free], choice=True)
+        external = self._editor.new_external()
         self._editor.close()
-        self._control.solve(assumptions=[free, -free])  # ends at once, but reads the program
+        self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
+        self._editor.release(external)
         return census
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:

@@ -6,7 +6,7 @@ from clingo.ast import parse_string
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.look_back import greatest_ages, least_ages, time_offset
 from rosoclingo.oclingo.program.signatures import evaluate
 
 CONSTANTS = {"w": clingo.Number(3), "x": clingo.Function("y")}
@@ -48,6 +48,9 @@ def test_values_are_those_of_clingo(text):
         ("w+t-1", 2),
         ("t-6/2", -3),
         ("2*t-t+w*2", 6),
+        ("t*2-t", 0),
+        ("(1-1)*T+t", 0),
+        ("t*T-t*T+t", None),
         ("t\\10", None),
         ("t*7/6", None),
         ("2*t", None),
@@ -60,3 +63,36 @@ def test_values_are_those_of_clingo(text):
 )
 def test_what_is_the_step_plus_a_constant(text, offset):
     assert time_offset(term(text), "t", CONSTANTS) == offset
+
+
+@pytest.mark.parametrize(
+    ("body", "least", "greatest"),
+    [
+        ("t-T < 5", None, 4),
+        ("t-T <= 5, T > t-4", None, 3),
+        ("T > t-4, t-T <= 5", None, 3),
+        ("2*t-2*T < 5, T >= t-w*2", None, 2),
+        ("T <= t-3", 3, None),
+        ("T < t-3, T <= t-2", 4, None),
+        ("T <= t-2, T < t-3", 4, None),
+        ("T < t+3", -2, None),
+        ("t-9 < T < t-1", 2, 8),
+        ("T = t-1", 1, 1),
+        ("T != t", None, None),
+        ("not t-T >= 5", None, None),
+        ("not not t-T < 5", None, None),
+        ("b(X) : t-T < 5, c(X)", None, None),
+        ("1 { b(X) : t-T < 5 }", None, None),
+        ("t-T-U < 5, b(U)", None, None),
+        ("t+T < 5", None, None),
+        ("t < 5", None, None),
+        ("t-|T| < 5", None, None),
+        ("t+|T| < 5", None, None),
+        ("2*t-T < 5", None, None),
+    ],
+)
+def test_how_old_what_a_body_mentions_can_be(body, least, greatest):
+    found = []
+    parse_string(f":- a(T), {body}.", found.append)
+    assert least_ages(found[-1], "t", CONSTANTS).get("T") == least
+    assert greatest_ages(found[-1], "t", CONSTANTS).get("T") == greatest

@@ -1,0 +1,56 @@
+"""Which actions an answer may hold: the rules that are added to a program, and what an action is."""
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.oclingo.program.action_rules import closing_text, is_action, is_action_of
+
+PROGRAM = """
+_action_lib(wait,x,7).
+#program cumulative(t).
+{ _action_lib(go,X,t) : d(X) }.
+_action_lib(go,x,t+1) :- _action_lib(go,x,t-1), d(t).
+_action_lib(see,x,C) :- d(C).
+_action_lib(see,x,C+t) :- d(C).
+_action_lib(see,x,t+C) :- d(C).
+_action_lib(say,x,|t|).
+d(t).
+#external _action_lib(far,x,t+9).
+#program volatile(k).
+_action_lib(end,x,k-1).
+:- _action_lib(go,x,k-5).
+"""
+EXPECTED = {
+    ("base", "7", ""),
+    ("cumulative(k)", "(k-1)", ""),
+    ("cumulative(t)", "(t+1)", ""),
+    ("cumulative(t)", "C__", " : _action_lib(_,_,C__)"),
+    ("cumulative(t)", "t", ""),
+}
+
+
+def test_one_rule_for_each_way_in_which_heads_write_the_cycle():
+    program = ReactiveProgram.from_text(PROGRAM)
+    expected = [
+        f"#program {part}.\n#external __oclingo_beyond({cycle}){domain}.\n"
+        f":- _action_lib(A__,P__,{cycle}), __oclingo_beyond({cycle}).\n"
+        for part, cycle, domain in sorted(EXPECTED)
+    ]
+    assert closing_text(program.parts).text.split("\n#program") == "\n".join(["", *expected]).split("\n#program")
+
+
+@pytest.mark.parametrize(
+    ("text", "action", "of"),
+    [
+        ("_action_lib(go,x,2)", True, True),
+        ("_action_lib(go,x,1)", True, False),
+        ("_action_lib(go,x,now)", True, False),
+        ("-_action_lib(go,x,2)", False, False),
+        ("_action_lib(go,2)", False, False),
+        ("_return(go,x,2)", False, False),
+        ("at", False, False),
+    ],
+)
+def test_what_is_an_action_of_a_cycle(text, action, of):
+    assert is_action(parse_atom(text)) is action
+    assert is_action_of(2)(parse_atom(text)) is of
