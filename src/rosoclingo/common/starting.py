@@ -11,8 +11,8 @@ from typing import Any, Callable, Iterator, Sequence, Tuple, Type
 
 __all__ = ["missing", "needed_modules", "node_arguments", "run_node"]
 
-_PYPI = {"PIL": "Pillow", "yaml": "PyYAML"}  # where the package has another name than the module
-_ROBOT = {"PIL", "llvmlite", "numba"}  # rosoclingo.robot's alone: optional for those with another robot
+_PYPI = {"PIL": "Pillow", "llvmlite": "numba", "yaml": "PyYAML"}  # where the package has another name than the module
+_ROBOT = ("numba", "Pillow")  # rosoclingo.robot's alone: optional for those with another robot
 
 
 @contextlib.contextmanager
@@ -27,15 +27,15 @@ def needed_modules() -> Iterator[None]:
 def missing(module: str) -> str:
     """What to do about a module that is not there, for this Python."""
     python = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})"
-    package = module.split(".")[0]
+    package = _PYPI.get(module.split(".")[0], module.split(".")[0])
     if package == "clingo":
         return f"clingo is not installed for {python}: {_pip('clingo>=5.7')}"
     if package == "rosoclingo":
         return f"there is no {module}: build the workspace and source its setup.bash (devel/setup.bash)"
     if package in _ROBOT:
-        mend = f"rosdep install rosoclingo, or {_pip('numba', 'Pillow')}"
+        mend = f"rosdep install rosoclingo, or {_pip(*_ROBOT)}"
         return f"{package} is not installed for {python}, and rosoclingo's simulator and navigation need it: {mend}"
-    return f"{package} is not installed for {python}: rosdep install rosoclingo, or {_pip(_PYPI.get(package, package))}"
+    return f"{package} is not installed for {python}: rosdep install rosoclingo, or {_pip(package)}"
 
 
 def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequence[str]:

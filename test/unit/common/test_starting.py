@@ -78,16 +78,22 @@ def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("script", "module"),
-    [("simulator", "numba"), ("move_base", "numba"), ("map_server", "PIL"), ("stage_world", "PIL")],
+    ("script", "module", "package"),
+    [
+        ("simulator", "numba", "numba"),
+        ("simulator", "llvmlite", "numba"),
+        ("move_base", "numba", "numba"),
+        ("map_server", "PIL", "Pillow"),
+        ("stage_world", "PIL", "Pillow"),
+    ],
 )
-def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, module, tmp_path):
+def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, module, package, tmp_path):
     done = run_without(module, tmp_path, script, "--help")
     if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
         pytest.skip("tf2_ros is compiled, and not for this Python")
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f"{script}: {module} is not installed for {sys.executable} (Python 3.")
+    assert line.startswith(f"{script}: {package} is not installed for {sys.executable} (Python 3.")
     assert "rosoclingo's simulator and navigation need it: rosdep install rosoclingo, or " in line
     assert line.endswith(" numba Pillow")
 
