@@ -285,8 +285,8 @@ def test_without_a_watch_a_search_takes_the_time_it_takes():
 def test_a_planner_beside_grounds_once_for_all_that_it_reads(monkeypatch):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
-    made, build = [], transaction.build_engine
-    monkeypatch.setattr(transaction, "build_engine", lambda *arguments: made.append(1) or build(*arguments))
+    made, build = [], transaction.build_grounding
+    monkeypatch.setattr(transaction, "build_grounding", lambda *arguments: made.append(1) or build(*arguments))
     beside = bench.planner.restarted()
     assert plan(beside.update(parse_update("#step 2. _request(cancel(1),2). #endstep."))) == []
     assert len(made) == 1

@@ -46,9 +46,9 @@ Simplified to its loop it is this, which runs (the tests play the lift of doc/oc
             atom = self.control.symbolic_atoms[one.atom]
             return atom.literal if one.positive else -atom.literal
 
-What the files beside this one add: solver.py is that class, with bounds, time limits and an update taken as a whole or
-not at all; transaction.py is an update on its way in; grounding.py is clingo with the program in it, atom_table.py its
-atoms, backend_session.py and horizon.py the rules that are added behind clingo's grounder; horizon_search.py asks below
-the last step as well, for shortest plans; compaction.py lets go of what is past; stream_log.py is the list of all that
-a solver has taken, from which stream_state.py follows.
+What the files beside this one add: solver.py is that class, with bounds, time limits and an update taken as a whole
+or not at all; transaction.py is an update on its way in; grounding.py is clingo with the program in it, atom_table.py
+its atoms and, with horizon.py, the rules that are added behind clingo's grounder; horizon_search.py asks below the
+last step as well, for shortest plans; compaction.py lets go of what is past; stream_log.py is the list of all that a
+solver has taken, from which stream_state.py follows.
 """

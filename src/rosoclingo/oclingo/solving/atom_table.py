@@ -4,13 +4,48 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import Container, Dict, Iterable, Iterator, List, Optional, Set, Tuple
+from typing import Container, ContextManager, Dict, Iterable, Iterator, List, Optional, Set, Tuple
 
 import clingo
+from clingo.backend import Backend
 
 from rosoclingo.oclingo.program.signatures import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Literal, Statement
-from rosoclingo.oclingo.solving.backend_session import Editor
+
+OPEN, HOLDS, RELEASED = clingo.TruthValue.False_, clingo.TruthValue.True_, clingo.TruthValue.Release
+
+
+class BackendSession:
+    """One open backend for all changes of a control between groundings and searches: opening it costs milliseconds."""
+
+    def __init__(self, control: clingo.Control) -> None:
+        self._control = control
+        self._session: Optional[ContextManager[Backend]] = None
+        self._backend: Optional[Backend] = None
+
+    @property
+    def backend(self) -> Backend:
+        """The open backend; opened on first use."""
+        if self._backend is None:
+            self._session = self._control.backend()
+            self._backend = self._session.__enter__()
+        return self._backend
+
+    def close(self) -> None:
+        """Hand all changes over; to be called before clingo grounds or searches."""
+        if self._session is not None:
+            session, self._session, self._backend = self._session, None, None
+            session.__exit__(None, None, None)
+
+    def new_external(self, value: clingo.TruthValue = OPEN) -> int:
+        """Return a new nameless external."""
+        literal = self.backend.add_atom()
+        self.backend.add_external(literal, value)
+        return literal
+
+    def release(self, literal: int) -> None:
+        """Make an external false for good."""
+        self.backend.add_external(literal, RELEASED)
 
 
 class AtomTable:
@@ -22,10 +57,10 @@ class AtomTable:
     """
 
     def __init__(
-        self, control: clingo.Control, editor: Editor, declared: Container[int], heads: Container[Signature]
+        self, control: clingo.Control, session: BackendSession, declared: Container[int], heads: Container[Signature]
     ) -> None:
-        """Take the control, its editor, the literals of declared externals, and the predicates that rules define."""
-        self._control, self._editor, self._declared, self._heads = control, editor, declared, heads
+        """Take the control, its session, the literals of declared externals, and the predicates that rules define."""
+        self._control, self._session, self._declared, self._heads = control, session, declared, heads
         self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
         self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
         self._closed: Set[clingo.Symbol] = set()
@@ -62,7 +97,7 @@ class AtomTable:
         """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""
         body = [self._body_literal(literal) for literal in statement.body] + ([] if guard is None else [guard])
         head = [] if statement.head is None else [self._head(statement.head, guard)]
-        self._editor.backend.add_rule(head, body)
+        self._session.backend.add_rule(head, body)
         if statement.head is not None and not body:
             self._facts.add(statement.head)
 
@@ -74,7 +109,7 @@ class AtomTable:
             known = self._control.symbolic_atoms[atom]
             cell = None if known is None else known.literal
         if cell is not None:
-            self._editor.release(cell)
+            self._session.release(cell)
 
     def end_definitions(self) -> None:
         """Take what was defined up to now as defined: to be called before a search."""
@@ -83,7 +118,7 @@ class AtomTable:
     def resolve_absent(self) -> None:
         """Tie body atoms of updates that came before their step to the atoms that are grounded by now."""
         for atom in [one for one in self._absent if self.knows(one)]:
-            backend = self._editor.backend
+            backend = self._session.backend
             backend.add_rule([self._absent.pop(atom)], [backend.add_atom(atom)])
 
     def _head(self, atom: clingo.Symbol, guard: Optional[int]) -> int:
@@ -95,14 +130,14 @@ class AtomTable:
         if guard is None:
             self._closed.add(atom)
             if atom in self._cells:
-                self._editor.release(self._cells.pop(atom))
+                self._session.release(self._cells.pop(atom))
         elif atom not in self._closed and atom not in self._cells:
-            following = self._cells[atom] = self._editor.new_external()
-            self._editor.backend.add_rule([literal], [following])
+            following = self._cells[atom] = self._session.new_external()
+            self._session.backend.add_rule([literal], [following])
         return literal
 
     def _new_or_known(self, atom: clingo.Symbol) -> int:
-        backend = self._editor.backend
+        backend = self._session.backend
         fresh = not self.knows(atom)
         literal = backend.add_atom(atom)
         if fresh:
@@ -116,10 +151,10 @@ class AtomTable:
     def _body_literal(self, literal: Literal) -> int:
         atom = literal.atom
         if self.knows(atom):
-            code = int(self._editor.backend.add_atom(atom))
+            code = int(self._session.backend.add_atom(atom))
         else:
             if atom not in self._absent:
-                self._absent[atom] = self._editor.new_external()
+                self._absent[atom] = self._session.new_external()
             code = self._absent[atom]
         return code if literal.positive else -code
 
@@ -170,8 +205,8 @@ class CycleIndex:
 class ActionIndex:
     """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
 
-    def __init__(self, control: clingo.Control, editor: Editor, signature: Signature) -> None:
-        self._editor = editor
+    def __init__(self, control: clingo.Control, session: BackendSession, signature: Signature) -> None:
+        self._session = session
         self._atoms = CycleIndex(control, signature)
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
@@ -193,4 +228,4 @@ class ActionIndex:
     def _forbid(self, cycle: int) -> None:
         for atom, literal in self._atoms.pop_cycle(cycle):
             if atom not in self._closed[cycle]:
-                self._editor.backend.add_rule([], [literal])
+                self._session.backend.add_rule([], [literal])

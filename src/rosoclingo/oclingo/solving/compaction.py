@@ -11,8 +11,8 @@ import clingo
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Literal, Statement
-from rosoclingo.oclingo.solving.fixed_atoms import Census
-from rosoclingo.oclingo.solving.grounding import Engine
+from rosoclingo.oclingo.solving.fixed_atoms import FixedAtoms
+from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_state import Past, StreamState
 
 RETIRE_AFTER = 100
@@ -47,45 +47,45 @@ def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbo
     return known and not program.may_mention(atom, last + 1)
 
 
-def retire(program: ReactiveProgram, state: StreamState, engine: Engine) -> bool:
+def retire(program: ReactiveProgram, state: StreamState, grounding: Grounding) -> bool:
     """Move decided steps before ``state.keep_from`` into ``state.past``; tell whether there were any.
 
-    Externals that these steps declare and that nothing has defined are closed. The engine fits the state no longer if
-    True is returned.
+    Externals that these steps declare and that nothing has defined are closed. The grounding no longer fits the state
+    if True is returned.
     """
     start = first_step(program, state)
     # from step ``before`` on volatile rules may still hold
-    before = min(state.keep_from, state.step + 1 - max(program.windows), engine.horizon + 1)
-    if before <= start or not engine.satisfied:
+    before = min(state.keep_from, state.step + 1 - max(program.windows), grounding.horizon + 1)
+    if before <= start or not grounding.satisfied:
         return False
     state.tried = state.keep_from
-    _close(state, engine, start, before)
-    census = engine.census(start, before)
-    if census.first <= start:
+    _close(state, grounding, start, before)
+    fixed = grounding.fixed(start, before)
+    if fixed.first <= start:
         return False
-    statements = _Statements(engine, census, state.permanent)
+    statements = _Statements(grounding, fixed, state.permanent)
     if statements.sound:
-        _move(program, state, engine, census, statements)
+        _move(program, state, grounding, fixed, statements)
     return statements.sound
 
 
-def _close(state: StreamState, engine: Engine, start: int, before: int) -> None:
+def _close(state: StreamState, grounding: Grounding, start: int, before: int) -> None:
     """Close what steps start..before-1 declared external and nothing has defined."""
-    engine.settle(state.settled)
+    grounding.settle(state.settled)
     defined = {entry.statement.head for entry in state.lapsing}
-    for atom in engine.declared_between(start, before - 1, base=False):
+    for atom in grounding.declared_between(start, before - 1, base=False):
         if atom not in defined:
-            engine.atoms.close(atom)
+            grounding.atoms.close(atom)
             state.forgotten.add(atom)
 
 
 class _Statements:
     """Permanent statements with bodies, less what is decided: new facts, and what is left of the others."""
 
-    def __init__(self, engine: Engine, census: Census, statements: Sequence[Statement]) -> None:
-        self._engine, self._values = engine, census.values
-        defined = census.defined
-        self._past = {atom for atom, literal in census.literals.items() if literal in defined}
+    def __init__(self, grounding: Grounding, fixed: FixedAtoms, statements: Sequence[Statement]) -> None:
+        self._grounding, self._values = grounding, fixed.values
+        defined = fixed.defined
+        self._past = {atom for atom, literal in fixed.literals.items() if literal in defined}
         self.facts = {one.head for one in statements if one.head is not None and not one.body}
         self.kept: List[Statement] = []
         self.false: Set[clingo.Symbol] = set()  # heads that were defined, but never come true
@@ -108,45 +108,45 @@ class _Statements:
 
     def _value(self, atom: clingo.Symbol) -> Optional[bool]:
         """Return what is decided of ``atom`` without regard to constraints, which may be the ones in question."""
-        decided = atom in self._past or atom in self.facts or self._engine.atoms.is_closed(atom)
+        decided = atom in self._past or atom in self.facts or self._grounding.atoms.is_closed(atom)
         return self._values.get(atom) if decided else None
 
 
 def _move(
-    program: ReactiveProgram, state: StreamState, engine: Engine, census: Census, statements: _Statements
+    program: ReactiveProgram, state: StreamState, grounding: Grounding, fixed: FixedAtoms, statements: _Statements
 ) -> None:
     """Write down in ``state`` what was found."""
-    first, old = census.first, state.past
+    first, old = fixed.first, state.past
 
     def matters(atom: clingo.Symbol) -> bool:
         return program.may_mention(atom, first) or program.may_declare(atom, first)
 
-    steps, defined = census.steps, census.defined
-    true = {atom for atom, value in census.values.items() if value}
-    told = {atom for atom in true if census.literals[atom] in defined} | (old.facts if old is not None else set())
+    steps, defined = fixed.steps, fixed.defined
+    true = {atom for atom, value in fixed.values.items() if value}
+    told = {atom for atom in true if fixed.literals[atom] in defined} | (old.facts if old is not None else set())
     shown = [] if old is None else list(old.shown)
-    theirs = steps.keys() - census.base
-    fresh = {atom for atom in engine.shown & true if census.literals[atom] in theirs}
-    fresh |= engine.shown & statements.facts
+    theirs = steps.keys() - fixed.base
+    fresh = {atom for atom in grounding.shown & true if fixed.literals[atom] in theirs}
+    fresh |= grounding.shown & statements.facts
     fresh -= {atom for _, atom in shown}
-    shown += [(steps.get(census.literals[atom], first - 1), atom) for atom in fresh]
+    shown += [(steps.get(fixed.literals[atom], first - 1), atom) for atom in fresh]
     facts = set(filter(matters, statements.facts))
     known = {atom for atom in facts if program.is_open_signature(atom) or program.may_declare(atom, first)}
     shown = [one for one in shown if one[0] >= first - SHOWN_STEPS]
     state.past = Past(first, frozenset(filter(matters, told)) | facts - known, tuple(shown))
-    state.permanent = [*map(Statement, known), *statements.kept, *_ties(engine, census, set(statements.kept))]
-    state.open_atoms = [atom for atom in state.open_atoms if atom not in census.values or matters(atom)]
+    state.permanent = [*map(Statement, known), *statements.kept, *_ties(grounding, fixed, set(statements.kept))]
+    state.open_atoms = [atom for atom in state.open_atoms if atom not in fixed.values or matters(atom)]
     state.forgotten = {atom for atom in state.forgotten | (statements.false - true) if matters(atom)}
     state.closed_cycles = {cycle: done for cycle, done in state.closed_cycles.items() if cycle >= first - 1}
 
 
-def _ties(engine: Engine, census: Census, kept: Set[Statement]) -> List[Statement]:
+def _ties(grounding: Grounding, fixed: FixedAtoms, kept: Set[Statement]) -> List[Statement]:
     """Return constraints for what retired steps have decided of atoms that are not theirs, a choice of base say."""
-    mentioned = census.steps.keys() & census.base
+    mentioned = fixed.steps.keys() & fixed.base
     found: List[Statement] = []
-    for atom, value in census.values.items():
+    for atom, value in fixed.values.items():
         # clingo calls facts what constraints have fixed: whether the atom is one tells nothing
-        if census.literals[atom] in mentioned and (value or not engine.atoms.is_closed(atom)):
+        if fixed.literals[atom] in mentioned and (value or not grounding.atoms.is_closed(atom)):
             statement = Statement(None, (Literal(atom, not value),))
             found += [statement] if statement not in kept else []
     return found

@@ -68,7 +68,7 @@ class StepRecorder(Observer):
         atoms.update(map(abs, body))
 
 
-class Census(Propagator):
+class FixedAtoms(Propagator):
     """Reads, at the start of a search, what is fixed whatever further steps and externals bring.
 
     ``steps`` and ``defined`` are for afterwards.

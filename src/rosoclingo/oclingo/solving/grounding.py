@@ -1,6 +1,6 @@
 """One grounding of a reactive program in one :class:`clingo.Control`, grown step by step.
 
-The engine knows nothing of streams: the solver tells it what to ground, define, release and solve. It can be thrown
+The grounding knows nothing of streams: the solver tells it what to ground, define, release and solve. It can be thrown
 away and built anew at any time from the solver's state.
 """
 
@@ -30,9 +30,8 @@ from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import guard_atom, open_part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.oclingo.solving.atom_table import ActionIndex, AtomIndex, AtomTable, CycleIndex
-from rosoclingo.oclingo.solving.backend_session import HOLDS, Editor
-from rosoclingo.oclingo.solving.fixed_atoms import BASE, Census, StepRecorder
+from rosoclingo.oclingo.solving.atom_table import HOLDS, ActionIndex, AtomIndex, AtomTable, BackendSession, CycleIndex
+from rosoclingo.oclingo.solving.fixed_atoms import BASE, FixedAtoms, StepRecorder
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
 
@@ -59,7 +58,7 @@ class _Externals(Observer):
         self.fresh.add(atom)
 
 
-class Engine:
+class Grounding:
     """A control with base and the steps first..:attr:`horizon` grounded.
 
     Attributes:
@@ -88,10 +87,10 @@ class Engine:
         self._shortest = shortest
         self.messages = Messages()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
-        self._editor = Editor(self._control)
+        self._session = BackendSession(self._control)
         self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
-        self.atoms = AtomTable(self._control, self._editor, self._declared, program.head_signatures)
-        self._actions = ActionIndex(self._control, self._editor, ACTION)
+        self.atoms = AtomTable(self._control, self._session, self._declared, program.head_signatures)
+        self._actions = ActionIndex(self._control, self._session, ACTION)
         self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures)
         self._observer = _Externals()
@@ -108,7 +107,7 @@ class Engine:
         self._past = past or Past(program.first_step, frozenset())
         self._retired = frozenset(atom for _, atom in self._past.shown)
         self.horizon = self._past.first - 1
-        self._ends = HorizonLiterals(self._control, self._editor, self.horizon)
+        self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self.declare(open_atoms, facts)
         self._recorder.begin(range(BASE, BASE + 1))
         self._ground([("base", [])], 1)
@@ -131,7 +130,7 @@ class Engine:
             self._ground([("__oclingo_past", [])], self._past.first - 1)
 
     def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
-        self._editor.close()
+        self._session.close()
         self._control.ground(parts)
         for literal in self._observer.fresh:
             self._declared.setdefault(literal, step)
@@ -169,14 +168,14 @@ class Engine:
             self.atoms.add(statement, None)
             return
         if lifetime not in self._guards:
-            self._guards[lifetime] = self._editor.new_external(HOLDS)
+            self._guards[lifetime] = self._session.new_external(HOLDS)
         self.atoms.add(statement, self._guards[lifetime])
 
     def lapse(self, lifetimes: Iterable[Lifetime]) -> None:
         """End what holds for the ``lifetimes``."""
         for lifetime in lifetimes:
             if lifetime in self._guards:
-                self._editor.release(self._guards.pop(lifetime))
+                self._session.release(self._guards.pop(lifetime))
 
     def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
@@ -191,15 +190,15 @@ class Engine:
         found = [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
         return found if base else [one for one in found if one not in self._base_externals]
 
-    def census(self, start: int, before: int) -> Census:
+    def fixed(self, start: int, before: int) -> FixedAtoms:
         """Tell what is fixed for good, looking at the steps from ``start`` to before ``before``."""
-        census = Census(self._recorder, start, before)
-        self._control.register_propagator(census)
-        external = self._editor.new_external()
-        self._editor.close()
+        fixed = FixedAtoms(self._recorder, start, before)
+        self._control.register_propagator(fixed)
+        external = self._session.new_external()
+        self._session.close()
         self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
-        self._editor.release(external)
-        return census
+        self._session.release(external)
+        return fixed
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to ``executed``."""
@@ -228,7 +227,7 @@ class Engine:
         """
         self.atoms.end_definitions()
         assumptions = self._ends.range(first, last)
-        self._editor.close()
+        self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
         best = self.program.optimizes
@@ -255,13 +254,13 @@ class Engine:
         return Search(bool(result.satisfiable), tuple(answers), horizons[-1])
 
 
-def explain(error: RuntimeError, engine: Optional[Engine], program: ReactiveProgram) -> str:
-    """Return what clingo's ``error`` means for the update that was fed to ``engine``."""
+def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:
+    """Return what clingo's ``error`` means for the update that was fed to ``grounding``."""
     redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
     if redefined is not None:
         faults = program.redefinition_of(redefined.group("atom"))
-    elif engine is not None:
-        faults = engine.messages.faults(error, program.parameter_at)
+    elif grounding is not None:
+        faults = grounding.messages.faults(error, program.parameter_at)
     else:
         return f"the update was refused: {error}"
     return "the update was refused: " + "\n".join(map(str, faults))
@@ -281,13 +280,13 @@ def _block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
         first = last + 1
 
 
-def build_engine(
+def build_grounding(
     program: ReactiveProgram,
     state: StreamState,
     shortest: bool,
     dropped: Callable[[], bool] = lambda: False,
     coming: Iterable[clingo.Symbol] = (),
-) -> Engine:
+) -> Grounding:
     """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
 
     Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
@@ -296,22 +295,22 @@ def build_engine(
     """
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
     open_atoms = dict.fromkeys([*state.open_atoms, *coming])
-    engine = Engine(program, open_atoms, facts, shortest, state.past)
-    for last in _block_ends(state, engine.horizon + 1, BLOCK if shortest else 1):
+    grounding = Grounding(program, open_atoms, facts, shortest, state.past)
+    for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest else 1):
         if dropped():
             raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
-        engine.ground_to(last)
+        grounding.ground_to(last)
     for atom in state.forgotten:
-        engine.atoms.close(atom)
+        grounding.atoms.close(atom)
     for cycle, executed in state.closed_cycles.items():
-        engine.close_cycle(cycle, executed)
+        grounding.close_cycle(cycle, executed)
     given = set(open_atoms) & facts
     for statement in state.permanent:
         if statement.body or statement.head not in given:
-            engine.atoms.add(statement, None)
+            grounding.atoms.add(statement, None)
     for entry in state.lapsing:
-        engine.add(entry.statement, entry.lifetime)
+        grounding.add(entry.statement, entry.lifetime)
     for cycle in sorted(state.closed_cycles)[:-1]:
-        engine.close_returns(cycle)
-    engine.atoms.end_definitions()
-    return engine
+        grounding.close_returns(cycle)
+    grounding.atoms.end_definitions()
+    return grounding

@@ -10,15 +10,15 @@ from typing import Dict, List
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import BEYOND
-from rosoclingo.oclingo.solving.backend_session import Editor
+from rosoclingo.oclingo.solving.atom_table import BackendSession
 
 
 class HorizonLiterals:
     """The literals ``beyond(T)`` of one control, made as they are needed."""
 
-    def __init__(self, control: clingo.Control, editor: Editor, before: int) -> None:
+    def __init__(self, control: clingo.Control, session: BackendSession, before: int) -> None:
         """Start with step ``before``, which never lies beyond."""
-        self._control, self._editor = control, editor
+        self._control, self._session = control, session
         self._last = before
         self._settled = before
         self._beyond: Dict[int, int] = {}
@@ -27,7 +27,7 @@ class HorizonLiterals:
 
     def _literal(self, step: int) -> int:
         """Return the literal ``beyond(step)``, making it and those before it."""
-        backend = self._editor.backend
+        backend = self._session.backend
         while self._last < step:
             self._last += 1
             literal = self._beyond[self._last] = backend.add_atom()
@@ -39,7 +39,7 @@ class HorizonLiterals:
     def define_window(self, guard: int, step: int, window: int) -> None:
         """Define ``guard``: true where the horizon lies in step..step+window-1."""
         end = self._literal(step + window)
-        self._editor.backend.add_rule([guard], [end, -self._literal(step)])
+        self._session.backend.add_rule([guard], [end, -self._literal(step)])
 
     def forbid_beyond(self, step: int) -> None:
         """Tie the program's ``__oclingo_beyond(T)`` for T around ``step`` to the literals."""
@@ -51,13 +51,13 @@ class HorizonLiterals:
             self._linked += 1
             if atom is not None:
                 self._names[self._linked] = atom.literal
-                self._editor.backend.add_rule([atom.literal], [self._literal(self._linked)])
+                self._session.backend.add_rule([atom.literal], [self._literal(self._linked)])
                 self._end(range(self._linked, self._settled + 1))
 
     def settle(self, step: int) -> None:
         """Say for good that no horizon lies before ``step``, which lets clingo simplify."""
         for settled in range(self._settled + 1, step + 1):
-            self._editor.backend.add_rule([], [self._literal(settled)])
+            self._session.backend.add_rule([], [self._literal(settled)])
         self._end(range(self._settled + 1, step + 1))
         self._settled = max(self._settled, step)
 
@@ -68,7 +68,7 @@ class HorizonLiterals:
         """
         for step in steps:
             if step in self._names:
-                self._editor.backend.add_rule([], [self._names.pop(step)])
+                self._session.backend.add_rule([], [self._names.pop(step)])
 
     def range(self, first: int, last: int) -> List[int]:
         """Return the assumptions by which the horizon lies in first..last."""

@@ -5,11 +5,11 @@ from typing import Callable, Optional
 from weakref import WeakKeyDictionary
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.solving.grounding import Engine, Search
+from rosoclingo.oclingo.solving.grounding import Grounding, Search
 from rosoclingo.oclingo.solving.transaction import Transaction
 
 
-class Query:
+class HorizonSearch:
     """One update's search.
 
     Attributes:
@@ -85,12 +85,12 @@ class Query:
     def _ask(self, transaction: Transaction, first: int, last: int) -> Search:
         if self._halt():
             return Search(None)
-        engine = transaction.ready()
+        grounding = transaction.ready()
         models = self._models if first == last else 1
         start = time.perf_counter()
-        found = engine.search(models, self._halt, first, last)
+        found = grounding.search(models, self._halt, first, last)
         self.seconds += time.perf_counter() - start
-        self.permanent = found.satisfiable is False and engine.conflicting
+        self.permanent = found.satisfiable is False and grounding.conflicting
         return found
 
 
@@ -114,12 +114,12 @@ def may_idle(program: ReactiveProgram, halt: Callable[[], bool]) -> bool:
 def _try(program: ReactiveProgram, halt: Callable[[], bool]) -> Optional[bool]:
     first = program.first_step
     try:
-        engine = Engine(program, (), set(), shortest=True)
-        engine.ground_to(first)
-        found = engine.search(1, halt, first, first).satisfiable
+        grounding = Grounding(program, (), set(), shortest=True)
+        grounding.ground_to(first)
+        found = grounding.search(1, halt, first, first).satisfiable
         if found:
-            engine.ground_to(first + _TRIAL_STEPS)
-            found = engine.search(1, halt, first, first).satisfiable
+            grounding.ground_to(first + _TRIAL_STEPS)
+            found = grounding.search(1, halt, first, first).satisfiable
         return found
     except RuntimeError:  # the search itself tells what is wrong
         return False

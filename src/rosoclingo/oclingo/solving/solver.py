@@ -15,11 +15,11 @@ import clingo
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
-from rosoclingo.oclingo.solving.grounding import Engine, Search, explain
-from rosoclingo.oclingo.solving.horizon_search import Query, may_idle
+from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
+from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, may_idle
 from rosoclingo.oclingo.solving.stream_log import Close, StreamLog, Taken
-from rosoclingo.oclingo.solving.stream_state import StreamState
-from rosoclingo.oclingo.solving.transaction import Setting, Transaction
+from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
+from rosoclingo.oclingo.solving.transaction import Transaction
 
 BLOCK = 8
 """Steps to grow by at once where the program allows it."""
@@ -68,7 +68,7 @@ class StreamSolver(Protocol):
     """Solves a reactive logic program under a stream of updates.
 
     See :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` and
-    :class:`~rosoclingo.oclingo.remote.process_solver.ProcessSolver`.
+    :class:`~rosoclingo.oclingo.remote.solver_process.ProcessSolver`.
     """
 
     @property
@@ -132,7 +132,7 @@ class ReactiveSolver:
         self._hint = 0
         self._setting = Setting(program, horizon_limit, shortest, oclingo_strings)
         self._log = self._read = StreamLog()
-        self._engine: Optional[Engine] = None  # fits the state after what was read of the log
+        self._grounding: Optional[Grounding] = None  # fits the state after what was read of the log
         self._stop = False
 
     @property
@@ -208,11 +208,11 @@ class ReactiveSolver:
             known = known.before
         state = known.state = known.state or self._setting.fresh_state()
         if known is not self._read:
-            self._engine, self._read = None, known
+            self._grounding, self._read = None, known
         updates = [log.entry.update for log in unread if isinstance(log.entry, Taken)]
         heads = [head for one in (*updates, coming) for head in self._setting.open_heads(one)] if unread else ()
         for log in reversed(unread):
-            transaction = Transaction(self._setting, state.copy(), self._engine, coming=heads)
+            transaction = Transaction(self._setting, state.copy(), self._grounding, coming=heads)
             with self._taking(transaction):
                 transaction.take_again(log.entry)
             state = log.state = transaction.state
@@ -221,12 +221,12 @@ class ReactiveSolver:
     @contextmanager
     def _taking(self, transaction: Transaction) -> Iterator[None]:
         """Keep the transaction's grounding; what a failure leaves of it fits no state, and is let go."""
-        self._engine = None
+        self._grounding = None
         try:
             yield
         except RuntimeError as error:
-            raise SolverError(explain(error, transaction.engine, self.program)) from None
-        self._engine = transaction.engine
+            raise SolverError(explain(error, transaction.grounding, self.program)) from None
+        self._grounding = transaction.grounding
 
     def _run(
         self, update: Optional[StreamUpdate], stopped: Optional[Stopped], dropped: Optional[Stopped]
@@ -234,7 +234,7 @@ class ReactiveSolver:
         self._stop = False
         self.read(update)
         self._check(update)
-        transaction = Transaction(self._setting, self.state.copy(), self._engine, dropped)
+        transaction = Transaction(self._setting, self.state.copy(), self._grounding, dropped)
 
         def halt() -> bool:
             return self._stop or (stopped is not None and stopped())
@@ -260,18 +260,18 @@ class ReactiveSolver:
     ) -> SolveResult:
         start = time.perf_counter()
         block = BLOCK if self.shortest and may_idle(self.program, halt) else 1
-        query = Query(self.models, self.shortest, self._hint, block, halt)
-        search = Search(None)
+        search = HorizonSearch(self.models, self.shortest, self._hint, block, halt)
+        found = Search(None)
         if transaction.begin(update, halt):
-            search = query.run(transaction)
-        if search.satisfiable:
-            self._hint = search.horizon
+            found = search.run(transaction)
+        if found.satisfiable:
+            self._hint = found.horizon
         outcome = SolveOutcome.INTERRUPTED
-        if search.satisfiable is not None:
-            outcome = SolveOutcome.SATISFIABLE if search.satisfiable else SolveOutcome.UNSATISFIABLE
-        spent = {"solve": query.seconds, "ground": time.perf_counter() - start - query.seconds}
+        if found.satisfiable is not None:
+            outcome = SolveOutcome.SATISFIABLE if found.satisfiable else SolveOutcome.UNSATISFIABLE
+        spent = {"solve": search.seconds, "ground": time.perf_counter() - start - search.seconds}
         state, warnings = transaction.state, (*transaction.warnings, *transaction.remarks())
-        horizon = search.horizon if search.satisfiable else state.horizon
-        if query.permanent:
+        horizon = found.horizon if found.satisfiable else state.horizon
+        if search.permanent:
             horizon = max(horizon, transaction.last_horizon())
-        return SolveResult(outcome, search.answers, horizon, state.step, warnings, query.permanent, spent)
+        return SolveResult(outcome, found.answers, horizon, state.step, warnings, search.permanent, spent)

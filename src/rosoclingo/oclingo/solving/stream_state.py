@@ -1,12 +1,14 @@
-"""What the solver knows of its stream: enough to build the grounding anew at any time."""
+"""What the solver knows of its stream: enough to build the grounding anew at any time; and how it reads updates."""
 
 from dataclasses import dataclass, field, replace
 from typing import Dict, FrozenSet, Iterator, List, Optional, Set, Tuple, Union
 
 import clingo
 
-from rosoclingo.oclingo.program.return_failures import with_their_failures
-from rosoclingo.oclingo.progression.updates import Assert, Cumulative, Section, Statement, Volatile
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.return_failures import FAILED, with_failures, with_their_failures
+from rosoclingo.oclingo.progression.strings import strings_apart
+from rosoclingo.oclingo.progression.updates import Assert, Cumulative, Section, Statement, StreamUpdate, Volatile
 
 
 @dataclass(frozen=True)
@@ -142,3 +144,37 @@ class StreamState:
         less.open_atoms = [atom for atom in less.open_atoms if atom not in facts]
         less.closed_cycles = {cycle: executed - facts for cycle, executed in less.closed_cycles.items()}
         return less
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What all transactions of a solver share.
+
+    Attributes:
+        program: the reactive logic program.
+        horizon_limit: the last step that may be grounded, None for no limit.
+        shortest: whether answers are searched from step k on (see ``ReactiveSolver``).
+        oclingo_strings: whether strings in updates are taken as oClingo did.
+
+    """
+
+    program: ReactiveProgram
+    horizon_limit: Optional[int] = None
+    shortest: bool = False
+    oclingo_strings: bool = False
+
+    def fresh_state(self) -> StreamState:
+        """Return the state of a stream that begins."""
+        return StreamState(step=1, horizon=1, forgets_done=self.program.first_step - 1)
+
+    def read(self, update: StreamUpdate, state: StreamState) -> StreamUpdate:
+        """Return the update as the program is to see it."""
+        update = strings_apart(update) if self.oclingo_strings else update
+        return with_failures(update, state.permanent) if FAILED in self.program.open_signatures else update
+
+    def open_heads(self, update: Optional[StreamUpdate]) -> List[clingo.Symbol]:
+        """Return what the update defines of open signatures."""
+        if update is None:
+            return []
+        heads = [one.head for _, one in self.read(update, self.fresh_state()).sections()]
+        return [head for head in heads if head is not None and self.program.is_open_signature(head)]

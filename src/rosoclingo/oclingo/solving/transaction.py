@@ -5,18 +5,15 @@ the grounding fits the state it is changed in place; where a change can't be mad
 grounded step could see, a loop over several steps) it is dropped and made anew.
 """
 
-from dataclasses import dataclass
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Set
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.oclingo.program.parts import GUARD
-from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.remarks import likely
-from rosoclingo.oclingo.program.return_failures import FAILED, with_failures
 from rosoclingo.oclingo.program.signatures import Dependencies, signature_of, statement_edges
-from rosoclingo.oclingo.progression.strings import holds_string_apart, strings_apart
+from rosoclingo.oclingo.progression.strings import holds_string_apart
 from rosoclingo.oclingo.progression.updates import (
     Anew,
     Assert,
@@ -30,9 +27,18 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving.compaction import first_step, is_due, is_too_late, retire
-from rosoclingo.oclingo.solving.grounding import Engine, build_engine
+from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
-from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Lifetime, StreamState, Term, lifetime_of
+from rosoclingo.oclingo.solving.stream_state import (
+    FOREVER,
+    UPDATE,
+    Lapsing,
+    Lifetime,
+    Setting,
+    StreamState,
+    Term,
+    lifetime_of,
+)
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 _STRANGE = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
@@ -42,46 +48,12 @@ AGAIN = 8
 """Steps that are ground at once when an update is taken again."""
 
 
-@dataclass(frozen=True)
-class Setting:
-    """What all transactions of a solver share.
-
-    Attributes:
-        program: the reactive logic program.
-        horizon_limit: the last step that may be grounded, None for no limit.
-        shortest: whether answers are searched from step k on (see ``ReactiveSolver``).
-        oclingo_strings: whether strings in updates are taken as oClingo did.
-
-    """
-
-    program: ReactiveProgram
-    horizon_limit: Optional[int] = None
-    shortest: bool = False
-    oclingo_strings: bool = False
-
-    def fresh_state(self) -> StreamState:
-        """Return the state of a stream that begins."""
-        return StreamState(step=1, horizon=1, forgets_done=self.program.first_step - 1)
-
-    def read(self, update: StreamUpdate, state: StreamState) -> StreamUpdate:
-        """Return the update as the program is to see it."""
-        update = strings_apart(update) if self.oclingo_strings else update
-        return with_failures(update, state.permanent) if FAILED in self.program.open_signatures else update
-
-    def open_heads(self, update: Optional[StreamUpdate]) -> List[clingo.Symbol]:
-        """Return what the update defines of open signatures."""
-        if update is None:
-            return []
-        heads = [one.head for _, one in self.read(update, self.fresh_state()).sections()]
-        return [head for head in heads if head is not None and self.program.is_open_signature(head)]
-
-
 class Transaction:
     """One entry on its way into a stream's state.
 
     Attributes:
         state: the state as it will be; the caller keeps it if all goes well.
-        engine: the grounding that fits :attr:`state`, None where it has to be made anew.
+        grounding: the grounding that fits :attr:`state`, None where it has to be made anew.
         warnings: what was ignored.
         compacted: True once it was tried to retire steps, which only a checkpoint tells.
 
@@ -91,15 +63,15 @@ class Transaction:
         self,
         setting: Setting,
         state: StreamState,
-        engine: Optional[Engine],
+        grounding: Optional[Grounding],
         dropped: Optional[Callable[[], bool]] = None,
         coming: Iterable[clingo.Symbol] = (),
     ) -> None:
-        """Work on ``state``, which nobody else has, and ``engine``.
+        """Work on ``state``, which nobody else has, and ``grounding``.
 
         ``dropped`` ends a grounding made anew; atoms that are ``coming`` with what is taken next are known to it.
         """
-        self.program, self.state, self.engine = setting.program, state, engine
+        self.program, self.state, self.grounding = setting.program, state, grounding
         self._setting = setting
         self._dropped = dropped or (lambda: False)
         self._coming = coming
@@ -157,7 +129,7 @@ class Transaction:
     def _look_back(self, update: StreamUpdate) -> None:
         """Do what an update says of the past, before anything else of it."""
         if any(isinstance(item, Anew) for item in update.items):
-            self.engine, self.state = None, self._setting.fresh_state()
+            self.grounding, self.state = None, self._setting.fresh_state()
         self._withdraw(update.withdrawn)
         for item in update.items:
             if isinstance(item, Closed):
@@ -170,7 +142,7 @@ class Transaction:
     def _withdraw(self, facts: FrozenSet[clingo.Symbol]) -> None:
         less = self.state.less(facts) if facts else self.state
         if less != self.state:
-            self.engine, self.state = None, less
+            self.grounding, self.state = None, less
 
     def _keep_from(self, step: int) -> None:
         if self._shortest:
@@ -180,17 +152,17 @@ class Transaction:
         """Fix the actions of ``cycle`` to ``executed``; returns of the cycle closed before it are complete by now."""
         before = max(self.state.closed_cycles, default=None)
         self.state.closed_cycles[cycle] = executed
-        if self.engine is not None:
-            self.engine.close_cycle(cycle, executed)
+        if self.grounding is not None:
+            self.grounding.close_cycle(cycle, executed)
             if before is not None:
-                self.engine.close_returns(before)
+                self.grounding.close_returns(before)
 
-    def ready(self) -> Engine:
+    def ready(self) -> Grounding:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
-        if self.engine is None or self.state.cyclic:
-            self.engine = self._build()
-        self.engine.settle(min(self.state.settled, self.state.horizon) if self._shortest else self.state.horizon)
-        return self.engine
+        if self.grounding is None or self.state.cyclic:
+            self.grounding = self._build()
+        self.grounding.settle(min(self.state.settled, self.state.horizon) if self._shortest else self.state.horizon)
+        return self.grounding
 
     def may_grow(self) -> bool:
         """Whether the bound and the limit of the horizon allow another step."""
@@ -222,45 +194,47 @@ class Transaction:
         if not fresh:
             return
         self.state.open_atoms.extend(fresh)
-        if self.engine is not None:
-            new = [atom for atom in fresh if not self.engine.atoms.knows(atom)]
+        if self.grounding is not None:
+            new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]
             first = first_step(self.program, self.state)
-            if self.program.may_see(new, first, self.engine.horizon):
+            if self.program.may_see(new, first, self.grounding.horizon):
                 self._retire(along=True)
-                self.engine = None
+                self.grounding = None
             elif new:
                 self._given = {atom for atom in new if fresh[atom]}
-                self.engine.declare(new, self._given)
+                self.grounding.declare(new, self._given)
 
     def _retire(self, along: bool) -> None:
         """Let go of the steps that are over, if there are enough: the program is then ground anew without them."""
-        if self._again or self.engine is None or not is_due(self.program, self.state, along):
+        if self._again or self.grounding is None or not is_due(self.program, self.state, along):
             return
         tried = self.state.tried
-        self.engine = None if retire(self.program, self.state, self.engine) else self.engine
+        self.grounding = None if retire(self.program, self.state, self.grounding) else self.grounding
         self.compacted = self.compacted or self.state.tried != tried
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         self.state.horizon = max(self.state.horizon, self.program.first_step)
-        engine = self._standing()
+        grounding = self._standing()
         while self.state.horizon < horizon:
             if halt():
                 return False
-            self._advance(engine, horizon if self._shortest else self.state.horizon + 1)
+            self._advance(grounding, horizon if self._shortest else self.state.horizon + 1)
         return True
 
-    def _advance(self, engine: Engine, horizon: int) -> None:
+    def _advance(self, grounding: Grounding, horizon: int) -> None:
         """Ground up to ``horizon``, with all that falls due there."""
         self.state.horizon = horizon
-        engine.ground_to(horizon)
-        self._fall_due(engine)
+        grounding.ground_to(horizon)
+        self._fall_due(grounding)
 
-    def _fall_due(self, engine: Engine) -> None:
+    def _fall_due(self, grounding: Grounding) -> None:
         state = self.state
         horizon = state.horizon
         self._lapse(lambda lifetime: isinstance(lifetime, int) and lifetime < horizon)
         for entry in [
-            one for one in state.waiting if one.statement.head is not None and engine.atoms.is_open(one.statement.head)
+            one
+            for one in state.waiting
+            if one.statement.head is not None and grounding.atoms.is_open(one.statement.head)
         ]:
             state.waiting.remove(entry)
             self._put(entry.statement, entry.lifetime)
@@ -277,8 +251,8 @@ class Transaction:
         if over:
             state.lapsing = [entry for entry in state.lapsing if entry.lifetime not in over]
             state.waiting = [entry for entry in state.waiting if entry.lifetime not in over]
-        if self.engine is not None:
-            self.engine.lapse(dict.fromkeys(over))
+        if self.grounding is not None:
+            self.grounding.lapse(dict.fromkeys(over))
         return bool(over)
 
     def _take_items(self, update: StreamUpdate) -> None:
@@ -296,39 +270,39 @@ class Transaction:
     def _take_statement(self, statement: Statement, lifetime: Lifetime) -> None:
         if isinstance(lifetime, int) and lifetime < self.state.horizon:
             return  # its window has passed
-        engine, head = self._standing(), statement.head
+        grounding, head = self._standing(), statement.head
         if head in self._given and not statement.body and lifetime == FOREVER:
             self.state.permanent.append(statement)
-        elif head is None or engine.atoms.is_open(head):
+        elif head is None or grounding.atoms.is_open(head):
             self._put(statement, lifetime)
-        elif self._is_new(head, engine):
+        elif self._is_new(head, grounding):
             self._put(statement, lifetime)
             self._remark(statement)
-        elif not statement.body and engine.atoms.is_true(head):
+        elif not statement.body and grounding.atoms.is_true(head):
             return  # said before
-        elif engine.conflicting and signature_of(head) in self.program.external_signatures:
+        elif grounding.conflicting and signature_of(head) in self.program.external_signatures:
             self.state.waiting.append(
                 Lapsing(statement, lifetime)
             )  # clingo grounds no further; a grounding made anew will tell
         elif is_too_late(self.program, self.state, head):
             self.warnings.append(_TOO_LATE.format(head, first_step(self.program, self.state)))
-        elif head not in self.state.forgotten and not engine.atoms.knows(head) and self._may_come(head):
+        elif head not in self.state.forgotten and not grounding.atoms.knows(head) and self._may_come(head):
             self.state.waiting.append(Lapsing(statement, lifetime))
         else:
             self.warnings.append(_NOT_EXTERNAL.format(head))
 
-    def _standing(self) -> Engine:
-        """Return the engine without making it anew for loops: within an update all rules come together."""
-        if self.engine is None:
-            self.engine = self._build()
-        return self.engine
+    def _standing(self) -> Grounding:
+        """Return the grounding without making it anew for loops: within an update all rules come together."""
+        if self.grounding is None:
+            self.grounding = self._build()
+        return self.grounding
 
-    def _is_new(self, atom: clingo.Symbol, engine: Engine) -> bool:
+    def _is_new(self, atom: clingo.Symbol, grounding: Grounding) -> bool:
         """Whether the program has no word of ``atom``, so that an update may define it freely."""
         signature = signature_of(atom)
         known = self.program.signatures | self.program.open_signatures
         strange = signature not in known or holds_string_apart(atom)
-        return strange and not engine.atoms.knows(atom) and not engine.atoms.is_closed(atom)
+        return strange and not grounding.atoms.knows(atom) and not grounding.atoms.is_closed(atom)
 
     def _remark(self, statement: Statement) -> None:
         """Tell, once, of a fact that neither the program nor a rule of the stream has any use for."""
@@ -372,29 +346,29 @@ class Transaction:
         if self._forgets is not None:
             self._forgets.append(item)
             return
-        engine = self._standing()
+        grounding = self._standing()
         defined = {entry.statement.head for entry in self.state.lapsing}
-        for atom in engine.declared_between(item.first, item.last):
+        for atom in grounding.declared_between(item.first, item.last):
             if atom not in defined and atom.name != GUARD:
-                engine.atoms.close(atom)
+                grounding.atoms.close(atom)
                 self.state.forgotten.add(atom)
 
     def _retract(self, term: clingo.Symbol) -> None:
         if not self._lapse(lambda lifetime: lifetime == Term(term)):
             self.warnings.append(f"Term {term} has not been asserted. The retraction is ignored.")
 
-    def _build(self) -> Engine:
+    def _build(self) -> Grounding:
         """Ground the program anew and put in force all that the state holds."""
         program, state = self.program, self.state
         coming = [atom for atom in self._coming if not is_too_late(program, state, atom)]
-        self.engine = build_engine(program, state, self._shortest, self._dropped, coming)
-        self._fall_due(self.engine)
-        return self.engine
+        self.grounding = build_grounding(program, state, self._shortest, self._dropped, coming)
+        self._fall_due(self.grounding)
+        return self.grounding
 
     def remarks(self) -> Iterator[str]:
         """Yield what clingo has found odd while it ground, each of which is told once."""
         told = self.state.told
-        for one in self.engine.messages.new_remarks(self.program.parameter_at) if self.engine is not None else ():
+        for one in self.grounding.messages.new_remarks(self.program.parameter_at) if self.grounding is not None else ():
             if str(one) not in told and str(one) not in self.program.warnings:
                 told.add(str(one))
                 yield str(one)

@@ -5,7 +5,7 @@ from test_solver import atoms, play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
 from rosoclingo.oclingo.solving import compaction, solver
-from rosoclingo.oclingo.solving.grounding import Engine
+from rosoclingo.oclingo.solving.grounding import Grounding
 
 MARKS = "#theory marks { term { - : 1, unary }; &mark/0 : term, any }. "
 FACTS = "#program cumulative(t). p(t). q(t) :- p(t-1), not r(t). { r(t) }. :- not r(t)."
@@ -20,11 +20,11 @@ def at_once(monkeypatch):
 
 def undecided(text, blocks, before, settled=9, start=1):
     """Return the first step that is not decided of a program that is grounded in the given blocks."""
-    engine = Engine(ReactiveProgram.from_text(text), (), set(), shortest=True)
+    grounding = Grounding(ReactiveProgram.from_text(text), (), set(), shortest=True)
     for last in blocks:
-        engine.ground_to(last)
-    engine.settle(min(settled, blocks[-1]))
-    return engine.census(start, before).first
+        grounding.ground_to(last)
+    grounding.settle(min(settled, blocks[-1]))
+    return grounding.fixed(start, before).first
 
 
 @pytest.mark.parametrize(

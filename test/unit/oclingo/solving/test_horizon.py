@@ -3,7 +3,7 @@
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.solving.grounding import Engine
+from rosoclingo.oclingo.solving.grounding import Grounding
 
 ENDS = "#program cumulative(t). { a(t) }. :- a(t). #program volatile(t). end(t). #show end/1."
 ACTIONS = (
@@ -12,20 +12,20 @@ ACTIONS = (
 )
 
 
-def engine_of(text, last):
-    engine = Engine(ReactiveProgram.from_text(text), (), set(), shortest=True)
-    engine.ground_to(last)
-    engine.settle(1)
-    return engine
+def grounding_of(text, last):
+    grounding = Grounding(ReactiveProgram.from_text(text), (), set(), shortest=True)
+    grounding.ground_to(last)
+    grounding.settle(1)
+    return grounding
 
 
-def search(engine, first, last, models=0):
-    return engine.search(models, lambda: False, first, last)
+def search(grounding, first, last, models=0):
+    return grounding.search(models, lambda: False, first, last)
 
 
 @pytest.mark.parametrize(("first", "last"), [(1, 1), (2, 2), (4, 4), (1, 4), (2, 3), (3, 4)])
 def test_horizons_lie_in_the_range_that_is_asked_for(first, last):
-    found = search(engine_of(ENDS, 4), first, last)
+    found = search(grounding_of(ENDS, 4), first, last)
     assert sorted(" ".join(map(str, answer)) for answer in found.answers) == [
         f"end({step})" for step in range(first, last + 1)
     ]
@@ -34,16 +34,16 @@ def test_horizons_lie_in_the_range_that_is_asked_for(first, last):
 
 @pytest.mark.parametrize("horizon", [1, 2, 3])
 def test_the_horizon_of_an_answer_is_told(horizon):
-    engine = engine_of(f"#program cumulative(t). #program volatile(t). :- t != {horizon}.", 4)
-    assert search(engine, 1, 3, models=1).horizon == horizon
+    grounding = grounding_of(f"#program cumulative(t). #program volatile(t). :- t != {horizon}.", 4)
+    assert search(grounding, 1, 3, models=1).horizon == horizon
 
 
 def test_no_horizon_before_the_settled_step():
-    engine = engine_of(ENDS, 5)
-    engine.settle(3)
-    engine.settle(2)
-    assert len(search(engine, 3, 5).answers) == 3
-    assert search(engine, 1, 2).satisfiable is False
+    grounding = grounding_of(ENDS, 5)
+    grounding.settle(3)
+    grounding.settle(2)
+    assert len(search(grounding, 3, 5).answers) == 3
+    assert search(grounding, 1, 2).satisfiable is False
 
 
 def cycles(answers):
@@ -53,12 +53,12 @@ def cycles(answers):
 @pytest.mark.parametrize("offset", [-2, -1, 0])
 @pytest.mark.parametrize("name", ["t", "T"])
 def test_no_action_beyond_the_horizon_whatever_its_cycle(name, offset):
-    engine = engine_of(ACTIONS.format(cycle=f"{name}+{offset}"), 1)
+    grounding = grounding_of(ACTIONS.format(cycle=f"{name}+{offset}"), 1)
     for last in (1, 2, 6):
         if last > 1:
-            engine.ground_to(last)
+            grounding.ground_to(last)
         for horizon in range(1, last + 1):
-            found = search(engine, horizon, horizon)
+            found = search(grounding, horizon, horizon)
             possible = range(1 + offset, min(last + offset, horizon) + 1)
             assert cycles(found.answers) == set(possible)
             assert len(found.answers) == 2 ** len(possible)
@@ -67,9 +67,9 @@ def test_no_action_beyond_the_horizon_whatever_its_cycle(name, offset):
 @pytest.mark.parametrize("rest", [0, 1])
 def test_no_action_beyond_the_horizon_where_only_some_steps_have_one(rest):
     text = ACTIONS.format(cycle="T").replace("T = t", rf"T = t, T \ 2 = {rest}")
-    engine = engine_of(text, 2)
+    grounding = grounding_of(text, 2)
     for last in (2, 5):
         if last > 2:
-            engine.ground_to(last)
+            grounding.ground_to(last)
         for horizon in range(1, last + 1):
-            assert cycles(search(engine, horizon, horizon).answers) == set(range(2 - rest, horizon + 1, 2))
+            assert cycles(search(grounding, horizon, horizon).answers) == set(range(2 - rest, horizon + 1, 2))

@@ -7,7 +7,7 @@ import pytest
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.solving import horizon_search
 from rosoclingo.oclingo.solving.grounding import Search
-from rosoclingo.oclingo.solving.horizon_search import Query, may_idle
+from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, may_idle
 
 
 class World:
@@ -48,11 +48,11 @@ class World:
 
 
 def run(world, models=1, shortest=True, hint=0, block=1):
-    query = Query(models, shortest, hint, block, world.halt)
-    assert query.seconds == 0.0
-    found = query.run(world)
-    assert 0.0 <= query.seconds < 100.0
-    return found, query
+    search = HorizonSearch(models, shortest, hint, block, world.halt)
+    assert search.seconds == 0.0
+    found = search.run(world)
+    assert 0.0 <= search.seconds < 100.0
+    return found, search
 
 
 @pytest.mark.parametrize(
@@ -74,11 +74,11 @@ def run(world, models=1, shortest=True, hint=0, block=1):
     ],
 )
 def test_the_least_horizon_is_found(world, settings, horizon, asked):
-    found, query = run(world, **settings)
+    found, search = run(world, **settings)
     assert found.satisfiable is True
     assert found.horizon == horizon
     assert " ".join(world.asked) == asked
-    assert not query.permanent
+    assert not search.permanent
 
 
 @pytest.mark.parametrize("way", [{"models": 0}, {"optimizes": True}])
@@ -117,10 +117,10 @@ def test_all_answers_or_the_best_are_those_of_the_least_horizon(way):
     ],
 )
 def test_searches_without_an_answer(world, settings, satisfiable, asked):
-    found, query = run(world, **settings)
+    found, search = run(world, **settings)
     assert found.satisfiable is satisfiable
     assert " ".join(world.asked) == asked
-    assert query.permanent == (world.dead is not None)
+    assert search.permanent == (world.dead is not None)
 
 
 def test_where_one_horizon_is_asked_all_its_answers_come_at_once():
@@ -130,24 +130,24 @@ def test_where_one_horizon_is_asked_all_its_answers_come_at_once():
 
 
 def test_a_search_that_was_ended_tells_nothing_for_good():
-    found, query = run(World([], slow=[1], dead=1))
+    found, search = run(World([], slow=[1], dead=1))
     assert found.satisfiable is None
-    assert not query.permanent
+    assert not search.permanent
 
 
 def test_seconds_are_those_of_the_searches(monkeypatch):
     clock = iter(range(100))
     monkeypatch.setattr(horizon_search, "time", SimpleNamespace(perf_counter=lambda: float(next(clock))))
-    query = Query(1, True, 0, 1, lambda: False)
-    query.run(World([3]))
-    assert query.seconds == 3.0
+    search = HorizonSearch(1, True, 0, 1, lambda: False)
+    search.run(World([3]))
+    assert search.seconds == 3.0
 
 
 IDLE = "#program cumulative(t). {{ a(t) }}. {} #program volatile(t)."
 
 
 class Ended:
-    """An engine whose searches are ended."""
+    """An grounding whose searches are ended."""
 
     def __init__(self, *_settings, shortest):
         assert shortest
@@ -165,7 +165,7 @@ def test_a_trial_that_fails_is_no_answer(monkeypatch):
     def failing(*_settings, **_more):
         raise RuntimeError("too large")
 
-    monkeypatch.setattr(horizon_search, "Engine", failing)
+    monkeypatch.setattr(horizon_search, "Grounding", failing)
     assert may_idle(ReactiveProgram.from_text(IDLE.format("")), lambda: False) is False
 
 
@@ -176,8 +176,8 @@ def test_a_trial_that_fails_is_no_answer(monkeypatch):
 def test_whether_an_answer_stays_one_with_more_steps_is_tried_once(rule, idle, monkeypatch):
     program = ReactiveProgram.from_text(IDLE.format(rule))
     with monkeypatch.context() as patched:
-        patched.setattr(horizon_search, "Engine", Ended)
+        patched.setattr(horizon_search, "Grounding", Ended)
         assert may_idle(program, lambda: True) is False, "that was ended, so it is not known"
     assert may_idle(program, lambda: False) is idle
-    monkeypatch.setattr(horizon_search, "Engine", None)
+    monkeypatch.setattr(horizon_search, "Grounding", None)
     assert may_idle(program, lambda: False) is idle

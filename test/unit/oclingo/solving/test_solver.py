@@ -5,7 +5,7 @@ from stream_logs import cut
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, SolverError, parse_atom, parse_update
 from rosoclingo.oclingo.solving import horizon_search as idling
-from rosoclingo.oclingo.solving.grounding import Engine, Search
+from rosoclingo.oclingo.solving.grounding import Grounding, Search
 
 WALK = """
 #program base.
@@ -271,13 +271,13 @@ def test_steps_are_grounded_at_once_only_where_they_may_be_idle(program, idles):
 def test_whether_steps_may_be_idle_stays_unknown_where_the_trial_was_ended(monkeypatch, number):
     searches = []
 
-    class Ended(Engine):
+    class Ended(Grounding):
         def search(self, *arguments):
             searches.append(arguments)
             return Search(None) if len(searches) == number else super().search(*arguments)
 
     program = ReactiveProgram.from_text(WALK)
-    monkeypatch.setattr(idling, "Engine", Ended)
+    monkeypatch.setattr(idling, "Grounding", Ended)
     assert not idling.may_idle(program, lambda: True)
     assert idling.may_idle(program, lambda: False), "it is tried again"
 
