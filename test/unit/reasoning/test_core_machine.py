@@ -32,8 +32,8 @@ TIMEOUT = 50.0
 #: How soon cycles are over for the solver, so that a short run meets what otherwise only a long one does.
 FORGETFUL = (
     (stream_planner, "RECENT", 2),
-    (compaction, "RETIRE_AFTER", 6),
-    (compaction, "RETIRE_ALONG", 2),
+    (compaction, "COMPACT_AFTER", 6),
+    (compaction, "COMPACT_ALONG", 2),
     (compaction, "SHOWN_STEPS", 1),
 )
 

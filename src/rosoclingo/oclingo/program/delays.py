@@ -11,7 +11,7 @@ import clingo
 from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.look_back import least_ages
+from rosoclingo.oclingo.program.look_back import shortest_look_back
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import time_offset
 from rosoclingo.oclingo.program.signatures import Occurrence, Signature, occurrences
@@ -128,21 +128,21 @@ class Delays:
 
 
 def _timed_atoms(part: Part, statement: AST, constants: Dict[str, clingo.Symbol]) -> Iterator[_Timed]:
-    ages = least_ages(statement, part.parameter, constants) if part.parameter else {}
+    bounds = shortest_look_back(statement, part.parameter, constants) if part.parameter else {}
     for one in occurrences(statement):
-        time = _time_of(one, part.parameter, ages, constants)
+        time = _time_of(one, part.parameter, bounds, constants)
         if time is not None:
             yield _Timed(one.signature, one.head, one.positive, time)
 
 
 def _time_of(
-    one: Occurrence, parameter: str, ages: Dict[str, int], constants: Dict[str, clingo.Symbol]
+    one: Occurrence, parameter: str, bounds: Dict[str, int], constants: Dict[str, clingo.Symbol]
 ) -> Optional[_Time]:
     """Return the time of an atom, by its last argument that tells one."""
     if one.term.ast_type != ASTType.Function or not one.term.arguments:
         return None
     last = one.term.arguments[-1]
     if last.ast_type == ASTType.Variable:
-        return _Time("", -ages[last.name]) if last.name in ages else _Time(last.name, 0)
+        return _Time("", -bounds[last.name]) if last.name in bounds else _Time(last.name, 0)
     offset = time_offset(last, parameter, constants) if parameter else None
     return None if offset is None else _Time("", offset)

@@ -21,25 +21,25 @@ def time_offset(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) 
     return found.get("", 0)
 
 
-def greatest_ages(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
+def longest_look_back(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
     """Return, for variables T that comparisons in the body bound, the greatest number that t - T can be.
 
     That holds for values of T that are numbers; t is the step ``parameter``.
     """
-    ages: Dict[str, int] = {}
+    bounds: Dict[str, int] = {}
     for difference, strict in _differences(statement, parameter, constants):
-        for name, age in _age(difference, parameter, strict):
-            ages[name] = min(age, ages.get(name, age))
-    return ages
+        for name, bound in _bound(difference, parameter, strict):
+            bounds[name] = min(bound, bounds.get(name, bound))
+    return bounds
 
 
-def least_ages(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
+def shortest_look_back(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
     """Return, for variables T that comparisons in the body bound, the least number that t - T can be."""
-    ages: Dict[str, int] = {}
+    bounds: Dict[str, int] = {}
     for difference, strict in _differences(statement, parameter, constants):
-        for name, age in _age(_mirrored(difference), parameter, strict):
-            ages[name] = max(-age, ages.get(name, -age))
-    return ages
+        for name, bound in _bound(_mirrored(difference), parameter, strict):
+            bounds[name] = max(-bound, bounds.get(name, -bound))
+    return bounds
 
 
 def _differences(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Iterator[Tuple[Sum, bool]]:
@@ -79,7 +79,7 @@ def _comparisons(statement: AST) -> Iterator[Tuple[AST, int, AST]]:
                 left = guard.term
 
 
-def _age(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str, int]]:
+def _bound(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str, int]]:
     """Yield the variable T, with the greatest t - T, where ``difference`` is f*(t - T) + c with a positive f."""
     names = set(difference) - {"", parameter}
     factor = difference.get(parameter, 0)

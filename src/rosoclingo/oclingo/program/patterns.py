@@ -5,7 +5,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import clingo
 from clingo.ast import AST, ASTType
 
-from rosoclingo.oclingo.program.look_back import greatest_ages, time_offset
+from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
 from rosoclingo.oclingo.program.signatures import evaluate
 
 
@@ -22,7 +22,7 @@ class Pattern:
         """Take the atom's term, the part's parameter and the statement that the atom stands in."""
         self.term, self.parameter, self._statement = term, parameter, statement
         self._offset: Optional[Tuple[int, int]] = None  # the first argument that is t + c, and c
-        self._ages: List[Tuple[int, int]] = []  # an argument T such that t - T is at most the second number
+        self._look_back: List[Tuple[int, int]] = []  # an argument T such that t - T is at most the second number
         self._known = False
 
     def may_match(self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]) -> bool:
@@ -40,7 +40,11 @@ class Pattern:
     ) -> Optional[int]:
         """Return the first step in first..last whose ground instance could be ``atom``, None where there is none."""
         if not self._known:
-            self._offset, self._ages, self._known = self._find_offset(constants), self._find_ages(constants), True
+            self._offset, self._look_back, self._known = (
+                self._find_offset(constants),
+                self._find_look_back(constants),
+                True,
+            )
         last = min([last, *self._last_steps(atom)])
         if first > last:
             return None
@@ -54,8 +58,8 @@ class Pattern:
 
     def _last_steps(self, atom: clingo.Symbol) -> List[int]:
         """Return the steps after which an argument is too old for what the statement compares it to."""
-        values = [(atom.arguments[position], age) for position, age in self._ages]
-        return [value.number + age for value, age in values if value.type == clingo.SymbolType.Number]
+        values = [(atom.arguments[position], bound) for position, bound in self._look_back]
+        return [value.number + bound for value, bound in values if value.type == clingo.SymbolType.Number]
 
     def _pinned_step(self, atom: clingo.Symbol) -> Optional[int]:
         """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
@@ -72,10 +76,10 @@ class Pattern:
                 return position, offset
         return None
 
-    def _find_ages(self, constants: Dict[str, clingo.Symbol]) -> List[Tuple[int, int]]:
+    def _find_look_back(self, constants: Dict[str, clingo.Symbol]) -> List[Tuple[int, int]]:
         names = [(number, one.name) for number, one in enumerate(self._arguments()) if one.ast_type == ASTType.Variable]
-        ages = greatest_ages(self._statement, self.parameter, constants) if names else {}
-        return [(position, ages[name]) for position, name in names if name in ages]
+        bounds = longest_look_back(self._statement, self.parameter, constants) if names else {}
+        return [(position, bounds[name]) for position, name in names if name in bounds]
 
     def _arguments(self) -> Sequence[AST]:
         return self.term.arguments if self.term.ast_type == ASTType.Function else ()

@@ -15,10 +15,10 @@ from rosoclingo.oclingo.solving.fixed_atoms import FixedAtoms
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_state import Past, StreamState
 
-RETIRE_AFTER = 100
+COMPACT_AFTER = 100
 """Steps to retire that are worth a grounding of its own; fewer wait for one that has another reason."""
 
-RETIRE_ALONG = 16
+COMPACT_ALONG = 16
 """Steps to retire that are worth a look when the program is ground anew for another reason."""
 
 SHOWN_STEPS = 10
@@ -33,7 +33,7 @@ def first_step(program: ReactiveProgram, state: StreamState) -> int:
 def is_due(program: ReactiveProgram, state: StreamState, along: bool = False) -> bool:
     """Tell whether enough steps are over, since the last try as well, to retire them now, ``along`` or on their own."""
     over = state.keep_from - max(first_step(program, state), state.tried)
-    return over >= (RETIRE_ALONG if along else RETIRE_AFTER)
+    return over >= (COMPACT_ALONG if along else COMPACT_AFTER)
 
 
 def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbol) -> bool:
@@ -47,7 +47,7 @@ def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbo
     return known and not program.may_mention(atom, last + 1)
 
 
-def retire(program: ReactiveProgram, state: StreamState, grounding: Grounding) -> bool:
+def compact(program: ReactiveProgram, state: StreamState, grounding: Grounding) -> bool:
     """Move decided steps before ``state.keep_from`` into ``state.past``; tell whether there were any.
 
     Externals that these steps declare and that nothing has defined are closed. The grounding no longer fits the state

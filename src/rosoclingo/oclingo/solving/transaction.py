@@ -26,7 +26,7 @@ from rosoclingo.oclingo.progression.updates import (
     StreamUpdate,
     Volatile,
 )
-from rosoclingo.oclingo.solving.compaction import first_step, is_due, is_too_late, retire
+from rosoclingo.oclingo.solving.compaction import compact, first_step, is_due, is_too_late
 from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
@@ -111,7 +111,7 @@ class Transaction:
             self._update = update
             self.warnings.extend(update.warnings)
             self._lapse(lambda lifetime: lifetime == UPDATE)
-            self._retire(along=False)
+            self._compact(along=False)
             if update.step is not None:
                 state.step, state.settled = update.step, max(state.settled, update.step)
                 state.bound = None if update.bound is None else update.step + update.bound
@@ -198,18 +198,18 @@ class Transaction:
             new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]
             first = first_step(self.program, self.state)
             if self.program.may_see(new, first, self.grounding.horizon):
-                self._retire(along=True)
+                self._compact(along=True)
                 self.grounding = None
             elif new:
                 self._given = {atom for atom in new if fresh[atom]}
                 self.grounding.declare(new, self._given)
 
-    def _retire(self, along: bool) -> None:
+    def _compact(self, along: bool) -> None:
         """Let go of the steps that are over, if there are enough: the program is then ground anew without them."""
         if self._again or self.grounding is None or not is_due(self.program, self.state, along):
             return
         tried = self.state.tried
-        self.grounding = None if retire(self.program, self.state, self.grounding) else self.grounding
+        self.grounding = None if compact(self.program, self.state, self.grounding) else self.grounding
         self.compacted = self.compacted or self.state.tried != tried
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:

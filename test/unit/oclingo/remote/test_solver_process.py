@@ -26,7 +26,7 @@ from rosoclingo.oclingo import (
 from rosoclingo.oclingo.remote import solver_process as process_module
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.oclingo.solving import compaction as retiring
+from rosoclingo.oclingo.solving import compaction
 from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
 from rosoclingo.oclingo.solving.stream_state import Past
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
@@ -406,7 +406,7 @@ def test_a_long_stream_goes_on_from_a_state_not_from_its_start():
         assert parse_atom("at(2,90)") in answer & other
         shown = {atom.arguments[1].number for atom in other if atom.name == "at"} - {0}  # which base holds
         assert shown >= set(range(min(shown), 91))
-        assert min(shown) <= 90 - retiring.SHOWN_STEPS
+        assert min(shown) <= 90 - compaction.SHOWN_STEPS
 
 
 def test_states_travel_as_messages():

@@ -10,7 +10,7 @@ from test_solver_properties import PARTS, UPDATES, without_strangers
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Forget, Literal, Statement
-from rosoclingo.oclingo.solving import compaction as retiring
+from rosoclingo.oclingo.solving import compaction
 from rosoclingo.oclingo.solving import grounding as building
 from rosoclingo.oclingo.solving import solver as solver_module
 
@@ -36,8 +36,8 @@ seen(X,t) :- sees(X,T), T <= t.
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     """Retire whatever can be retired with every update, step by step."""
-    monkeypatch.setattr(retiring, "RETIRE_AFTER", 1)
-    monkeypatch.setattr(retiring, "RETIRE_ALONG", 1)
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
+    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
     monkeypatch.setattr(building, "BLOCK", 1)
     monkeypatch.setattr(solver_module, "BLOCK", 1)
 
@@ -82,7 +82,7 @@ def drive(solver, cycles, margin):
 
 @pytest.mark.parametrize("margin", [0, 1, 5])
 def test_answers_stay_the_same(margin, monkeypatch):
-    monkeypatch.setattr(retiring, "SHOWN_STEPS", 100)
+    monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
     solver = walk()
     plans = drive(solver, 30, margin)
     assert solver.state.past.first >= 30 - margin - building.BLOCK
@@ -193,20 +193,20 @@ def decide(draw, steps):
 def test_answers_equal_those_of_a_solver_that_only_forgets(parts, data, margin):
     """Random programs: where steps are decided or not, answers are as if their externals had been forgotten."""
     program = ReactiveProgram.from_text(parts.text())
-    retiring, forgetting = (ReactiveSolver(program, models=0, shortest=True) for _ in range(2))
+    compacting, forgetting = (ReactiveSolver(program, models=0, shortest=True) for _ in range(2))
     step = decided = first = 1
     for number, update in enumerate(data.draw(st.lists(UPDATES, min_size=2, max_size=6))):
         update = without_strangers(parts, update)
         first = max(first, min(step, update.step) - margin)
         step = max(step, update.step)
         items = [one for one in update.items if not isinstance(one, Statement) or concerns(one, first)]
-        retiring.forget_before(first)
+        compacting.forget_before(first)
         forget = [Forget(1, first - 1)] if first > 1 else []
         choices = ["a", "b"] if number == 0 and data.draw(st.booleans()) else []
         settle = [Statement(None, (Literal(parse_atom(name), data.draw(st.booleans())),)) for name in choices]
         settle += decide(data.draw, range(decided, step + 1))
         decided = step + 1
-        found = retiring.update(replace(update, items=(*settle, *items), step=step))
+        found = compacting.update(replace(update, items=(*settle, *items), step=step))
         expected = forgetting.update(replace(update, items=(*settle, *forget, *items), step=step))
         assert found.outcome is expected.outcome
         assert set(found.answers) == set(expected.answers), (parts.text(), str(update), first)

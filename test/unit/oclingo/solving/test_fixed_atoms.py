@@ -14,7 +14,7 @@ FACTS = "#program cumulative(t). p(t). q(t) :- p(t-1), not r(t). { r(t) }. :- no
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     """Retire whatever can be retired with every update, step by step."""
-    monkeypatch.setattr(compaction, "RETIRE_AFTER", 1)
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)
 
 

@@ -6,7 +6,7 @@ from clingo.ast import parse_string
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo.program.look_back import greatest_ages, least_ages, time_offset
+from rosoclingo.oclingo.program.look_back import longest_look_back, shortest_look_back, time_offset
 from rosoclingo.oclingo.program.signatures import evaluate
 
 CONSTANTS = {"w": clingo.Number(3), "x": clingo.Function("y")}
@@ -94,5 +94,5 @@ def test_what_is_the_step_plus_a_constant(text, offset):
 def test_how_old_what_a_body_mentions_can_be(body, least, greatest):
     found = []
     parse_string(f":- a(T), {body}.", found.append)
-    assert least_ages(found[-1], "t", CONSTANTS).get("T") == least
-    assert greatest_ages(found[-1], "t", CONSTANTS).get("T") == greatest
+    assert shortest_look_back(found[-1], "t", CONSTANTS).get("T") == least
+    assert longest_look_back(found[-1], "t", CONSTANTS).get("T") == greatest
