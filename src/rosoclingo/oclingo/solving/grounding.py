@@ -25,7 +25,7 @@ import clingo
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import guard_atom, open_part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -149,6 +149,7 @@ class Grounding:
         self._recorder.end()
         for step in steps:
             self._bound(step)
+        self._hidden.update(atom.symbol for atom in self._control.symbolic_atoms.by_signature(BEYOND, 1))
         self.atoms.resolve_absent()
 
     def _bound(self, step: int) -> None:

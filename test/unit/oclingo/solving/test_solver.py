@@ -221,6 +221,15 @@ def test_plans_are_shortest_though_the_horizon_has_grown():
         assert plan(play(other, f"#step 1. {one}.")) == ["_action_lib(move,1,1)"]
 
 
+def test_answers_speak_the_programs_words_alone():
+    """What the solver adds to the program is not shown, also where steps lie beyond an answer's horizon."""
+    solver = solver_of(WALK, shortest=True, horizon_limit=30)
+    play(solver, "#step 1. _request(4,1).")
+    found = play(solver, "#step 2. _request(1,2). :- not _action_lib(move,1,1).")
+    assert solver.horizon > found.horizon
+    assert [name for name in atoms(found) if name.startswith("__")] == []
+
+
 def test_closed_cycles_hold_what_was_executed_and_nothing_else():
     solver = solver_of(WALK, shortest=True, horizon_limit=30)
     play(solver, "#step 1. _request(1,1).")
