@@ -75,14 +75,13 @@ class LateFacts(unittest.TestCase):
         side.hands.succeed(command)
         goal.ends_as(GoalStatus.SUCCEEDED)
         side.client.send("do(never,3)").ends_as(GoalStatus.ABORTED)
-        cycle = rospy.wait_for_message("rosoclingo/cycle", UInt32, PATIENCE).data
-        wait_until(lambda: len(side.updates.texts) == cycle, "all updates")
-        wait_until(lambda: cycle in side.plans, "the last plan")
-        self.check_stream(side)
+        side.updates.wait_for("_request(do(never,3),")
+        self.check_stream(side, list(side.updates.texts))
 
-    def check_stream(self, side):
+    def check_stream(self, side, updates):
+        wait_until(lambda: set(range(1, len(updates) + 1)) <= set(side.plans), "the plan of each update")
         with tempfile.NamedTemporaryFile("w", suffix=".txt") as stream:
-            stream.write("".join(side.updates.texts))
+            stream.write("".join(updates))
             stream.flush()
             command = ["rosrun", "rosoclingo", "oclingo", os.path.join(DATA, "battery.lp"), "--shortest", "--json"]
             run = subprocess.run(
