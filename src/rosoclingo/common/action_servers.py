@@ -27,5 +27,5 @@ def _publish_status(server: ActionServer, event: Any) -> None:
     try:
         server.publish_status_async(event)
     except rospy.ROSException:  # the topic has been closed since the server looked
-        if not rospy.is_shutdown():
+        if not (rospy.core.is_shutdown_requested() or rospy.is_shutdown()):
             raise
