@@ -4,6 +4,7 @@ from core_driver import ERRANDS, Driver
 
 from rosoclingo.oclingo import ReactiveSolver, SolverError
 from rosoclingo.reasoning import ActionsPreempted, Core, CoreSettings, Halt
+from rosoclingo.reasoning.stream_planner import unwatched
 
 #: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
 TOGETHER = """
@@ -48,8 +49,8 @@ there(I,t) :- there(I,t-1).
 """
 
 
-def driver(text=ERRANDS, preempt=True):
-    return Driver(text, CoreSettings(horizon_limit=8, preempt=preempt))
+def driver(text=ERRANDS, preempt=True, watch=unwatched):
+    return Driver(text, CoreSettings(horizon_limit=8, preempt=preempt), watch=watch)
 
 
 def preempted(one):
@@ -156,15 +157,8 @@ def test_a_solver_that_refuses_the_thought():
 
 
 def test_it_thinks_when_something_has_come_and_only_then():
-    searches, one = [], driver()
-    one.core = Core(
-        one.program,
-        lambda: ReactiveSolver(one.program, shortest=True),
-        one.journal,
-        CoreSettings(horizon_limit=8, preempt=True),
-        lambda: searches.append(1) or (lambda: None),
-    )
-    one.core.start()
+    searches = []
+    one = driver(watch=lambda: searches.append(1) or (lambda: None))
     one.goal("a", "do(walk,1)")
     before = len(searches)
     one.run().run()
@@ -194,15 +188,8 @@ def test_no_plan_preempts_nothing():
 
 
 def test_thinking_of_it_may_be_left_for_what_comes():
-    halt, one = [], driver()
-    one.core = Core(
-        one.program,
-        lambda: ReactiveSolver(one.program, shortest=True),
-        one.journal,
-        CoreSettings(horizon_limit=8, preempt=True),
-        lambda: lambda: halt[0] if halt else None,
-    )
-    one.core.start()
+    halt = []
+    one = driver(watch=lambda: lambda: halt[0] if halt else None)
     one.goal("a", "do(walk,1)")
     halt.append(Halt("the test", disturbed=True))
     one.cancel("a")
