@@ -128,6 +128,7 @@ class Worker:
         except ProgramError as error:
             return faults_to_message(error.faults)
         self._make = lambda: ReactiveSolver(program, **command["options"])
+        self._solvers, self._known = {}, KnownLogs()  # those were of another program
         return {}
 
     def _rebuild(self, command: Message) -> Message:

@@ -48,6 +48,18 @@ def test_a_state_that_the_child_knows_is_not_made_again(monkeypatch):
     assert [str(entry.update) for entry in taken] == [other["update"]], "and nothing but that is"
 
 
+def test_another_program_begins_anew():
+    """The same log leads elsewhere with it: here the fact is ignored by the first, which defines it itself."""
+    child, answers = worker.Worker(Unstopped()), []
+    told = {"do": "update", "update": str(parse_update("#step 1. e(1). #endstep.")), "horizon": 1}
+    for declaration in ("e(t) :- t > 1.", "#external e(t)."):
+        program = ReactiveProgram.from_text(f"#cumulative t. {declaration}")
+        child._load({"program": program_to_message(program), "options": {}})
+        rebuild(child, 1, [told])
+        answers += child._update({"solver": 1, "log": [], "update": "#step 1. #endstep."})["answers"]
+    assert answers == ["", "e(1)"]
+
+
 def test_logs_that_were_used_long_ago_are_let_go():
     known = worker.KnownLogs()
     entries = [{"do": "forget", "step": step} for step in range(worker.KNOWN_LOGS + 1)]

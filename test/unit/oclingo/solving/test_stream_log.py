@@ -19,6 +19,8 @@ from rosoclingo.oclingo.progression.updates import (
     StreamUpdate,
     Volatile,
 )
+from rosoclingo.oclingo.remote import solver_process
+from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, Withdrawal
 
@@ -116,6 +118,45 @@ def piece_by_piece(writer, old, reader):
 WAYS = [the_same_log, its_text, a_checkpoint, a_checkpoint_and_the_rest, piece_by_piece]
 
 
+class LentChild:
+    """One child for many solver processes, one after the other: to start one for each takes most of the time."""
+
+    alive, memory, pid = True, 0, 0
+
+    def __init__(self):
+        self.child, self.owed = None, 0
+
+    def send(self, message):
+        self.child = self.child or WorkerProcess()
+        self.child.send(message)
+        self.owed += 1
+
+    def receive(self, timeout):
+        message = self.child.receive(timeout)
+        self.owed -= message is not None
+        return message
+
+    def kill(self):
+        """The solver process goes; the child stays for the next one, once it has said all that it owes."""
+        while self.owed:
+            self.receive(0.02)
+
+    def end(self):
+        child, self.child, self.owed = self.child, None, 0
+        if child is not None:
+            child.kill()
+
+
+@pytest.fixture(scope="module")
+def lent():
+    """What solver processes of this module take for their child."""
+    child = LentChild()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solver_process, "WorkerProcess", lambda: child)
+        yield
+    child.end()
+
+
 def comparable(state):
     """All of a state, but for the order in which openings and lapsing statements were noted."""
     values = dict(vars(state))
@@ -133,26 +174,35 @@ def check(mine, its):
             assert all(warning.split()[1] in answer for answer in texts(mine)), warning
 
 
+OPTIONS = {"models": 0, "log_limit": 3}
+
+
+OPTIONS = {"models": 0, "log_limit": 3}
+
+
 @given(PARTS, st.lists(UPDATES, min_size=1, max_size=6), st.lists(st.sampled_from([None, *WAYS]), min_size=6))
-def test_whoever_reads_a_log_answers_as_its_writer_and_as_one_from_scratch(parts, updates, ways):
-    """``ways`` tell how a new reader begins before each update; None is for the one that there is."""
+def test_whoever_reads_a_log_answers_as_its_writer_and_as_one_from_scratch(lent, parts, updates, ways):
+    """``ways`` tell how new readers, here and in another process, begin before each update; None: those there are."""
     reference, old = Reference(parts), StreamLog()
     program = ReactiveProgram.from_text(parts.text())
-    writer = reader = ReactiveSolver(program, models=0, log_limit=3)
-    for update, way in zip(updates, ways):
-        if way is not None or reader is writer:
-            reader = ReactiveSolver(program, models=0, log_limit=3)
-            (way or the_same_log)(writer, old, reader)
-            assert comparable(reader.state) == comparable(writer.state)
-            old = writer.log
-        satisfiable, answers, horizon, _ = reference.update(update)
-        result, its = writer.update(update), reader.update(update)
-        check(result, its)
-        assert texts(result) == answers, (parts.text(), str(update))
-        assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
-        if result.permanent or its.permanent:
-            return
-        assert result.horizon == horizon
+    with SolverProcess(program, **OPTIONS) as process:
+        writer = reader = ReactiveSolver(program, **OPTIONS)
+        for update, way in zip(updates, ways):
+            if way is not None or reader is writer:
+                reader, there = ReactiveSolver(program, **OPTIONS), process.solver()
+                (way or the_same_log)(writer, old, reader)
+                there.restore(writer.log)
+                assert comparable(reader.state) == comparable(writer.state)
+                old = writer.log
+            satisfiable, answers, horizon, _ = reference.update(update)
+            result, its, theirs = (solver.update(update) for solver in (writer, reader, there))
+            check(result, its)
+            check(result, theirs)
+            assert texts(result) == answers, (parts.text(), str(update))
+            assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
+            if result.permanent or its.permanent or theirs.permanent:
+                return
+            assert result.horizon == horizon
 
 
 @given(PARTS, st.lists(UPDATES, min_size=2, max_size=4), st.data())
