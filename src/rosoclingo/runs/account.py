@@ -5,13 +5,14 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_atom, parse_update
+from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_atom, parse_term, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
     REQUEST,
     RETURN,
     KeywordError,
+    Return,
     action_of,
     is_keyword,
     name_of,
@@ -110,7 +111,7 @@ class Account:
         """A client sent a goal."""
         self._goals[key] = GoalAccount(text)
         self.summary.goals.append(self._goals[key])
-        self._line(time, "request", text, gives=text)
+        self._line(time, "request", text, gives=_as_fed(text))
 
     def cancel(self, time: float, key: str) -> None:
         """A client cancelled a goal; an empty key stands for all of them."""
@@ -142,7 +143,7 @@ class Account:
         """Actions on out_rosoclingo, and what ends them before their time."""
         for text in facts:
             if text.startswith(CANCEL_ACTION):
-                self._line(time, "preempt", _action(text.replace(CANCEL_ACTION, ACTION_LIB, 1)))
+                self._line(time, "preempt", _action(ACTION_LIB + text[len(CANCEL_ACTION) :]))
             else:
                 self.summary.actions.append(text)
                 self._line(time, "action", _action(text), {f"plan {_cycle_of(text)}"})
@@ -152,10 +153,11 @@ class Account:
         for text in facts:
             answer = _return(text)
             if answer is None:
-                self._line(time, "fact", f"{text} from {origin}", gives=text)
+                self._line(time, "fact", f"{text} from {origin}")
             else:
                 self.summary.returns.append(text)
-                self._line(time, "return", answer, gives=text)
+                words = f"{name_of(answer.interface)} {name_of(answer.value)}"
+                self._line(time, "return", words, gives=str(answer.atom))
 
     def packages(self, packages: Iterable[Tuple[str, str]]) -> None:
         """Where all packages are."""
@@ -223,6 +225,14 @@ def _source(head: Symbol) -> str:
     return str(head) if is_keyword(head, RETURN) else ""
 
 
+def _as_fed(text: str) -> str:
+    """A goal as an update has it, where its client wrote it with other spaces."""
+    try:
+        return str(parse_term(text))
+    except ProgressionError:
+        return text
+
+
 def _action(text: str) -> str:
     try:
         action = action_of(parse_atom(text))
@@ -238,9 +248,8 @@ def _cycle_of(text: str) -> int:
         return 0
 
 
-def _return(text: str) -> Optional[str]:
+def _return(text: str) -> Optional[Return]:
     try:
-        answer = return_of(parse_atom(text))
+        return return_of(parse_atom(text))
     except (ProgressionError, KeywordError):
         return None
-    return f"{name_of(answer.interface)} {name_of(answer.value)}"

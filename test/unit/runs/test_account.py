@@ -52,6 +52,24 @@ def test_topics_that_overtake_each_other_are_put_in_order(account, lines):
     assert times == sorted(times)
 
 
+def test_an_update_waits_for_what_it_tells_of_however_that_was_written(account, lines):
+    account.update(1.0, "#step 2.\n_request(g(a,1),3).\n_return(go,x,1).\n#end step.\n")
+    account.goal(1.0, "a", "g( a, 1 )")
+    account.returned(1.0, "go", ["_return(go, x, 1)."])
+    assert kinds(lines) == ["request", "return", "update"]
+    account.goal(1.0, "b", "((")
+    assert lines[-1].endswith("request  ((")
+
+
+def test_a_plan_without_actions_waits_for_its_update_but_for_the_first(account, lines):
+    account.plan(0.0, 1, [])
+    account.plan(0.1, 1, [])
+    account.update(0.2, "#step 1.\n_seen(ball).\n#end step.\n")
+    account.plan(0.3, 2, [])
+    account.update(0.4, "#step 2.\n_seen(ball).\n#end step.\n")
+    assert kinds(lines) == ["plan", "plan", "update", "update", "plan"]
+
+
 def test_nothing_is_held_back_for_ever(account, lines):
     account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
     assert lines == []
@@ -59,7 +77,8 @@ def test_nothing_is_held_back_for_ever(account, lines):
     assert kinds(lines) == ["update", "note"]
     account.dispatched(3.0, ["_action_lib(go,x,9)"])
     account.finish()
-    assert kinds(lines)[-1] == "action"
+    account.finish()
+    assert kinds(lines) == ["update", "note", "action"], "once"
 
 
 def test_texts_that_are_no_atoms_are_shown_as_they_are(account, lines):
@@ -92,18 +111,24 @@ def test_cancels_name_their_goal(account, lines):
 def test_summary(account):
     run(account)
     account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
-    account.packages([("1", "office2"), ("2", "carried"), ("3", "office2")])
+    account.packages([("3", "office2"), ("2", "carried"), ("5", "office3"), ("4", "office1"), ("1", "office2")])
     account.robot("office2")
     assert account.summary.lines() == [
         "goal(office2,office1,1): succeeded",
         "packages carried: 2",
+        "packages office1: 4",
         "packages office2: 1, 3",
+        "packages office3: 5",
         "robot: office2",
         "actions: move_base office2",
     ]
     assert account.summary.seconds == pytest.approx(2.1)
     assert len(account.summary.updates) == 2
     assert account.summary.returns == ["_return(move_base,office2,1)"]
+
+
+def test_summary_of_a_run_in_which_nothing_happened(account):
+    assert account.summary.lines() == ["robot: unknown", "actions: none"]
 
 
 def test_differences(account):
