@@ -56,7 +56,7 @@ class ScenarioEvent:
     cycle: Optional[int] = None
     client: str = "client"
     origin: str = "scenario"
-    fields: Dict[str, Any] = field(default_factory=dict)
+    fields: Mapping[str, Any] = field(default_factory=dict)
 
     def due(self, elapsed: float, begun: Mapping[int, float]) -> bool:
         """Whether it is to happen ``elapsed`` seconds after the start; ``begun`` tells when each cycle so far began."""
@@ -120,7 +120,7 @@ def _event(reader: Reader) -> ScenarioEvent:
         cycle.whole(low=1) if cycle.given else None,
         reader.at("client").text(ScenarioEvent.client),
         reader.at("origin").text(ScenarioEvent.origin),
-        dict(fields.mapping("a mapping of the request's fields", {})),
+        fields.mapping("a mapping of the request's fields", {}),
     )
     reader.close()
     if isinstance(reader.value, dict):

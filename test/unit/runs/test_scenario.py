@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+from rosoclingo.runs.account import GoalAccount, Summary
 from rosoclingo.runs.scenario import Scenario, ScenarioError
 
 SHIPPED = sorted((Path(__file__).resolve().parents[3] / "config" / "scenarios").glob("*.yaml"))
@@ -26,7 +27,7 @@ events:
   - {cycle: 3, facts: ["_seen(ball)"], origin: camera}
   - {cycle: 4, call: simulator/set_door, with: {door: east, open: false}}
 launch: house
-expect: {goals: [canceled], packages: {1: office3}, robot: office2, actions: []}
+expect: {goals: [canceled], packages: {1: office3}, robot: office2, actions: ["_action_lib(go,x,1)"]}
 """)
     first, second, third, fourth = scenario.events
     assert (first.verb, first.value, first.time, first.cycle, first.client) == ("request", "g(1)", 1.5, None, "client")
@@ -36,7 +37,16 @@ expect: {goals: [canceled], packages: {1: office3}, robot: office2, actions: []}
     assert fourth.fields == {"door": "east", "open": False}
     assert scenario.launch == "house"
     assert scenario.packages == {"1": "office3"}
-    assert scenario.expect["packages"] == {"1": "office3"}
+    assert (
+        Summary(
+            [GoalAccount("g(1)", "canceled")],
+            ["_action_lib(go,x,1)"],
+            packages={"1": "office3", "2": "x"},
+            robot="office2",
+        ).differences(scenario.expect)
+        == []
+    )
+    assert list(scenario.expect) == ["goals", "packages", "robot", "actions"]
     assert scenario.timeout == 100.0
     assert [str(event) for event in scenario.events][:2] == ["at 1.5 s request g(1)", "in cycle 2 cancel 1"]
 
