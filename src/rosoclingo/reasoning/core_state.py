@@ -60,7 +60,7 @@ class Health:
         ``awaited`` are the actions under way, ``interfaces`` those that were announced, ``missing`` tells of one that
         an action waits for in vain.
         """
-        plan = self._plan or PlanMade(1, 1, ())
+        plan = self._plan or PlanMade(cycle, 1, ())
         values = {
             "cycle": cycle,
             "horizon": plan.horizon,

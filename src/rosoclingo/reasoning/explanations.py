@@ -22,7 +22,7 @@ class Explanations:
     def __init__(self, answer: FrozenSet[Symbol] = frozenset()) -> None:
         self.faults: List[str] = []
         self._texts: Dict[Symbol, Tuple[int, str]] = {}
-        for atom in sorted((atom for atom in answer if is_keyword(atom, EXPLAIN)), key=str):
+        for atom in sorted(atom for atom in answer if is_keyword(atom, EXPLAIN)):
             self._enter(atom)
 
     def of(self, what: Symbol) -> Optional[str]:

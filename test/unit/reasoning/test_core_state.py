@@ -125,6 +125,14 @@ def test_a_problem_is_a_warning_for_a_while():
     assert health.report(4, 0, [], 100.0 + FRESH).values["last error"] == "cycle 4: all is lost"
 
 
+def test_what_is_said_of_problems():
+    health = Health()
+    assert health.problem(Problem(4, "all is lost"), 100.0) == "cycle 4: all is lost"
+    assert health.problem(Problem(5, "all is lost"), 101.0) == "", "it was said before"
+    assert health.counted(102.0) == []
+    assert health.counted(101.0 + QUIET) == ["1 more of this kind in a minute, the last: cycle 5: all is lost"]
+
+
 def test_problems_name_the_interface_that_they_are_about():
     driver = Driver().goal("a", "do(walk,1)").facts("garbage((", "_unheard(1)")
     driver.now += 1e6

@@ -119,9 +119,23 @@ def test_observations_that_count_no_more():
     assert seen.executed == done, "what was done was done"
 
 
+def shut(numbers):
+    return [Observation(parse_term(f"_shut({number})"), number) for number in numbers]
+
+
 def test_only_the_latest_observations_are_kept():
     seen = Observations()
-    for number in range(MEMORY + 10):
-        seen.add_fact(Observation(parse_term(f"_shut({number})"), number))
-    assert len(seen.newest_first) == MEMORY
-    assert str(seen.newest_first[0].atom) == f"_shut({MEMORY + 9})"
+    for one in shut(range(MEMORY)):
+        seen.add_fact(one)
+    seen.drop(frozenset([parse_term("_shut(3)")]))
+    for one in shut(range(MEMORY, MEMORY + 10)):
+        seen.add_fact(one)
+    assert seen.newest_first == tuple(reversed(shut(range(10, MEMORY + 10)))), "after some were dropped as well"
+
+
+def test_only_the_latest_actions_are_kept():
+    seen = Observations()
+    done = [action_of(parse_term(f"_action_lib(go,x,{cycle})")) for cycle in range(1, 2 * MEMORY + 11)]
+    for action in done:
+        seen.add_executed((action,))
+    assert seen.executed == tuple(done[10:])
