@@ -1,6 +1,6 @@
 """Whether a program and the values given to its constants are fit for the core; what is said where they are not."""
 
-from typing import Dict, List, Mapping, NamedTuple, Optional, Set
+from typing import Collection, Dict, List, Mapping, NamedTuple, Optional
 
 from clingo import Symbol, SymbolType
 from clingo.ast import ASTType
@@ -43,15 +43,19 @@ def program_warnings(program: ReactiveProgram) -> List[str]:
 def constant_remarks(program: ReactiveProgram, given: Mapping[str, Symbol]) -> Remarks:
     """What is wrong with values that are given to the program's constants by name."""
     constants, remarks = _constants(program), Remarks([], [])
-    mentioned: Set[str] = set()
-    if not set(given) <= set(constants):
-        mentioned = {name for part in program.parts for one in part.statements for name in constant_names(one)}
-    for name, value in given.items():
-        if name in constants:
-            _compare(name, value, constants[name], remarks)
-        elif name not in mentioned:
+    unknown = [name for name in given if name not in constants]
+    mentioned = _mentioned(program) if unknown else ()
+    for name in unknown:
+        if name not in mentioned:
             remarks.faults.append(f"the program has no #const {name}; {likely_constant(name, constants)}")
+    for name, constant in constants.items():
+        if name in given:
+            _compare(name, given[name], constant, remarks)
     return remarks
+
+
+def _mentioned(program: ReactiveProgram) -> Collection[str]:
+    return {name for part in program.parts for one in part.statements for name in constant_names(one)}
 
 
 def _compare(name: str, value: Symbol, constant: _Constant, remarks: Remarks) -> None:

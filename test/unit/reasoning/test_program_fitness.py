@@ -57,8 +57,10 @@ def test_the_shipped_programs_are_fit(files):
     ],
 )
 def test_what_a_program_lacks(text, warnings):
-    found = program_warnings(ReactiveProgram.from_text(text, "home.lp"))
+    program = ReactiveProgram.from_text(text, "home.lp")
+    found = program_warnings(program)
     assert len(found) == len(warnings), found
+    assert program_warnings(program) == found, "however often one asks"
     for one, words in zip(found, warnings):
         assert words in one
 

@@ -139,7 +139,7 @@ def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
     bench.halt, bench.solver.drops = Halt("news", disturbed=True), not kept
-    with pytest.raises(DisturbedError, match="news") as caught:
+    with pytest.raises(DisturbedError, match="^the search was left: news$") as caught:
         bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3).")
     assert caught.value.kept == kept
     bench.halt, bench.solver.drops = None, False
@@ -204,7 +204,7 @@ def fed(planner, *texts):
 
 def test_what_the_solver_is_told():
     planner = Planner(Told, 8)
-    assert planner.taken is None
+    assert (planner.taken, planner.ended_by) == (None, "")
     planner.solve()
     assert planner.over(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
     fed(planner, "#step 11. #over 2. _seen(a).", "#step 14. #over 2. #over 3. _seen(b).")
