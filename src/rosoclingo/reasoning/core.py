@@ -22,10 +22,9 @@ from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
-from rosoclingo.reasoning.observations import DONE
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
-from rosoclingo.reasoning.returns import ExecutionMonitor
+from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import (
     DisturbedError,
     Planner,
@@ -311,7 +310,7 @@ class Core:
     def _mend(self, question: Question, batch: Batch, now: float) -> bool:
         """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
         observations = self._execution.observations
-        found = mend(self._planner, Case(batch, self._update, observations.executed, question, self._clock))
+        found = mend(self._planner, Case(batch, self._update, self._execution.executed, question, self._clock))
         if found is None:
             return False
         self._planner = found.planner
@@ -373,7 +372,7 @@ class Core:
 
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
-        return self._execution.observations.executed[-DONE:] + self.plan.remaining(self.cycle)
+        return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
 
     def _problem(self, message: str, origin: str = "") -> None:
         self._tell(Problem(self.cycle, message, origin))

@@ -10,9 +10,6 @@ from rosoclingo.reasoning.keywords import RETURN, Action, Return, is_keyword, na
 #: So many are kept; what is older is taken for granted.
 MEMORY = 32
 
-#: So many of the last actions done are told with a plan; all that was ever done is what a recording is for.
-DONE = 10
-
 
 class Observation(NamedTuple):
     """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it may be about.
@@ -47,21 +44,15 @@ class Observation(NamedTuple):
 
 
 class Observations:
-    """The latest observations, and the latest actions that were executed."""
+    """The latest observations."""
 
     def __init__(self) -> None:
         self._kept: Deque[Observation] = deque(maxlen=MEMORY)
-        self._executed: Deque[Action] = deque(maxlen=2 * MEMORY)
 
     @property
     def newest_first(self) -> Tuple[Observation, ...]:
         """All that are kept."""
         return tuple(reversed(self._kept))
-
-    @property
-    def executed(self) -> Tuple[Action, ...]:
-        """The latest actions, oldest first. They were done, also if the program knows nothing of them any more."""
-        return tuple(self._executed)
 
     def add_fact(self, fact: Observation) -> None:
         """A fact was fed that is no return."""
@@ -70,10 +61,6 @@ class Observations:
     def add_failure(self, answer: Return, actions: Tuple[Action, ...]) -> None:
         """One of ``actions`` returned something else than success."""
         self._kept.append(Observation(answer.atom, answer.cycle, actions))
-
-    def add_executed(self, actions: Tuple[Action, ...]) -> None:
-        """The actions of a cycle are over."""
-        self._executed.extend(actions)
 
     def drop(self, atoms: FrozenSet[Symbol]) -> None:
         """Some facts count no more."""

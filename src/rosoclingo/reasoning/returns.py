@@ -1,7 +1,8 @@
 """What interfaces tell the core: returns of the actions under way, and other facts; what of it makes no sense."""
 
+from collections import deque
 from contextlib import contextmanager
-from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Deque, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -24,6 +25,12 @@ from rosoclingo.reasoning.observations import Observation, Observations
 
 #: Facts of one message.
 MOST_FACTS = 1000
+
+#: So many of the last actions done are told with a plan; all that was ever done is what a recording is for.
+DONE = 10
+
+#: So many of the last actions done are remembered.
+EXECUTED = 64
 
 #: Facts that may wait for the next update, returns not counted.
 MOST_WAITING = 10000
@@ -135,7 +142,12 @@ KNOWN = 1000
 
 
 class ExecutionMonitor:
-    """Takes facts into the feeder, counts the returns of what is under way, and remembers ``observations``."""
+    """Takes facts into the feeder, counts the returns of what is under way, and remembers what was done and observed.
+
+    Attributes:
+        observations: the latest actions that failed, and the latest facts.
+
+    """
 
     def __init__(
         self,
@@ -152,6 +164,7 @@ class ExecutionMonitor:
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
         self._dispatch: Optional[Dispatch] = None
+        self._executed: Deque[Action] = deque(maxlen=EXECUTED)
         self.observations = Observations()
 
     @property
@@ -163,6 +176,11 @@ class ExecutionMonitor:
     def under_way(self) -> Tuple[Action, ...]:
         """The actions of the cycle, those that have returned included; none once it has ended."""
         return self._dispatch.actions if self._dispatch else ()
+
+    @property
+    def executed(self) -> Tuple[Action, ...]:
+        """The latest actions done, oldest first, also where the program knows nothing of them any more."""
+        return tuple(self._executed)
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """The actions of ``cycle`` are sent out."""
@@ -200,7 +218,7 @@ class ExecutionMonitor:
             return ()
         for answer, actions in dispatch.failures:
             self.observations.add_failure(answer, actions)
-        self.observations.add_executed(dispatch.actions)
+        self._executed.extend(dispatch.actions)
         return dispatch.actions
 
     @contextmanager

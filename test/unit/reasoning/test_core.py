@@ -17,8 +17,7 @@ from rosoclingo.oclingo import (
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning import Core, CoreSettings, GoalProgress, PlanMade, Problem
 from rosoclingo.reasoning.keywords import LONGEST
-from rosoclingo.reasoning.observations import DONE
-from rosoclingo.reasoning.returns import MOST_FACTS
+from rosoclingo.reasoning.returns import DONE, MOST_FACTS
 
 #: Nothing can be done before cycle 4; goals ``wait(Id)``.
 WAIT = """

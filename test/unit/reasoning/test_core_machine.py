@@ -24,7 +24,7 @@ from rosoclingo.reasoning import (
     PlanMade,
     stream_planner,
 )
-from rosoclingo.reasoning.observations import DONE
+from rosoclingo.reasoning.returns import DONE
 
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
 TIMEOUT = 50.0

@@ -111,12 +111,8 @@ def test_observations_that_count_no_more():
         seen.add_fact(Observation(parse_term(f"_shut({number})"), number))
     seen.drop(frozenset(map(parse_term, ("_shut(1)", "_shut(3)", "_shut(9)"))))
     assert [str(one.atom) for one in seen.newest_first] == ["_shut(2)", "_shut(0)"]
-    done = tuple(action_of(parse_term(f"_action_lib(go,{what},3)")) for what in "ab")
-    seen.add_executed(done)
-    assert seen.executed == done
     seen.clear()
     assert seen.newest_first == ()
-    assert seen.executed == done, "what was done was done"
 
 
 def shut(numbers):

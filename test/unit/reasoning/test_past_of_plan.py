@@ -8,7 +8,7 @@ from stream_replay import check_replay
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning import GoalProgress, Halt, PlanMade, Problem
 from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.observations import DONE
+from rosoclingo.reasoning.returns import DONE
 
 #: So many cycles without an action that the solver no longer grounds the one before them.
 IDLE = 40

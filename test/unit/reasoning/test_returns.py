@@ -4,8 +4,11 @@ import pytest
 from core_driver import Driver
 from test_late_facts import BATTERY
 
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken
-from rosoclingo.reasoning.keywords import LONGEST
+from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
+from rosoclingo.reasoning.keywords import LONGEST, action_of
+from rosoclingo.reasoning.returns import EXECUTED, ExecutionMonitor
 
 MOST_FACTS = 3
 
@@ -63,3 +66,17 @@ def test_so_many_facts_that_name_their_cycle_are_remembered(monkeypatch):
     assert len(driver.journal.updates) == 2
     driver.facts("_battery(high,7)")
     assert driver.journal.updates[2] == "#step 3.\n_battery(high,7).\n#end step.\n", "the oldest was forgotten"
+
+
+def test_what_was_done_was_done_though_all_that_was_told_is_forgotten():
+    program = ReactiveProgram.from_text("#external _return/3.")
+    monitor = ExecutionMonitor(program, InputFeeder(), Clock(), lambda event: None, lambda: 1)
+    actions = [action_of(parse_atom(f"_action_lib(go,a,{cycle})")) for cycle in range(1, EXECUTED + 3)]
+    for action in actions:
+        monitor.begin(action.cycle, (action,), 0.0)
+        monitor.receive("go", [f"_return(go,lost,{action.cycle})"])
+        assert monitor.end_cycle() == (action,)
+    assert monitor.observations.newest_first
+    monitor.forget_all()
+    assert monitor.observations.newest_first == ()
+    assert monitor.executed == tuple(actions[2:])

@@ -11,8 +11,8 @@ import clingo
 from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Signature, occurrences, signature_of
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
@@ -45,16 +45,13 @@ def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
     """Return part name, parameter and cycle argument (C__ where it is not simple) of each action in a head."""
     found: Set[Tuple[str, str, str]] = set()
     for part in parts:
-        for statement in part.statements:
-            for one in occurrences(statement) if statement.ast_type == ASTType.Rule else ():
-                if one.head and one.signature == ACTION:
-                    cycle = one.term.arguments[2]
-                    simple = cycle.ast_type in (ASTType.SymbolicTerm, ASTType.BinaryOperation) and not _has_variable(
-                        cycle
-                    )
-                    # a volatile head is a head of its step all the same; the rules must outlast the window
-                    name = "cumulative" if part.name == "volatile" else part.name
-                    found.add((name, part.parameter, str(cycle) if simple else "C__"))
+        # a volatile head is a head of its step all the same; the rules must outlast the window
+        name = "cumulative" if part.name == "volatile" else part.name
+        for statement, one in part.atoms:
+            if one.head and statement.ast_type == ASTType.Rule and one.signature == ACTION:
+                cycle = one.term.arguments[2]
+                simple = cycle.ast_type in (ASTType.SymbolicTerm, ASTType.BinaryOperation)
+                found.add((name, part.parameter, str(cycle) if simple and not _has_variable(cycle) else "C__"))
     return sorted(found)
 
 

@@ -16,7 +16,8 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.return_failures import FAILED
-from rosoclingo.oclingo.program.signatures import Occurrence, Signature, occurrences, signature_of
+from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 KEYWORDS = {
     signature.name: signature
@@ -52,9 +53,8 @@ class Place(NamedTuple):
 def places(parts: Sequence[Part]) -> Iterator[Place]:
     """Yield every atom of the parts."""
     for part in parts:
-        for statement in part.statements:
-            for occurrence in occurrences(statement):
-                yield Place(part, statement, occurrence)
+        for statement, occurrence in part.atoms:
+            yield Place(part, statement, occurrence)
 
 
 def uses_keywords(parts: Sequence[Part]) -> bool:

@@ -11,10 +11,10 @@ import clingo
 from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.look_back import shortest_look_back
+from rosoclingo.oclingo.program.look_back import shortest_look_back, time_offset
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.patterns import time_offset
-from rosoclingo.oclingo.program.signatures import Occurrence, Signature, occurrences
+from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
+from rosoclingo.oclingo.progression.terms import Signature
 
 #: Distances below are all the same: a path that leads so far back leads to the past.
 _FAR_BACK = -3

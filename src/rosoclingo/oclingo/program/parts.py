@@ -1,15 +1,16 @@
 """Statements sorted into program parts, and volatile ones bound to the window in which they hold."""
 
 from dataclasses import dataclass, field
-from typing import List, Sequence, Tuple
+from functools import cached_property
+from typing import List, NamedTuple, Sequence, Tuple
 
-import clingo
 from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer, parse_string
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.directives import VOLATILE_PREFIX, Directives
-from rosoclingo.oclingo.program.signatures import Signature, signature_of
+from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
 from rosoclingo.oclingo.program.sources import Parsed
+from rosoclingo.oclingo.progression.terms import Signature
 
 PARTS = ("base", "cumulative", "volatile")
 GUARD = "__oclingo_volatile"
@@ -37,6 +38,11 @@ class Part:
     statements: List[AST] = field(default_factory=list)
     window: str = ""
     written: bool = True
+
+    @cached_property
+    def atoms(self) -> List[Tuple[AST, Occurrence]]:
+        """All atoms, each with its statement; to be asked for once the statements are complete."""
+        return [(statement, one) for statement in self.statements for one in occurrences(statement)]
 
 
 def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
@@ -123,28 +129,22 @@ def _guard(part: Part, statement: AST) -> AST:
     return Literal(statement.location, Sign.NoSign, declared.atom)
 
 
-def guard_atom(window: int, step: int) -> clingo.Symbol:
-    """Return the guard of the volatile instance of ``step`` with length ``window``."""
-    return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])
-
-
-def open_parts(signature: Signature) -> List[Tuple[str, List[str], str]]:
-    """Return the program parts (name, parameters, text) that make one atom of an open signature an external or a fact.
+class OpenPart(NamedTuple):
+    """A program part that makes one atom of an open signature, its arguments given, an external or a fact.
 
     Atoms that come by clingo's backend won't do: its grounder passes over some instances of rules that hold them.
     """
+
+    name: str
+    parameters: List[str]
+    text: str
+
+
+def open_part(signature: Signature, fact: bool) -> OpenPart:
+    """Return the part for atoms of ``signature``."""
+    sign = "" if signature.positive else "not_"
+    name = f"__oclingo_{'fact' if fact else 'open'}_{sign}{signature.name}_{signature.arity}"
     parameters = [f"x{number}" for number in range(signature.arity)]
     atom = ("" if signature.positive else "-") + signature.name
     atom += f"({','.join(parameters)})" if parameters else ""
-    texts = ((False, f"#external {atom}."), (True, f"{atom}."))
-    return [(_open_name(signature, fact), parameters, text) for fact, text in texts]
-
-
-def open_part(atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
-    """Return the part to ground, with its arguments, that makes ``atom`` an external or a fact."""
-    return _open_name(signature_of(atom), fact), atom.arguments
-
-
-def _open_name(signature: Signature, fact: bool) -> str:
-    sign = "" if signature.positive else "not_"
-    return f"__oclingo_{'fact' if fact else 'open'}_{sign}{signature.name}_{signature.arity}"
+    return OpenPart(name, parameters, f"{atom}." if fact else f"#external {atom}.")

@@ -1,6 +1,6 @@
 """Atoms as rules write them: at which steps a rule could see a given ground atom, told without grounding."""
 
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -8,53 +8,47 @@ from clingo.ast import AST, ASTType
 from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
 from rosoclingo.oclingo.program.signatures import evaluate
 
+Test = Callable[[clingo.Symbol, Optional[int]], bool]
+"""Tells whether a term could be a ground one at a step; None stands for any step."""
+
+Constants = Dict[str, clingo.Symbol]
+
 
 class Pattern:
     """An atom as a statement of a program part writes it.
 
     Attributes:
-        term: the atom's term.
         parameter: name of the part's step parameter, empty in base.
 
     """
 
-    def __init__(self, term: AST, parameter: str, statement: AST) -> None:
-        """Take the atom's term, the part's parameter and the statement that the atom stands in."""
-        self.term, self.parameter, self._statement = term, parameter, statement
-        self._offset: Optional[Tuple[int, int]] = None  # the first argument that is t + c, and c
-        self._look_back: List[Tuple[int, int]] = []  # an argument T such that t - T is at most the second number
-        self._known = False
+    def __init__(self, term: AST, parameter: str, statement: AST, constants: Constants) -> None:
+        """Take the atom's term, the part's parameter, the statement that the atom stands in, and all constants."""
+        self.parameter = parameter
+        arguments = term.arguments if term.ast_type == ASTType.Function else ()
+        self._matches = _test(term, parameter, constants)
+        self._offset = _offset(arguments, parameter, constants)  # the first argument that is t + c, and c
+        # an argument T such that t - T is at most the second number
+        self._look_back = _look_back(arguments, parameter, statement, constants)
 
-    def may_match(self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]) -> bool:
+    def may_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
         """Tell whether a ground instance at some step first..last (base: always grounded) could be ``atom``.
 
-        Never wrongly False; variables, intervals and what is hard to evaluate count as a match. The constants have to
-        be the same for every call.
+        Never wrongly False; variables, intervals and what is hard to evaluate count as a match.
         """
         if not self.parameter:
-            return _matches(self.term, atom, constants)
-        return self.first_match(atom, first, last, constants) is not None
+            return self._matches(atom, None)
+        return self.first_match(atom, first, last) is not None
 
-    def first_match(
-        self, atom: clingo.Symbol, first: int, last: int, constants: Dict[str, clingo.Symbol]
-    ) -> Optional[int]:
+    def first_match(self, atom: clingo.Symbol, first: int, last: int) -> Optional[int]:
         """Return the first step in first..last whose ground instance could be ``atom``, None where there is none."""
-        if not self._known:
-            self._offset, self._look_back, self._known = (
-                self._find_offset(constants),
-                self._find_look_back(constants),
-                True,
-            )
         last = min([last, *self._last_steps(atom)])
         if first > last:
             return None
         pinned = self._pinned_step(atom)
         if pinned is None:
-            return first if _matches(self.term, atom, constants, self.parameter) else None
-        if not first <= pinned <= last:
-            return None
-        at_step = dict(constants, **{self.parameter: clingo.Number(pinned)})
-        return pinned if _matches(self.term, atom, at_step) else None
+            return first if self._matches(atom, None) else None
+        return pinned if first <= pinned <= last and self._matches(atom, pinned) else None
 
     def _last_steps(self, atom: clingo.Symbol) -> List[int]:
         """Return the steps after which an argument is too old for what the statement compares it to."""
@@ -69,35 +63,68 @@ class Pattern:
         value = atom.arguments[position]
         return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
 
-    def _find_offset(self, constants: Dict[str, clingo.Symbol]) -> Optional[Tuple[int, int]]:
-        for position, argument in enumerate(self._arguments()):
-            offset = time_offset(argument, self.parameter, constants)
-            if offset is not None:
-                return position, offset
-        return None
 
-    def _find_look_back(self, constants: Dict[str, clingo.Symbol]) -> List[Tuple[int, int]]:
-        names = [(number, one.name) for number, one in enumerate(self._arguments()) if one.ast_type == ASTType.Variable]
-        bounds = longest_look_back(self._statement, self.parameter, constants) if names else {}
-        return [(position, bounds[name]) for position, name in names if name in bounds]
-
-    def _arguments(self) -> Sequence[AST]:
-        return self.term.arguments if self.term.ast_type == ASTType.Function else ()
+def _offset(arguments: Sequence[AST], parameter: str, constants: Constants) -> Optional[Tuple[int, int]]:
+    """Return the position of the first argument that is the parameter and a number, and this number."""
+    for position, argument in enumerate(arguments):
+        offset = time_offset(argument, parameter, constants)
+        if offset is not None:
+            return position, offset
+    return None
 
 
-def _matches(term: AST, symbol: clingo.Symbol, values: Dict[str, clingo.Symbol], parameter: str = "") -> bool:
-    """Tell whether ``term`` could be ``symbol``; what holds ``parameter`` could be anything."""
-    if term.ast_type == ASTType.UnaryOperation and symbol.type == clingo.SymbolType.Function and not symbol.positive:
-        return _matches(term.argument, clingo.Function(symbol.name, symbol.arguments), values, parameter)
+def _look_back(arguments: Sequence[AST], parameter: str, statement: AST, constants: Constants) -> List[Tuple[int, int]]:
+    """Return, for the arguments that are bounded variables, their positions and how far they look back."""
+    names = [(number, one.name) for number, one in enumerate(arguments) if one.ast_type == ASTType.Variable]
+    bounds = longest_look_back(statement, parameter, constants) if names and parameter else {}
+    return [(position, bounds[name]) for position, name in names if name in bounds]
+
+
+def _test(term: AST, parameter: str, constants: Constants) -> Test:
+    """Return the test for ``term``, in a part of this step ``parameter``."""
     if term.ast_type == ASTType.Function and not term.external:
-        if symbol.type != clingo.SymbolType.Function or symbol.name != term.name:
+        return _function_test(term, parameter, constants)
+    simple = _simple_test(term, parameter, constants)
+    if term.ast_type != ASTType.UnaryOperation:
+        return simple
+    inner = _test(term.argument, parameter, constants)
+
+    def negated(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        if symbol.type == clingo.SymbolType.Function and not symbol.positive:
+            return inner(clingo.Function(symbol.name, symbol.arguments), step)
+        return simple(symbol, step)
+
+    return negated
+
+
+def _function_test(term: AST, parameter: str, constants: Constants) -> Test:
+    name, tests = term.name, [_test(part, parameter, constants) for part in term.arguments]
+
+    def function(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        if symbol.type != clingo.SymbolType.Function or symbol.name != name or len(symbol.arguments) != len(tests):
             return False
-        matching = len(term.arguments) == len(symbol.arguments)
-        for part, value in zip(term.arguments, symbol.arguments):
-            matching = matching and _matches(part, value, values, parameter)
-        return matching
-    found = evaluate(term, values)
-    return found is None or found == symbol or _mentions(term, parameter)
+        return all(test(value, step) for test, value in zip(tests, symbol.arguments))
+
+    return function
+
+
+def _simple_test(term: AST, parameter: str, constants: Constants) -> Test:
+    """Return the test for a term that is no function: a value, an offset to the step, or what has a value at a step."""
+    if not _mentions(term, parameter):
+        value = evaluate(term, constants)
+        return lambda symbol, step: value is None or symbol == value
+    offset = time_offset(term, parameter, constants)
+
+    def in_time(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        return step is None or (symbol.type == clingo.SymbolType.Number and symbol.number - (offset or 0) == step)
+
+    def at_step(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        if step is None:
+            return True
+        found = evaluate(term, {**constants, parameter: clingo.Number(step)})
+        return found is None or symbol == found
+
+    return at_step if offset is None else in_time
 
 
 def _mentions(term: AST, name: str) -> bool:

@@ -1,7 +1,7 @@
 """Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
 
 from pathlib import Path
-from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Union
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 import clingo
 from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
@@ -12,18 +12,11 @@ from rosoclingo.oclingo.program.action_rules import closing_text
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directives import Directives, Placed
-from rosoclingo.oclingo.program.parts import Part, open_parts, rewrite
+from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import Pattern
-from rosoclingo.oclingo.program.signatures import (
-    Dependencies,
-    Signature,
-    evaluate,
-    occurrences,
-    rule_edges,
-    signature_of,
-)
+from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
-from rosoclingo.oclingo.progression.terms import parse_atom
+from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
 PathLike = Union[str, Path]
 _FAR = 2**31 - 1
@@ -61,6 +54,7 @@ class ReactiveProgram:
         self.parts += rewrite(read_sources([closing_text(self.parts)], Directives(), []), Directives())
         self._collect()
         self._check()
+        self._collect_patterns()
 
     @classmethod
     def from_files(cls, files: Iterable[PathLike], constants: Optional[Mapping[str, str]] = None) -> "ReactiveProgram":
@@ -101,9 +95,16 @@ class ReactiveProgram:
                 builder.add(part.header)
                 for statement in part.statements:
                     builder.add(statement)
-        for signature in sorted(self.open_signatures):
-            for name, parameters, text in open_parts(signature):
-                control.add(name, parameters, text)
+        for opened in self._open_parts.values():
+            control.add(*opened)
+
+    def open_part(self, atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
+        """Return the part to ground, with its arguments, that makes ``atom`` an external or a fact."""
+        return self._open_parts[signature_of(atom), fact].name, atom.arguments
+
+    def guard(self, window: int, step: int) -> clingo.Symbol:
+        """Return the guard of the volatile instance of ``step`` with length ``window``."""
+        return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])
 
     def arguments(self) -> List[str]:
         """Return clingo's command line arguments for the constants."""
@@ -116,7 +117,7 @@ class ReactiveProgram:
         """
         for atom in atoms:
             for one in self._patterns.get(signature_of(atom), ()):
-                if one.may_match(atom, first, last, self._values):
+                if one.may_match(atom, first, last):
                     return True
         return False
 
@@ -124,7 +125,7 @@ class ReactiveProgram:
         """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
         patterns = self._patterns.get(signature_of(atom), ())
         in_base = self.is_open_signature(atom)
-        return any((one.parameter or in_base) and one.may_match(atom, first, _FAR, self._values) for one in patterns)
+        return any((one.parameter or in_base) and one.may_match(atom, first, _FAR) for one in patterns)
 
     def is_open_signature(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
@@ -133,41 +134,52 @@ class ReactiveProgram:
     def may_declare(self, atom: clingo.Symbol, first: int, last: int = _FAR) -> bool:
         """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
         patterns = self._declarations.get(signature_of(atom), ())
-        return any(one.parameter and one.may_match(atom, first, last, self._values) for one in patterns)
+        return any(one.parameter and one.may_match(atom, first, last) for one in patterns)
 
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
         patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
-        found = (one.first_match(atom, steps[0], steps[-1], self._values) for one in patterns)
+        found = (one.first_match(atom, steps[0], steps[-1]) for one in patterns)
         return min((step for step in found if step is not None), default=steps[0])
 
     def _collect(self) -> None:
-        """Gather signatures, dependencies and patterns from the statements."""
+        """Gather signatures and dependencies from the statements."""
         self.dependencies = Dependencies()
         self.signatures: Set[Signature] = set()
         self.head_signatures: Set[Signature] = set()
         self.open_signatures = {Signature(*one) for one in self._directives.signatures}
         self.external_signatures = set(self.open_signatures)
+        self._open_parts: Dict[Tuple[Signature, bool], OpenPart] = {
+            (signature, fact): open_part(signature, fact)
+            for signature in sorted(self.open_signatures)
+            for fact in (False, True)
+        }
         self.optimizes = False
+        for part in self.parts:
+            for statement in part.statements:
+                self.optimizes |= statement.ast_type == ASTType.Minimize
+                self.dependencies.add(*rule_edges(statement))
+            for statement, one in part.atoms:
+                self.signatures.add(one.signature)
+                if one.head:
+                    external = statement.ast_type == ASTType.External
+                    (self.external_signatures if external else self.head_signatures).add(one.signature)
+
+    def _collect_patterns(self) -> None:
+        """Gather what the program could see and declare; its constants have values by now."""
         self._patterns: Dict[Signature, List[Pattern]] = {}
         self._declarations: Dict[Signature, List[Pattern]] = {}
         for part in self.parts:
-            for statement in part.statements:
-                self._collect_statement(part, statement)
-
-    def _collect_statement(self, part: Part, statement: AST) -> None:
-        self.optimizes |= statement.ast_type == ASTType.Minimize
-        self.dependencies.add(*rule_edges(statement))
-        for one in occurrences(statement):
-            signature = one.signature
-            self.signatures.add(signature)
-            if one.head and statement.ast_type == ASTType.External:
-                self.external_signatures.add(signature)
-                self._declarations.setdefault(signature, []).append(Pattern(one.term, part.parameter, statement))
-            elif one.head:
-                self.head_signatures.add(signature)
-            if not one.head or signature in self.open_signatures:
-                self._patterns.setdefault(signature, []).append(Pattern(one.term, part.parameter, statement))
+            for statement, one in part.atoms:
+                declared = one.head and statement.ast_type == ASTType.External
+                seen = not one.head or one.signature in self.open_signatures
+                if not declared and not seen:
+                    continue
+                pattern = Pattern(one.term, part.parameter, statement, self._values)
+                if declared:
+                    self._declarations.setdefault(one.signature, []).append(pattern)
+                if seen:
+                    self._patterns.setdefault(one.signature, []).append(pattern)
 
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""

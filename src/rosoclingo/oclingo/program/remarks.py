@@ -9,7 +9,7 @@ from clingo.ast import AST, ASTSequence, ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS, places
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Signature
+from rosoclingo.oclingo.progression.terms import Signature
 
 _OWN = "__oclingo"
 

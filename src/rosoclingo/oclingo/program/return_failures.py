@@ -14,7 +14,7 @@ from typing import FrozenSet, Iterable, Iterator, List, Set
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.signatures import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Cumulative, Item, Literal, Statement, StreamUpdate
 
 FAILED = Signature("_failed", 3)

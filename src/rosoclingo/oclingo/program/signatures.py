@@ -9,23 +9,8 @@ from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optiona
 import clingo
 from clingo.ast import AST, ASTType, BinaryOperator, Sign, UnaryOperator
 
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
-
-
-class Signature(NamedTuple):
-    """Name, arity and sign (False under classical negation) of a predicate."""
-
-    name: str
-    arity: int
-    positive: bool = True
-
-    def __str__(self) -> str:
-        return "{}{}/{}".format("" if self.positive else "-", self.name, self.arity)
-
-
-def signature_of(atom: clingo.Symbol) -> Signature:
-    """Return the signature of a ground atom."""
-    return Signature(atom.name, len(atom.arguments), atom.positive)
 
 
 class Occurrence(NamedTuple):

@@ -1,11 +1,11 @@
-"""Ground terms and atoms as text: parsed as data into :class:`clingo.Symbol`, never evaluated.
+"""Ground terms and atoms: parsed from text as data into :class:`clingo.Symbol`, never evaluated; and their signatures.
 
 The grammar is that of oClingo's online progressions: identifiers, "strings", integers, ``f(terms)``; atoms may carry
 classical negation (``-p(1)``). What clingo's terms have besides is read too: tuples, ``-f(terms)``, ``#inf``, ``#sup``.
 """
 
 from dataclasses import dataclass, field
-from typing import List, Optional, Union
+from typing import List, NamedTuple, Optional, Union
 
 import clingo
 
@@ -18,6 +18,22 @@ MAX_DEPTH = 256
 _LOWEST, _HIGHEST = -(2**31), 2**31 - 1
 _LIMITS = {"#inf": clingo.Infimum, "#sup": clingo.Supremum}
 _ESCAPES = {"\\n": "\n", '\\"': '"', "\\\\": "\\"}
+
+
+class Signature(NamedTuple):
+    """Name, arity and sign (False under classical negation) of a predicate."""
+
+    name: str
+    arity: int
+    positive: bool = True
+
+    def __str__(self) -> str:
+        return "{}{}/{}".format("" if self.positive else "-", self.name, self.arity)
+
+
+def signature_of(atom: clingo.Symbol) -> Signature:
+    """Return the signature of a ground atom."""
+    return Signature(atom.name, len(atom.arguments), atom.positive)
 
 
 def parse_term(text: str) -> clingo.Symbol:

@@ -3,12 +3,12 @@
 Simplified to its loop it is this, which runs (the tests play the lift of doc/oclingo_service.md with it):
 
     import clingo
-    from rosoclingo.oclingo.program.parts import guard_atom
 
     class Loop:
         # The program is ground step by step, and searched at the last step that is ground: the horizon.
 
         def __init__(self, program):
+            self.program = program
             self.control = clingo.Control(program.arguments())
             program.load_into(self.control)
             self.control.ground([("base", [])])
@@ -32,11 +32,11 @@ Simplified to its loop it is this, which runs (the tests play the lift of doc/oc
 
         def grow(self):
             # One step more; of the volatile parts, which say what a plan has to reach, only the last one holds.
-            self.control.assign_external(guard_atom(1, self.horizon), False)
+            self.control.assign_external(self.program.guard(1, self.horizon), False)
             self.horizon += 1
             step = clingo.Number(self.horizon)
             self.control.ground([("cumulative", [step]), ("volatile", [step])])
-            self.control.assign_external(guard_atom(1, self.horizon), True)
+            self.control.assign_external(self.program.guard(1, self.horizon), True)
 
         def search(self):
             with self.control.solve(yield_=True) as handle:

@@ -9,7 +9,7 @@ from typing import Container, ContextManager, Dict, Iterable, Iterator, List, Op
 import clingo
 from clingo.backend import Backend
 
-from rosoclingo.oclingo.program.signatures import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 
 OPEN, HOLDS, RELEASED = clingo.TruthValue.False_, clingo.TruthValue.True_, clingo.TruthValue.Release

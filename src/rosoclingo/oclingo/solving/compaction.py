@@ -11,9 +11,9 @@ import clingo
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Literal, Statement
-from rosoclingo.oclingo.solving.fixed_atoms import FixedAtoms
+from rosoclingo.oclingo.solving.fixed_atoms import FixedAtoms, look
 from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.stream_state import Past, StreamState
+from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
 
 COMPACT_AFTER = 100
 """Steps to retire that are worth a grounding of its own; fewer wait for one that has another reason."""
@@ -25,42 +25,20 @@ SHOWN_STEPS = 10
 """For so many steps answers still tell what was shown of a retired step."""
 
 
-def first_step(program: ReactiveProgram, state: StreamState) -> int:
-    """Return the first step that is ground."""
-    return program.first_step if state.past is None else state.past.first
-
-
-def is_due(program: ReactiveProgram, state: StreamState, along: bool = False) -> bool:
-    """Tell whether enough steps are over, since the last try as well, to retire them now, ``along`` or on their own."""
-    over = state.keep_from - max(first_step(program, state), state.tried)
-    return over >= (COMPACT_ALONG if along else COMPACT_AFTER)
-
-
-def is_too_late(program: ReactiveProgram, state: StreamState, atom: clingo.Symbol) -> bool:
-    """Tell whether only steps that have been retired could have known of ``atom``, which nobody has told yet."""
-    if state.past is None:
-        return False
-    first, last = program.first_step, state.past.first - 1
-    if program.may_declare(atom, first, last):
-        return not program.may_declare(atom, last + 1)
-    known = program.is_open_signature(atom) and program.may_see([atom], first, last)
-    return known and not program.may_mention(atom, last + 1)
-
-
-def compact(program: ReactiveProgram, state: StreamState, grounding: Grounding) -> bool:
+def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:
     """Move decided steps before ``state.keep_from`` into ``state.past``; tell whether there were any.
 
     Externals that these steps declare and that nothing has defined are closed. The grounding no longer fits the state
     if True is returned.
     """
-    start = first_step(program, state)
+    program, start = setting.program, setting.first_step(state)
     # from step ``before`` on volatile rules may still hold
     before = min(state.keep_from, state.step + 1 - max(program.windows), grounding.horizon + 1)
     if before <= start or not grounding.satisfied:
         return False
     state.tried = state.keep_from
     _close(state, grounding, start, before)
-    fixed = grounding.fixed(start, before)
+    fixed = look(grounding, start, before)
     if fixed.first <= start:
         return False
     statements = _Statements(grounding, fixed, state.permanent)

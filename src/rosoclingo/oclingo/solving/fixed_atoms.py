@@ -1,71 +1,12 @@
 """What is decided for good: a look at which atoms clingo has fixed, step by step."""
 
 from functools import cached_property
-from typing import Dict, List, Optional, Sequence, Set, Tuple
+from typing import Dict, List, Optional, Set
 
 import clingo
-from clingo.backend import Observer
 from clingo.propagator import PropagateInit, Propagator, PropagatorCheckMode
 
-BASE = -(2**31)
-"""The base part among the steps of a recorder."""
-
-
-class StepRecorder(Observer):
-    """Notes the literals in the ground rules of each block of steps that are grounded at once.
-
-    Attributes:
-        blocks: first step of a block -> its steps.
-        heads: first step of a block -> atoms that its rules define.
-        atoms: first step of a block -> all atoms of its rules, and its externals.
-        opaque: True once something was grounded whose meaning is not in rules alone.
-
-    """
-
-    def __init__(self) -> None:
-        self._block: Optional[int] = None
-        self.blocks: Dict[int, range] = {}
-        self.heads: Dict[int, Set[int]] = {}
-        self.atoms: Dict[int, Set[int]] = {}
-        self.opaque = False
-
-    def begin(self, steps: range) -> None:
-        """Take what comes as the rules of ``steps``."""
-        self._block = steps[0]
-        self.blocks[steps[0]] = steps
-
-    def end(self) -> None:
-        """Take what comes as nobody's."""
-        self._block = None
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """A rule of some step."""
-        if self._block is not None:
-            self._note(self._block, head, body)
-
-    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """A rule with a weighted body of some step."""
-        if self._block is not None:
-            self._note(self._block, head, [literal for literal, _ in body])
-
-    def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """An external of some step."""
-        if self._block is not None:
-            self._note(self._block, (), (atom,))
-
-    def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
-        """Edges of all steps make one graph."""
-        self.opaque = True
-
-    def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
-        """A theory's atoms may mean anything."""
-        self.opaque = True
-
-    def _note(self, block: int, head: Sequence[int], body: Sequence[int]) -> None:
-        self.heads.setdefault(block, set()).update(head)
-        atoms = self.atoms.setdefault(block, set())
-        atoms.update(head)
-        atoms.update(map(abs, body))
+from rosoclingo.oclingo.solving.grounding import BASE, Grounding, StepRecorder
 
 
 class FixedAtoms(Propagator):
@@ -131,3 +72,10 @@ class FixedAtoms(Propagator):
 def _fixed(init: PropagateInit, atom: int) -> Optional[bool]:
     literal = init.solver_literal(atom)
     return init.assignment.value(literal) if init.assignment.is_fixed(literal) else None
+
+
+def look(grounding: Grounding, start: int, before: int) -> FixedAtoms:
+    """Return what is fixed for good in ``grounding``, looking at the steps from ``start`` to before ``before``."""
+    fixed = FixedAtoms(grounding.recorder, start, before)
+    grounding.show(fixed)
+    return fixed

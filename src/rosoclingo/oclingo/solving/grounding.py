@@ -23,20 +23,22 @@ from typing import (
 
 import clingo
 from clingo.backend import Observer
+from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.parts import guard_atom, open_part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_table import HOLDS, ActionIndex, AtomIndex, AtomTable, BackendSession, CycleIndex
-from rosoclingo.oclingo.solving.fixed_atoms import BASE, FixedAtoms, StepRecorder
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
 
 POLL = 0.02
 """Seconds of wall time between two looks at the stop request while clingo searches."""
+
+BASE = -(2**31)
+"""The base part among the steps of a recorder."""
 
 
 class Search(NamedTuple):
@@ -58,6 +60,63 @@ class _Externals(Observer):
         self.fresh.add(atom)
 
 
+class StepRecorder(Observer):
+    """Notes the literals in the ground rules of each block of steps that are grounded at once.
+
+    Attributes:
+        blocks: first step of a block -> its steps.
+        heads: first step of a block -> atoms that its rules define.
+        atoms: first step of a block -> all atoms of its rules, and its externals.
+        opaque: True once something was grounded whose meaning is not in rules alone.
+
+    """
+
+    def __init__(self) -> None:
+        self._block: Optional[int] = None
+        self.blocks: Dict[int, range] = {}
+        self.heads: Dict[int, Set[int]] = {}
+        self.atoms: Dict[int, Set[int]] = {}
+        self.opaque = False
+
+    def begin(self, steps: range) -> None:
+        """Take what comes as the rules of ``steps``."""
+        self._block = steps[0]
+        self.blocks[steps[0]] = steps
+
+    def end(self) -> None:
+        """Take what comes as nobody's."""
+        self._block = None
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A rule of some step."""
+        if self._block is not None:
+            self._note(self._block, head, body)
+
+    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
+        """A rule with a weighted body of some step."""
+        if self._block is not None:
+            self._note(self._block, head, [literal for literal, _ in body])
+
+    def external(self, atom: int, value: clingo.TruthValue) -> None:
+        """An external of some step."""
+        if self._block is not None:
+            self._note(self._block, (), (atom,))
+
+    def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
+        """Edges of all steps make one graph."""
+        self.opaque = True
+
+    def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
+        """A theory's atoms may mean anything."""
+        self.opaque = True
+
+    def _note(self, block: int, head: Sequence[int], body: Sequence[int]) -> None:
+        self.heads.setdefault(block, set()).update(head)
+        atoms = self.atoms.setdefault(block, set())
+        atoms.update(head)
+        atoms.update(map(abs, body))
+
+
 class Grounding:
     """A control with base and the steps first..:attr:`horizon` grounded.
 
@@ -65,6 +124,7 @@ class Grounding:
         horizon: the last grounded step; first step - 1 while only base is grounded.
         atoms: what updates may say of the atoms, and how.
         messages: what clingo said since they were last cleared.
+        recorder: the rules' atoms step by step, recorded where answers are shortest.
         shown: the shown atoms of the last answer.
         satisfied: whether the last search had an answer.
 
@@ -95,9 +155,9 @@ class Grounding:
         self._externals = AtomIndex(self._control, program.external_signatures)
         self._observer = _Externals()
         self._control.register_observer(self._observer)
-        self._recorder = StepRecorder()
+        self.recorder = StepRecorder()
         if shortest:
-            self._control.register_observer(self._recorder)
+            self._control.register_observer(self.recorder)
         program.load_into(self._control)
         self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
         self._hidden: Set[clingo.Symbol] = set()
@@ -109,9 +169,9 @@ class Grounding:
         self.horizon = self._past.first - 1
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self.declare(open_atoms, facts)
-        self._recorder.begin(range(BASE, BASE + 1))
+        self.recorder.begin(range(BASE, BASE + 1))
         self._ground([("base", [])], 1)
-        self._recorder.end()
+        self.recorder.end()
         self._of_base = frozenset(self._declared)
         self._base_externals: Set[clingo.Symbol] = set()
         self._tell(self._past.facts)
@@ -120,7 +180,7 @@ class Grounding:
         """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
         declared = list(atoms)
         self.atoms.stepless.update(declared)
-        self._ground([open_part(atom, atom in facts) for atom in declared], 1)
+        self._ground([self.program.open_part(atom, atom in facts) for atom in declared], 1)
 
     def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
         """Make ``facts`` known to the steps."""
@@ -144,9 +204,9 @@ class Grounding:
         steps = range(self.horizon + 1, last + 1)
         parts = [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")]
         self.horizon = last
-        self._recorder.begin(steps)
+        self.recorder.begin(steps)
         self._ground(parts, steps[0])
-        self._recorder.end()
+        self.recorder.end()
         for step in steps:
             self._bound(step)
         self._hidden.update(atom.symbol for atom in self._control.symbolic_atoms.by_signature(BEYOND, 1))
@@ -155,7 +215,7 @@ class Grounding:
     def _bound(self, step: int) -> None:
         """Tie what holds at ``step`` to the horizon and to the cycles that have been closed."""
         for window in self.program.windows:
-            guard = self._control.symbolic_atoms[guard_atom(window, step)]
+            guard = self._control.symbolic_atoms[self.program.guard(window, step)]
             if guard is not None and window > 0:
                 self._ends.define_window(guard.literal, step, window)
                 self._hidden.add(guard.symbol)
@@ -182,7 +242,7 @@ class Grounding:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
         for atom, literal in self._externals.fresh():
             if literal in self._declared and atom not in self.atoms.stepless:
-                block = self._recorder.blocks.get(self._declared[literal], range(1, 2))
+                block = self.recorder.blocks.get(self._declared[literal], range(1, 2))
                 step = self.program.declaring_step(atom, block) if len(block) > 1 else self._declared[literal]
                 self._declarations.setdefault(step, []).append(atom)
                 if literal in self._of_base:
@@ -191,15 +251,13 @@ class Grounding:
         found = [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
         return found if base else [one for one in found if one not in self._base_externals]
 
-    def fixed(self, start: int, before: int) -> FixedAtoms:
-        """Tell what is fixed for good, looking at the steps from ``start`` to before ``before``."""
-        fixed = FixedAtoms(self._recorder, start, before)
-        self._control.register_propagator(fixed)
+    def show(self, propagator: Propagator) -> None:
+        """Let ``propagator`` read the program as it stands, without a search."""
+        self._control.register_propagator(propagator)
         external = self._session.new_external()
         self._session.close()
         self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
         self._session.release(external)
-        return fixed
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to ``executed``."""

@@ -167,6 +167,24 @@ class Setting:
         """Return the state of a stream that begins."""
         return StreamState(step=1, horizon=1, forgets_done=self.program.first_step - 1)
 
+    def first_step(self, state: StreamState) -> int:
+        """Return the first step that is ground."""
+        return self.program.first_step if state.past is None else state.past.first
+
+    def steps_over(self, state: StreamState) -> int:
+        """Return how many steps that are ground are over since it was tried last to retire some."""
+        return state.keep_from - max(self.first_step(state), state.tried)
+
+    def is_too_late(self, state: StreamState, atom: clingo.Symbol) -> bool:
+        """Tell whether only steps that have been retired could have known of ``atom``, which nobody has told yet."""
+        if state.past is None:
+            return False
+        program, last = self.program, state.past.first - 1
+        if program.may_declare(atom, program.first_step, last):
+            return not program.may_declare(atom, last + 1)
+        known = program.is_open_signature(atom) and program.may_see([atom], program.first_step, last)
+        return known and not program.may_mention(atom, last + 1)
+
     def read(self, update: StreamUpdate, state: StreamState) -> StreamUpdate:
         """Return the update as the program is to see it."""
         update = strings_apart(update) if self.oclingo_strings else update

@@ -12,8 +12,9 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.remarks import likely
-from rosoclingo.oclingo.program.signatures import Dependencies, signature_of, statement_edges
+from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
 from rosoclingo.oclingo.progression.strings import holds_string_apart
+from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import (
     Anew,
     Assert,
@@ -26,7 +27,7 @@ from rosoclingo.oclingo.progression.updates import (
     StreamUpdate,
     Volatile,
 )
-from rosoclingo.oclingo.solving.compaction import compact, first_step, is_due, is_too_late
+from rosoclingo.oclingo.solving import compaction
 from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
@@ -111,7 +112,7 @@ class Transaction:
             self._update = update
             self.warnings.extend(update.warnings)
             self._lapse(lambda lifetime: lifetime == UPDATE)
-            self._compact(along=False)
+            self._compact(compaction.COMPACT_AFTER)
             if update.step is not None:
                 state.step, state.settled = update.step, max(state.settled, update.step)
                 state.bound = None if update.bound is None else update.step + update.bound
@@ -187,7 +188,7 @@ class Transaction:
         fresh: Dict[clingo.Symbol, bool] = {}
         for section, statement in update.sections():
             head = statement.head
-            if head is None or head in known or is_too_late(self.program, self.state, head):
+            if head is None or head in known or self._setting.is_too_late(self.state, head):
                 continue
             if self.program.is_open_signature(head):
                 fresh[head] = fresh.get(head, False) or (not statement.body and isinstance(section, Cumulative))
@@ -196,20 +197,20 @@ class Transaction:
         self.state.open_atoms.extend(fresh)
         if self.grounding is not None:
             new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]
-            first = first_step(self.program, self.state)
+            first = self._setting.first_step(self.state)
             if self.program.may_see(new, first, self.grounding.horizon):
-                self._compact(along=True)
+                self._compact(compaction.COMPACT_ALONG)
                 self.grounding = None
             elif new:
                 self._given = {atom for atom in new if fresh[atom]}
                 self.grounding.declare(new, self._given)
 
-    def _compact(self, along: bool) -> None:
-        """Let go of the steps that are over, if there are enough: the program is then ground anew without them."""
-        if self._again or self.grounding is None or not is_due(self.program, self.state, along):
+    def _compact(self, enough: int) -> None:
+        """Let go of the steps that are over, if they are ``enough``: the program is then ground anew without them."""
+        if self._again or self.grounding is None or self._setting.steps_over(self.state) < enough:
             return
         tried = self.state.tried
-        self.grounding = None if compact(self.program, self.state, self.grounding) else self.grounding
+        self.grounding = None if compaction.compact(self._setting, self.state, self.grounding) else self.grounding
         self.compacted = self.compacted or self.state.tried != tried
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
@@ -284,8 +285,8 @@ class Transaction:
             self.state.waiting.append(
                 Lapsing(statement, lifetime)
             )  # clingo grounds no further; a grounding made anew will tell
-        elif is_too_late(self.program, self.state, head):
-            self.warnings.append(_TOO_LATE.format(head, first_step(self.program, self.state)))
+        elif self._setting.is_too_late(self.state, head):
+            self.warnings.append(_TOO_LATE.format(head, self._setting.first_step(self.state)))
         elif head not in self.state.forgotten and not grounding.atoms.knows(head) and self._may_come(head):
             self.state.waiting.append(Lapsing(statement, lifetime))
         else:
@@ -359,9 +360,8 @@ class Transaction:
 
     def _build(self) -> Grounding:
         """Ground the program anew and put in force all that the state holds."""
-        program, state = self.program, self.state
-        coming = [atom for atom in self._coming if not is_too_late(program, state, atom)]
-        self.grounding = build_grounding(program, state, self._shortest, self._dropped, coming)
+        coming = [atom for atom in self._coming if not self._setting.is_too_late(self.state, atom)]
+        self.grounding = build_grounding(self.program, self.state, self._shortest, self._dropped, coming)
         self._fall_due(self.grounding)
         return self.grounding
 

@@ -5,6 +5,7 @@ from test_solver import atoms, play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
 from rosoclingo.oclingo.solving import compaction, solver
+from rosoclingo.oclingo.solving.fixed_atoms import look
 from rosoclingo.oclingo.solving.grounding import Grounding
 
 MARKS = "#theory marks { term { - : 1, unary }; &mark/0 : term, any }. "
@@ -24,7 +25,7 @@ def undecided(text, blocks, before, settled=9, start=1):
     for last in blocks:
         grounding.ground_to(last)
     grounding.settle(min(settled, blocks[-1]))
-    return grounding.fixed(start, before).first
+    return look(grounding, start, before).first
 
 
 @pytest.mark.parametrize(
