@@ -137,6 +137,10 @@ def changes(world):
             [f"_request(cancel(1),{STEP}) -"],
         ),
         (World("_a(5)", ["_a(5)", "_c(5)"], old="_c(5) _a(5)"), ["_c(5) -", "_a(5) -"]),
+        (
+            World("_a(5) _b(5)", ["_a(5)", "_b(5)", "_c(5)"], old="_c(5) _a(5) _b(5)"),
+            ["_c(5) -", "_a(5) -", "_b(5) -"],
+        ),
         (World("_a(5)", ["_return(go,odd,2) _b(5)"], old="_b(5) _return(go,odd,2)"), ["_b(5) -"]),
         (World("_b(5) _return(x,y,2)", ["_b(5)", "_return(x,y,2)"]), ["_return(x,y,2) -", "_b(5) -"]),
         (
