@@ -87,7 +87,7 @@ class Summary:
 
 
 class _Line(NamedTuple):
-    time: float
+    time: float  # seconds since the run began
     kind: str
     text: str
     after: Set[str]
@@ -179,9 +179,10 @@ class Account:
 
     def _line(self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "") -> None:
         self._start = time if self._start is None else self._start
-        self.summary.seconds = max(self.summary.seconds, time - self._start)
-        self._held.append(_Line(time, kind, text, set(after), gives))
-        while self._release(time):
+        now = time - self._start
+        self.summary.seconds = max(self.summary.seconds, now)
+        self._held.append(_Line(now, kind, text, set(after), gives))
+        while self._release(now):
             pass
 
     def _release(self, now: float) -> bool:
@@ -196,7 +197,7 @@ class Account:
     def _print(self, line: _Line) -> None:
         if line.kind == "update":
             self._cycle += 1
-        self._now = max(self._now, line.time - (self._start or 0.0))
+        self._now = max(self._now, line.time)
         self._say(f"{self._now:7.1f} s  cycle {max(1, self._cycle):<3d} {line.kind:8s} {line.text}")
 
 
@@ -208,14 +209,14 @@ def _because(goal: GoalAccount) -> str:
     return f" ({text.strip()})" if text else ""
 
 
-def _read_update(text: str) -> Tuple[int, Set[str], str]:
-    """An update's step, the requests and returns in it that were on other topics before, and what it says happened."""
+def _read_update(text: str) -> Tuple[Optional[int], Set[str], str]:
+    """An update's step if it has one, the requests and returns in it that were on other topics before, and what it says happened."""
     try:
         update = parse_update(text)
     except OclingoError:
-        return 0, set(), text
+        return None, set(), text
     heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
-    return update.step or 0, {_source(head) for head in heads} - {""}, str(update.plain)
+    return update.step, {_source(head) for head in heads} - {""}, str(update.plain)
 
 
 def _source(head: Symbol) -> str:

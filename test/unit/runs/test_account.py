@@ -73,22 +73,33 @@ def test_a_plan_without_actions_waits_for_its_update_but_for_the_first(account, 
 def test_nothing_is_held_back_for_ever(account, lines):
     account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
     assert lines == []
+    account.note(PATIENCE, "soon")
     account.note(PATIENCE + 0.1, "later")
-    assert kinds(lines) == ["update", "note"]
+    assert kinds(lines) == ["note", "update", "note"]
+    assert [line.split()[0] for line in lines] == ["1.0", "1.0", "1.1"]
     account.dispatched(3.0, ["_action_lib(go,x,9)"])
     account.finish()
     account.finish()
-    assert kinds(lines) == ["update", "note", "action"], "once"
+    assert kinds(lines)[3:] == ["action"], "once"
 
 
 def test_texts_that_are_no_atoms_are_shown_as_they_are(account, lines):
     account.plan(0.0, 1, [])
     account.returned(0.0, "camera", ["_seen(ball)", "((("])
     account.update(0.0, "garbage")
+    account.plan(0.0, 1, ["((("])
+    account.dispatched(0.0, ["((("])
     account.finish()
     assert "_seen(ball) from camera" in lines[1]
     assert "((( from camera" in lines[2]
     assert "garbage" in lines[3]
+    assert lines[4].endswith("plan     nothing to do")
+    assert lines[5].endswith("action   (((")
+
+
+def test_an_update_may_withdraw_what_it_has_told(account, lines):
+    account.update(0.0, "#step 3.\n#withdraw _seen(ball).\n_seen(cup).\n#end step.\n")
+    assert lines[0].endswith("update   #step 3. #withdraw _seen(ball). _seen(cup). #end step.")
 
 
 def test_status_changes_are_told_once_with_the_reason_of_a_bad_end(account, lines):
