@@ -4,12 +4,12 @@ Goals are given up in the next update, by the program's own means, ``_request(ca
 sent stays a true record. What would be without a goal or an observation is found out on fresh solvers beside it.
 """
 
-from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
-from rosoclingo.oclingo.progression.updates import Item, Withdraw
+from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.reasoning.conflicts import Choice, Conflict, UndecidedError, choose, find_conflict, remembering
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
@@ -109,11 +109,10 @@ class _Attempts:
         """Plan without some goals and observations."""
         step = self._question.step
         facts: FrozenSet[Symbol] = frozenset().union(*(one.facts for one in unseen))
-        oldest_first: List[Goal] = list(reversed(dropped))
-        cancels = () if self._withhold else tuple(cancellation(one.identifier, step) for one in oldest_first)
         gone: FrozenSet[Symbol] = requests_of(dropped) if self._withhold else frozenset()
-        items: Tuple[Item, ...] = (*map(Withdraw, sorted(gone)), *map(Statement, cancels))
-        update = StreamUpdate(step, items=items)
+        oldest_first: Iterable[Goal] = () if self._withhold else reversed(dropped)
+        cancels = (Statement(cancellation(one.identifier, step)) for one in oldest_first)
+        update = StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *cancels))
         try:
             fresh = self._planner.restarted(facts | gone)
             result = fresh.update(update)
