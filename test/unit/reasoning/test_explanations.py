@@ -127,11 +127,3 @@ def test_only_the_latest_observations_are_kept():
     for one in shut(range(MEMORY, MEMORY + 10)):
         seen.add_fact(one)
     assert seen.newest_first == tuple(reversed(shut(range(10, MEMORY + 10)))), "after some were dropped as well"
-
-
-def test_only_the_latest_actions_are_kept():
-    seen = Observations()
-    done = [action_of(parse_term(f"_action_lib(go,x,{cycle})")) for cycle in range(1, 2 * MEMORY + 11)]
-    for action in done:
-        seen.add_executed((action,))
-    assert seen.executed == tuple(done[10:])
