@@ -210,7 +210,7 @@ def _because(goal: GoalAccount) -> str:
 
 
 def _read_update(text: str) -> Tuple[Optional[int], Set[str], str]:
-    """An update's step if it has one, the requests and returns in it that were on other topics before, and what it says happened."""
+    """An update's step if it has one, the requests and returns in it that other topics had before, and what it says."""
     try:
         update = parse_update(text)
     except OclingoError:
