@@ -3,9 +3,12 @@
 A commitment keeps an executed action in every later plan; nothing in a stream keeps actions out of a cycle that has
 passed without them, nor out of the steps beyond the horizon for which an answer was searched. The first is done by
 constraints on the atoms of the closed cycle, the second by the rules that are made here.
+
+What an action returns is its parameter, when all goes well. Where a program opens all of ``_return/3``, these returns
+are declared step by step as well: an atom that steps which are ground could have seen means to ground them anew.
 """
 
-from typing import Callable, List, Sequence, Set, Tuple
+from typing import Callable, Container, List, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -24,6 +27,8 @@ _RULES = """
 #external {beyond}({cycle}){domain}.
 :- _action_lib(A__,P__,{cycle}), {beyond}({cycle}).
 """
+_SUCCESS = "#external _return(A__,P__,{cycle}) : _action_lib(A__,P__,{cycle}).\n"
+_VARIABLE = "C__"
 
 
 def is_action(atom: clingo.Symbol) -> bool:
@@ -36,13 +41,17 @@ def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:
     return lambda atom: is_action(atom) and atom.arguments[2] == clingo.Number(cycle)
 
 
-def closing_text(parts: Sequence[Part]) -> Source:
-    """Return the rules for every way in which the heads of ``parts`` write the cycle of an action."""
-    return Source("<closing>", "".join(_rules(name, parameter, cycle) for name, parameter, cycle in _cycles(parts)))
+def closing_text(parts: Sequence[Part], opened: Container[Signature] = ()) -> Source:
+    """Return the rules for every way in which the heads of ``parts`` write the cycle of an action.
+
+    ``opened`` are the predicates that the program declares external as a whole.
+    """
+    returns = RETURN in opened
+    return Source("<closing>", "".join(_rules(*place, returns) for place in _cycles(parts)))
 
 
 def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
-    """Return part name, parameter and cycle argument (C__ where it is not simple) of each action in a head."""
+    """Return part name, parameter and cycle argument (_VARIABLE where it is not simple) of each action in a head."""
     found: Set[Tuple[str, str, str]] = set()
     for part in parts:
         # a volatile head is a head of its step all the same; the rules must outlast the window
@@ -51,7 +60,7 @@ def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
             if one.head and statement.ast_type == ASTType.Rule and one.signature == ACTION:
                 cycle = one.term.arguments[2]
                 simple = cycle.ast_type in (ASTType.SymbolicTerm, ASTType.BinaryOperation)
-                found.add((name, part.parameter, str(cycle) if simple and not _has_variable(cycle) else "C__"))
+                found.add((name, part.parameter, str(cycle) if simple and not _has_variable(cycle) else _VARIABLE))
     return sorted(found)
 
 
@@ -61,7 +70,9 @@ def _has_variable(term: AST) -> bool:
     return term.ast_type == ASTType.Variable
 
 
-def _rules(name: str, parameter: str, cycle: str) -> str:
+def _rules(name: str, parameter: str, cycle: str, returns: bool) -> str:
     header = f"{name}({parameter})" if parameter else name
-    domain = " : _action_lib(_,_,C__)" if cycle == "C__" else ""
-    return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND)
+    domain = f" : _action_lib(_,_,{_VARIABLE})" if cycle == _VARIABLE else ""
+    # clingo would go through the actions of all steps at each step where the cycle is a variable
+    success = _SUCCESS.format(cycle=cycle) if returns and cycle != _VARIABLE else ""
+    return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND) + success

@@ -51,7 +51,8 @@ class ReactiveProgram:
         self._delays: Optional[Delays] = None
         self._known_delays: Dict[Signature, Optional[int]] = {}
         self.parts: List[Part] = rewrite(parsed, self._directives)
-        self.parts += rewrite(read_sources([closing_text(self.parts)], Directives(), []), Directives())
+        opened = {Signature(*one) for one in self._directives.signatures}
+        self.parts += rewrite(read_sources([closing_text(self.parts, opened)], Directives(), []), Directives())
         self._collect()
         self._check()
         self._collect_patterns()

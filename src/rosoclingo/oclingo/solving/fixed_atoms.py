@@ -40,11 +40,10 @@ class FixedAtoms(Propagator):
             self.literals[one.symbol] = one.literal
             if value is not None:
                 self.values[one.symbol] = value
-        # what base defines without a name can't be told to a later grounding
-        nameless = self._recorder.heads.get(BASE, set()) - set(self.literals.values())
+        # what base defines without a name, a projection of clingo's say, follows from what has one
         while self.first in self._recorder.blocks and self._recorder.blocks[self.first][-1] < self._before:
             atoms = self._recorder.atoms.get(self.first, set())
-            if atoms & nameless or any(_fixed(init, atom) is None for atom in atoms):
+            if any(_fixed(init, atom) is None for atom in atoms):
                 break
             self.first = self._recorder.blocks[self.first][-1] + 1
 

@@ -6,7 +6,17 @@ import pytest
 from stream_logs import cut
 from test_solver import WALK, atoms, play, solver_of
 
-from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, parse_atom, parse_update
+from rosoclingo.oclingo import (
+    DroppedError,
+    ReactiveProgram,
+    ReactiveSolver,
+    SolveOutcome,
+    SolverError,
+    parse_atom,
+    parse_update,
+)
+from rosoclingo.oclingo.solving import transaction
+from rosoclingo.oclingo.solving.grounding import build_grounding
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 
@@ -129,3 +139,22 @@ def test_seconds_are_told_once():
     solver, start = solver_of(WALK), time.perf_counter()
     spent = play(solver, "#step 1. _request(6,1).").statistics
     assert 0 < spent["ground"] + spent["solve"] <= time.perf_counter() - start
+
+
+@pytest.mark.parametrize("head", ["{ _action_lib(go,x,t) ; _action_lib(go,y,t) }.", "{ _action_lib(go,(x;y),t+1) }."])
+@pytest.mark.parametrize(("returned", "groundings"), [("x", 1), ("y", 1), ("lost", 2)])
+def test_what_an_action_may_return_when_all_goes_well_grounds_nothing_anew(head, returned, groundings, monkeypatch):
+    made = []
+
+    def counting(*arguments):
+        made.append(arguments)
+        return build_grounding(*arguments)
+
+    monkeypatch.setattr(transaction, "build_grounding", counting)
+    rules = "done(P,t) :- _return(go,P,t). #program volatile(t). :- t < 6."
+    program = f"#external _return/3. #program cumulative(t). {head} {rules}"
+    solver = ReactiveSolver(ReactiveProgram.from_text(program), shortest=True, oclingo_strings=False)
+    solver.update(parse_update("#step 2. #endstep."))
+    answer = solver.update(parse_update(f"#step 3. _return(go,{returned},2). #endstep.")).answers[0]
+    assert parse_atom(f"done({returned},2)") in answer
+    assert len(made) == groundings

@@ -3,7 +3,7 @@
 import pytest
 from test_solver import atoms, play, solver_of
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom
 from rosoclingo.oclingo.solving import compaction, solver
 from rosoclingo.oclingo.solving.fixed_atoms import look
 from rosoclingo.oclingo.solving.grounding import Grounding
@@ -105,3 +105,13 @@ def test_a_stream_that_has_come_to_a_contradiction_keeps_it():
     stream.close_cycle(1, [])
     stream.forget_before(2)
     assert play(stream, "#step 2 : 0.").outcome is SolveOutcome.UNSATISFIABLE
+
+
+def test_a_projection_in_base_of_what_has_a_name_can_be_told():
+    """clingo projects ``_`` under ``not`` by a rule of its own for every atom that it knows."""
+    text = "#external q/2. #program cumulative(t). p(t) :- not q(_,t+1)."
+    grounding = Grounding(ReactiveProgram.from_text(text), [parse_atom("q(a,3)")], set(), shortest=True)
+    grounding.ground_to(3)
+    assert look(grounding, 1, 4).first == 1, "q(a,3) is open"
+    grounding.atoms.close(parse_atom("q(a,3)"))
+    assert look(grounding, 1, 4).first == 4
