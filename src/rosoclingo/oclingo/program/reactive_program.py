@@ -137,6 +137,12 @@ class ReactiveProgram:
         patterns = self._declarations.get(signature_of(atom), ())
         return any(one.parameter and one.may_match(atom, first, last) for one in patterns)
 
+    def may_define(self, atom: clingo.Symbol, first: int) -> bool:
+        """Tell whether base or some step from ``first`` on could define ``atom``, or declare it external."""
+        signature = signature_of(atom)
+        patterns = [*self._heads.get(signature, ()), *self._declarations.get(signature, ())]
+        return signature in self.open_signatures or any(one.may_match(atom, first, _FAR) for one in patterns)
+
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
         patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
@@ -170,16 +176,14 @@ class ReactiveProgram:
         """Gather what the program could see and declare; its constants have values by now."""
         self._patterns: Dict[Signature, List[Pattern]] = {}
         self._declarations: Dict[Signature, List[Pattern]] = {}
+        self._heads: Dict[Signature, List[Pattern]] = {}
         for part in self.parts:
             for statement, one in part.atoms:
-                declared = one.head and statement.ast_type == ASTType.External
-                seen = not one.head or one.signature in self.open_signatures
-                if not declared and not seen:
-                    continue
                 pattern = Pattern(one.term, part.parameter, statement, self._values)
-                if declared:
-                    self._declarations.setdefault(one.signature, []).append(pattern)
-                if seen:
+                if one.head:
+                    external = statement.ast_type == ASTType.External
+                    (self._declarations if external else self._heads).setdefault(one.signature, []).append(pattern)
+                if not one.head or one.signature in self.open_signatures:
                     self._patterns.setdefault(one.signature, []).append(pattern)
 
     def _control(self, messages: Messages) -> clingo.Control:

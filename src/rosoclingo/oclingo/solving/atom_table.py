@@ -93,6 +93,10 @@ class AtomTable:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""
         return atom in self._closed
 
+    def is_awaited(self, atom: clingo.Symbol) -> bool:
+        """Tell whether a body mentions ``atom`` that nothing has brought yet."""
+        return atom in self._absent
+
     def add(self, statement: Statement, guard: Optional[int]) -> None:
         """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""
         body = [self._body_literal(literal) for literal in statement.body] + ([] if guard is None else [guard])

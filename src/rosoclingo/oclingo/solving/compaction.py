@@ -5,7 +5,7 @@ hold at it are worth the same to all that comes later. What it takes is that req
 facts decide all that rules say of the past; where something stays open, steps from there on are ground as ever.
 """
 
-from typing import List, Optional, Sequence, Set
+from typing import List, Optional, Set
 
 import clingo
 
@@ -33,7 +33,7 @@ def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:
     """
     program, start = setting.program, setting.first_step(state)
     # from step ``before`` on volatile rules may still hold
-    before = min(state.keep_from, state.step + 1 - max(program.windows), grounding.horizon + 1)
+    before = min(state.keep_from, state.step + 1 - max(program.windows))
     if before <= start or not grounding.satisfied:
         return False
     state.tried = state.keep_from
@@ -41,7 +41,7 @@ def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:
     fixed = look(grounding, start, before)
     if fixed.first <= start:
         return False
-    statements = _Statements(grounding, fixed, state.permanent)
+    statements = _Statements(program, state, grounding, fixed)
     if statements.sound:
         _move(program, state, grounding, fixed, statements)
     return statements.sound
@@ -60,10 +60,13 @@ def _close(state: StreamState, grounding: Grounding, start: int, before: int) ->
 class _Statements:
     """Permanent statements with bodies, less what is decided: new facts, and what is left of the others."""
 
-    def __init__(self, grounding: Grounding, fixed: FixedAtoms, statements: Sequence[Statement]) -> None:
+    def __init__(self, program: ReactiveProgram, state: StreamState, grounding: Grounding, fixed: FixedAtoms) -> None:
+        statements, told = state.permanent, frozenset() if state.past is None else state.past.facts
         self._grounding, self._values = grounding, fixed.values
+        self._program, self._fixed = program, fixed
+        self._heads = {one.head for one in [*statements, *state.unsettled()]}
         defined = fixed.defined
-        self._past = {atom for atom, literal in fixed.literals.items() if literal in defined}
+        self._past = told | {atom for atom, literal in fixed.literals.items() if literal in defined}
         self.facts = {one.head for one in statements if one.head is not None and not one.body}
         self.kept: List[Statement] = []
         self.false: Set[clingo.Symbol] = set()  # heads that were defined, but never come true
@@ -80,14 +83,30 @@ class _Statements:
         body = tuple(literal for literal in statement.body if self._value(literal.atom) is None)
         if statement.head is None or body:
             self.kept.append(Statement(statement.head, body))
-            self.sound = self.sound and bool(body) and statement.head not in self._past
+            self.sound = self.sound and (statement.head is None or not self._is_over(statement.head))
         else:
             self.facts.add(statement.head)
 
+    def _is_over(self, head: clingo.Symbol) -> bool:
+        """Tell whether retired steps may have decided of ``head``, and by that of the rules that define it."""
+        literal, last = self._fixed.literals.get(head), self._fixed.first - 1
+        if literal is not None:
+            return head in self._past or (literal in self._fixed.steps and literal not in self._fixed.base)
+        # clingo lets go of the names of what is false for good
+        first = self._program.first_step
+        return self._program.may_declare(head, first, last) or self._program.may_see([head], first, last)
+
     def _value(self, atom: clingo.Symbol) -> Optional[bool]:
         """Return what is decided of ``atom`` without regard to constraints, which may be the ones in question."""
+        if atom not in self._fixed.literals:
+            return False if self._is_gone(atom) else None
         decided = atom in self._past or atom in self.facts or self._grounding.atoms.is_closed(atom)
         return self._values.get(atom) if decided else None
+
+    def _is_gone(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom``, whose name clingo let go of as it is false for good, will not come again."""
+        may_come = atom in self._heads or self._grounding.atoms.is_awaited(atom)
+        return not may_come and not self._program.may_define(atom, self._fixed.first)
 
 
 def _move(
@@ -95,9 +114,10 @@ def _move(
 ) -> None:
     """Write down in ``state`` what was found."""
     first, old = fixed.first, state.past
+    mentioned = {literal.atom for one in state.unsettled() for literal in one.body}
 
     def matters(atom: clingo.Symbol) -> bool:
-        return program.may_mention(atom, first) or program.may_declare(atom, first)
+        return atom in mentioned or program.may_mention(atom, first) or program.may_declare(atom, first)
 
     steps, defined = fixed.steps, fixed.defined
     true = {atom for atom, value in fixed.values.items() if value}

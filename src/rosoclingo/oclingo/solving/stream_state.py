@@ -111,6 +111,11 @@ class StreamState:
         statements = len(self.permanent) + len(self.lapsing) + len(self.waiting)
         return statements + len(self.open_atoms) + len(self.forgotten)
 
+    def unsettled(self) -> Iterator[Statement]:
+        """Yield the statements that will lapse, and those that wait for their heads."""
+        for entry in [*self.lapsing, *self.waiting]:
+            yield entry.statement
+
     def rules(self) -> Iterator[Statement]:
         """Yield the statements in force that have a head and a body."""
         for statement in [*self.permanent, *(entry.statement for entry in self.lapsing)]:

@@ -1,0 +1,226 @@
+"""What is kept of steps that are over: the answers of two streams, of which one lets go of its steps, are the same."""
+
+import pytest
+from test_solver import atoms, play
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom
+from rosoclingo.oclingo.solving import compaction, grounding, solver
+from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
+
+EXTERNALS = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). #program volatile(t)."
+SEVERAL = (
+    "#program cumulative(t). day(t). #external e(T) : day(T), T > t-3. c(T,t) :- e(T), day(T), T > t-3. "
+    "#program volatile(t)."
+)
+IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    """Retire whatever can be retired with every update, step by step, and go on showing it."""
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
+    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
+    monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
+    monkeypatch.setattr(grounding, "BLOCK", 1)
+    monkeypatch.setattr(solver, "BLOCK", 1)
+
+
+def stream(text):
+    return ReactiveSolver(ReactiveProgram.from_text(text), models=0, shortest=True)
+
+
+def warnings(result):
+    """What is said but for the number of a step, which only one of two streams has retired."""
+    return [one.split(" ")[1] for one in result.warnings]
+
+
+def retire(text, *updates, steps=7):
+    """Play the updates, one a step, with and without retiring the steps before; compare; return the retiring solver."""
+    retiring, forgetting = stream(text), stream(text)
+    for step in range(1, steps + 1):
+        update = updates[step - 1] if step <= len(updates) else ""
+        retiring.forget_before(step - 1)
+        forgotten = f"#forget 1..{step - 2}. " if step > 2 else ""
+        found = play(retiring, f"#step {step} : 0. {update}")
+        expected = play(forgetting, f"#step {step} : 0. {forgotten}{update}")
+        assert set(found.answers) == set(expected.answers), step
+        assert warnings(found) == warnings(expected), step
+    return retiring
+
+
+def first(retiring):
+    return None if retiring.state.past is None else retiring.state.past.first
+
+
+@pytest.mark.parametrize(
+    ("reached", "tried", "keep_from", "steps"),
+    [(None, 0, 5, 4), (None, 8, 11, 3), (9, 0, 12, 3), (9, 5, 19, 10), (9, 12, 13, 1)],
+)
+def test_how_many_steps_are_over_and_not_tried_yet(reached, tried, keep_from, steps):
+    past = None if reached is None else Past(reached, frozenset())
+    state = StreamState(step=20, horizon=20, keep_from=keep_from, tried=tried, past=past)
+    assert Setting(ReactiveProgram.from_text(EXTERNALS)).steps_over(state) == steps
+
+
+@pytest.mark.parametrize(
+    ("atom", "too_late"),
+    [
+        ("e(8)", True),
+        ("e(9)", False),
+        ("held(7)", True),
+        ("held(8)", False),
+        ("sees(x,7)", True),
+        ("sees(x,8)", False),
+        ("sees(x,30)", False),
+        ("unused(1)", False),
+        ("told(3)", False),
+        ("other(1)", False),
+    ],
+)
+def test_what_comes_too_late_when_the_steps_before_the_ninth_are_over(atom, too_late):
+    text = (
+        "#external sees/2. #external unused/1. #program cumulative(t). day(t). #external e(t). "
+        "#external held(T) : day(T), T > t-2. seen(X,t) :- sees(X,T), T > t-2. a(t) :- told(t). #program volatile(t)."
+    )
+    setting, state = Setting(ReactiveProgram.from_text(text)), StreamState(step=12, horizon=12)
+    assert setting.is_too_late(state, parse_atom(atom)) is False
+    state.past = Past(9, frozenset())
+    assert setting.is_too_late(state, parse_atom(atom)) is too_late
+
+
+@pytest.mark.parametrize(("window", "reached"), [("1", 6), ("2", 5), ("3", 4)])
+def test_steps_whose_volatile_rules_may_hold_are_not_over(window, reached):
+    text = f"#cumulative t. p(t). #volatile t : {window}. :- not p(t). #volatile t. :- not p(t)."
+    retiring = stream(text)
+    for step in range(1, 8):
+        retiring.forget_before(step)
+        play(retiring, f"#step {step}.")
+    assert first(retiring) == reached
+
+
+def test_what_is_told_to_be_over_ahead_of_time_is_so_when_its_time_comes():
+    retiring = stream(EXTERNALS)
+    retiring.forget_before(2)
+    for step in (1, 2, 3):
+        play(retiring, f"#step {step}.")
+    assert first(retiring) == 2
+
+
+@pytest.mark.parametrize(("after", "times"), [(2, 4), (3, 3), (8, 1)])
+def test_where_nothing_can_be_retired_it_is_not_tried_with_each_update(monkeypatch, after, times):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", after)
+    retiring, tries = stream("{ a }. #cumulative t. s(t) :- a. #volatile t."), set()
+    for step in range(1, 11):
+        retiring.forget_before(step)
+        play(retiring, f"#step {step}.")
+        tries.add(retiring.state.tried)
+    assert first(retiring) is None
+    assert len(tries - {0}) == times
+
+
+def test_what_contradicts_the_stream_is_not_retired_and_can_still_be_withdrawn():
+    retiring = stream("#cumulative t. #external e(t). p(t) :- e(t). p(t) :- p(t-1). #volatile t. :- p(t).")
+    play(retiring, "#step 1.")
+    assert play(retiring, "#step 2 : 0. e(2).").outcome is SolveOutcome.UNSATISFIABLE
+    for step in (3, 4, 5):
+        retiring.forget_before(step)
+        assert play(retiring, f"#step {step} : 0.").outcome is SolveOutcome.UNSATISFIABLE
+    assert play(retiring, "#step 6 : 0. #withdraw e(2).").outcome is SolveOutcome.SATISFIABLE
+
+
+def test_externals_of_base_stay_open():
+    retiring = stream("#external door. #program cumulative(t). s(t) :- door, t > 6. #program volatile(t).")
+    for step in range(1, 7):
+        retiring.forget_before(step)
+        play(retiring, f"#step {step}.")
+    assert first(retiring) == 5
+    assert atoms(play(retiring, "#step 7. door.")) == ["door", "s(7)"]
+
+
+def test_externals_of_steps_are_closed_up_to_the_last_one_that_is_over():
+    retiring = retire(EXTERNALS)
+    assert first(retiring) == 6
+    retiring.forget_before(7)
+    result = play(retiring, "#step 8 : 0. e(5). e(6). e(7). e(8).")
+    assert (first(retiring), warnings(result)) == (7, ["e(5)", "e(6)"])
+    assert atoms(result) == ["c(7)", "c(8)", "e(7)", "e(8)"]
+
+
+def test_what_has_been_closed_is_not_opened_again_by_a_later_step():
+    retiring = retire(SEVERAL)
+    retiring.forget_before(7)
+    result = play(retiring, "#step 8 : 0. e(6). e(7).")
+    assert first(retiring) == 7
+    assert result.warnings == (IGNORED.format("e(6)"),)
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        ["e(1).", "e(2) :- c(1)."],
+        ["", "e(2) :- c(1)."],
+        ["", "e(2) :- not c(1)."],
+        ["e(1).", "e(2) :- e(1).", "e(3) :- e(2), not c(2)."],
+        ["", "e(2) :- not e(1)."],
+        ["e(1).", ":- e(1), x."],
+        ["", ":- not e(1), x.", ":- c(2), not x."],
+        ["", ":- not x, not y.", ":- c(2), not x, y."],
+        ["e(1).", "e(2) :- c(1), e(1).", ":- x, e(2), c(2)."],
+        ["e(1).", "e(3) :- c(1), not e(2).", ":- x, e(3)."],
+    ],
+)
+def test_what_rules_of_the_stream_have_decided(rules):
+    assert first(retire("{ x ; y }. " + EXTERNALS, *rules)) >= 5
+
+
+@pytest.mark.parametrize(
+    "rules", [["sees(a,1).", "sees(b,2) :- sees(a,1)."], ["e(1).", "sees(b,2) :- not sees(a,1), e(1). sees(a,1)."]]
+)
+def test_what_rules_of_the_stream_have_decided_of_open_predicates(rules):
+    text = (
+        "#external sees/2. #program cumulative(t). #external e(t). c(X,t) :- sees(X,T), T <= t. #program volatile(t)."
+    )
+    assert first(retire(text, *rules)) >= 5
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        ["e(1).", "#volatile : 5. :- c(1), x."],
+        ["e(1).", "#assert : r. :- not e(1), x. :- c(1), not x."],
+        ["e(1).", "#assert : r. :- not c(1). e(2).", "#retract : r."],
+        ["e(1).", "e(4) :- c(1), not e(2).", ":- x, e(3)."],
+    ],
+)
+def test_what_statements_mention_that_lapse_or_wait(rules):
+    assert first(retire("{ x }. " + EXTERNALS, *rules)) >= 2
+
+
+@pytest.mark.parametrize("rules", [["e(1) :- x.", ":- c(1)."], ["e(1) :- x.", "", ":- c(2).", ":- e(1)."]])
+def test_rules_that_tie_what_is_over_to_what_is_open_keep_their_steps(rules):
+    assert first(retire("{ x }. " + EXTERNALS, *rules)) is None
+
+
+def test_a_rule_for_what_no_step_sees_keeps_none():
+    assert first(retire("{ x }. #external door. " + EXTERNALS, "note :- x.", "door :- x.", ":- note.")) == 6
+
+
+def test_what_an_open_predicate_has_been_forced_to_be_stays_so():
+    text = "{ x }. #external sees/2. #program cumulative(t). d(t) :- sees(a,t). #program volatile(t)."
+    assert first(retire(text, "sees(a,1) :- x.", ":- d(1).")) is None
+
+
+def test_what_is_over_is_shown_once_and_what_base_says_not_at_all():
+    retiring = retire(
+        "a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).", steps=8
+    )
+    shown = sorted(str(atom) for _, atom in retiring.state.past.shown)
+    assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"]
+
+
+def test_nothing_is_kept_that_no_later_step_has_a_use_for():
+    retiring = retire(EXTERNALS, "e(1).", "e(2) :- c(1).", *[""] * 10, steps=12)
+    state = retiring.state
+    assert state.past.first == 11
+    assert (state.past.facts, state.permanent, state.open_atoms) == (frozenset(), [], [])
+    assert {str(atom) for atom in state.forgotten} <= {"e(9)", "e(10)", "__oclingo_volatile(1,10)"}
