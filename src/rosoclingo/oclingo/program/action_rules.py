@@ -47,7 +47,7 @@ def closing_text(parts: Sequence[Part], opened: Container[Signature] = ()) -> So
     ``opened`` are the predicates that the program declares external as a whole.
     """
     returns = RETURN in opened
-    return Source("<closing>", "".join(_rules(*place, returns) for place in _cycles(parts)))
+    return Source("<program>", "".join(_rules(*place, returns) for place in _cycles(parts)))
 
 
 def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:

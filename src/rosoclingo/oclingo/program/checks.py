@@ -90,8 +90,8 @@ def _form(keyword: Signature) -> str:
 
 def missing_parts(parts: Sequence[Part]) -> List[Fault]:
     """Return a fault for the cumulative and for the volatile part where there is none."""
-    present = {part.name for part in parts if part.written}
-    first = parts[0].header.location.begin.filename if parts else "<program>"
+    present = {part.name for part in parts}
+    first = parts[0].header.location.begin.filename
     mends = {
         "cumulative": "write #program cumulative(t). and what holds at each step t",
         "volatile": "write #program volatile(t). and what a plan that ends at step t has to reach",
@@ -178,13 +178,14 @@ class _Heads(Observer):
 def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
     """Return the predicates that rules of steps define without, or with differing, steps in them."""
     offsets: Dict[Signature, Set[object]] = {}
+    stepped: Set[Signature] = set()
     for place in places(parts):
         if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
-            step = place.part.parameter
+            signature, step = place.occurrence.signature, place.part.parameter
             found = {time_offset(one, step, constants) for one in _arguments(place)} - {None} if step else set()
-            offsets.setdefault(place.occurrence.signature, set()).update(found or {None})
-    stepped = {p.occurrence.signature for p in places(parts) if p.part.parameter and p.occurrence.head}
-    return {signature for signature in stepped if len(offsets.get(signature, ())) != 1 or None in offsets[signature]}
+            offsets.setdefault(signature, set()).update(found or {None})
+            stepped.update({signature} if step else ())
+    return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
 
 
 def redefinitions(control: clingo.Control, parts: Sequence[Part], first: int) -> List[Fault]:

@@ -113,7 +113,7 @@ def _sum(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Opti
         if set(number) <= {""}:
             return _plus({}, other, number.get("", 0))
     value = evaluate(term, constants)
-    return None if value is None or value.type != clingo.SymbolType.Number else {"": value.number}
+    return None if value is None else {"": value.number}  # of two numbers it can be nothing else
 
 
 def _plus(one: Sum, other: Sum, factor: int) -> Sum:

@@ -27,8 +27,7 @@ class Part:
         name: base, cumulative or volatile.
         parameter: name of the step parameter, empty in base.
         header: the ``#program`` statement.
-        statements: the statements, guarded where the part is volatile.
-        written: False for the base part that clingo puts before every text.
+        statements: the statements, guarded where the part is volatile, with the declaration of the guard before them.
 
     """
 
@@ -37,7 +36,6 @@ class Part:
     header: AST
     statements: List[AST] = field(default_factory=list)
     window: str = ""
-    written: bool = True
 
     @cached_property
     def atoms(self) -> List[Tuple[AST, Occurrence]]:
@@ -50,15 +48,14 @@ def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
     parts: List[Part] = []
     faults: List[Fault] = []
     for source in parsed:
-        for number, statement in enumerate(source.statements):
+        for statement in source.statements:
             if statement.ast_type == ASTType.Program:
                 parts.append(_open_part(statement, directives, faults))
-                parts[-1].written = number > 0
             else:
                 _add(parts[-1], statement)
     if faults:
         raise ProgramError(faults)
-    return [part for part in parts if part.statements or part.written]
+    return parts
 
 
 def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part:
@@ -73,6 +70,7 @@ def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part
         text = "{}({})".format(name, ",".join(parameters)) if parameters else name
         mend = "a reactive program has the parts base, cumulative(t) and volatile(t)"
         faults.append(Fault(begin.filename, begin.line, begin.column, f"unknown program part {text}", mend))
+        window = ""  # without its parameter there is no guard
     parameter = parameters[0] if parameters else ""
     # one name of the parameter for clingo as for us: parts of the same name may call it differently
     renamed = Program(header.location, name, [Id(header.location, parameter)] if parameter else [])
@@ -111,22 +109,12 @@ class _Namer(Transformer):
 
 
 def _add(part: Part, statement: AST) -> None:
-    kind = statement.ast_type
     if part.name != "base":
         statement = _Namer().visit(statement)
-    if part.window and kind in _GUARDED and not _says_nothing(statement):
-        statement = statement.update(body=[*list(statement.body), _guard(part, statement)])
+    if part.window and statement.ast_type in _GUARDED:
+        guard = Literal(statement.location, Sign.NoSign, part.statements[0].atom)
+        statement = statement.update(body=[*statement.body, guard])
     part.statements.append(statement)
-
-
-def _says_nothing(statement: AST) -> bool:
-    """Tell whether it is ``#show.``, which clingo writes as a term to show with a body that is never true."""
-    return statement.ast_type == ASTType.ShowTerm and str(statement).startswith("#show #")
-
-
-def _guard(part: Part, statement: AST) -> AST:
-    declared = next(one for one in part.statements if one.ast_type == ASTType.External)
-    return Literal(statement.location, Sign.NoSign, declared.atom)
 
 
 class OpenPart(NamedTuple):
@@ -142,8 +130,8 @@ class OpenPart(NamedTuple):
 
 def open_part(signature: Signature, fact: bool) -> OpenPart:
     """Return the part for atoms of ``signature``."""
-    sign = "" if signature.positive else "not_"
-    name = f"__oclingo_{'fact' if fact else 'open'}_{sign}{signature.name}_{signature.arity}"
+    # the sign stands for itself, so that the names of two signatures always differ
+    name = f"__oclingo_{'fact' if fact else 'open'}_{int(signature.positive)}_{signature.name}_{signature.arity}"
     parameters = [f"x{number}" for number in range(signature.arity)]
     atom = ("" if signature.positive else "-") + signature.name
     atom += f"({','.join(parameters)})" if parameters else ""

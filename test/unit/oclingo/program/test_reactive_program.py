@@ -1,5 +1,6 @@
 """Reactive programs: parts, directives, constants, and faults that name file, line and mend, all at once."""
 
+import clingo
 import pytest
 
 from rosoclingo.oclingo import ProgramError, ReactiveProgram, ReactiveSolver, parse_update
@@ -130,6 +131,66 @@ def test_odd_but_usable_programs_of_oclingo_are_warned_of():
     program = ReactiveProgram.from_text("#cumulative t.\n#external e(t).\nc(t) :- e(t+1).\n", "p.lp")
     assert [line.split(":")[1] for line in program.warnings if "late" in line] == ["3"]
     assert any("volatile part" in line for line in program.warnings)
+
+
+def test_the_predicates_of_open_externals_do_not_get_mixed_up():
+    text = "#external not_p/1. #external -p/1. #external p_1/0. #external p/1. #cumulative t. #volatile t."
+    for update, answer in (
+        ("-p(x). not_p(y) :- p(z).", "-p(x)"),
+        ("not_p(x). -p(y) :- p(z).", "not_p(x)"),
+        ("p(1). p_1 :- p(z).", "p(1)"),
+    ):
+        assert answers(text, f"#step 1. {update} #endstep.") == [answer]
+
+
+@pytest.mark.parametrize(
+    ("statement", "answer"),
+    [
+        ("#show.", ""),
+        ("#show. #show b/1.", "b(1) b(2)"),
+        ("#show. #show x(t) : b(t).", "x(2)"),
+        ("#show x(t) : b(t).", "b(1) b(2) c(2) x(2)"),
+        ("#external b(t).", "b(1) b(2) c(2)"),
+        ("#defined q/1. #const n = 1. #project b/1.", "b(1) b(2) c(2)"),
+    ],
+)
+def test_statements_that_are_no_rules_in_a_volatile_part(statement, answer):
+    program = f"#program cumulative(t). b(t). #program volatile(t). c(t). {statement}"
+    assert answers(program, "#step 2 : 0. #endstep.") == [answer]
+
+
+@pytest.mark.parametrize("part", ["#program volatile(t).", "#volatile t.", "#volatile t : 1.", "#volatile t : 4/3."])
+def test_a_volatile_rule_holds_at_the_horizon_alone_unless_told_otherwise(part):
+    assert answers(f"#program cumulative(t). b(t). {part} c(t) :- b(t).", "#step 3 : 0. #endstep.") == [
+        "b(1) b(2) b(3) c(3)"
+    ]
+
+
+class _Rules(clingo.backend.Observer):
+    """Counts the rules that are ground."""
+
+    count = 0
+
+    def rule(self, choice, head, body):
+        self.count += 1
+
+
+def test_an_anonymous_variable_costs_a_step_no_look_at_the_steps_before():
+    text = "#program cumulative(t). { p(0..9,t) }. q(t) :- p(_,t), not q(t-1). #program volatile(t)."
+    control, rules = clingo.Control(["--warn=none"]), _Rules()
+    control.register_observer(rules)
+    ReactiveProgram.from_text(text).load_into(control)
+    counts = []
+    for step in range(1, 5):
+        rules.count = 0
+        control.ground([("cumulative", [clingo.Number(step)])])
+        counts.append(rules.count)
+    assert counts[1] == counts[2] == counts[3]
+
+
+def test_anonymous_variables_may_differ():
+    text = "p(1,2). #program cumulative(t). q(t) :- p(_,_), not r(_). r(2) :- t = 0. #program volatile(t)."
+    assert answers(text) == ["p(1,2) q(1)"]
 
 
 def test_bad_constants():

@@ -1,0 +1,86 @@
+"""Faults that clingo does not see: what is taken for one, what is not, and what is said of it."""
+
+import pytest
+
+from rosoclingo.oclingo import ProgramError, ReactiveProgram
+from rosoclingo.oclingo.program import checks
+
+STEPS = "#program cumulative(t).\n{ m(t) }.\n#program volatile(t).\n"
+
+
+def faults(text):
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram.from_text(text, "p.lp")
+    return [str(fault) for fault in caught.value.faults]
+
+
+@pytest.mark.parametrize(
+    ("rules", "suspects"),
+    [
+        ("c(t).", ""),
+        ("{ c(X,t+1) } :- d(X). c(a,t+1).", ""),
+        ("c(a,t). c(b,t-1).", "c/2"),
+        ("c(t,t+1).", "c/2"),
+        ("{ c(X) } :- d(X), t = 1.", "c/1"),
+        ("c :- t = 1. -c :- t = 2.", "-c/0 c/0"),
+        ("c(t). #program volatile(s). c(s+1) :- s > 9.", "c/1"),
+        ("c(t). #program base. c(0).", "c/1"),
+        ("c(t). #program base. e(0).", ""),
+        ("c(t). #external c(t+1). #external e.", ""),
+        ("c(t) :- d(t-1), not e.", ""),
+    ],
+)
+def test_heads_that_two_steps_may_define(rules, suspects):
+    program = ReactiveProgram.from_text(f"{{ d(1..2) ; e }}. #program cumulative(t). {rules} #program volatile(t).")
+    assert " ".join(sorted(map(str, checks.suspicious_heads(program.parts, {})))) == suspects
+
+
+def test_a_redefinition_is_told_of_rules_alone():
+    text = STEPS + "#program cumulative(t).\n#external w : t = 9.\nw :- m(t).\nv(t) :- w.\n"
+    assert [one.split(" is defined")[0] for one in faults(text)] == ["p.lp:6:1: redefinition: w"]
+
+
+@pytest.mark.parametrize(
+    ("text", "missing"),
+    [
+        ("#program cumulative(t). #program volatile(t).", []),
+        ("#cumulative t. #volatile t : 3.", []),
+        ("#program cumulative(t). p(t).", ["volatile"]),
+        ("#program volatile(t).", ["cumulative"]),
+        ("p.", ["cumulative", "volatile"]),
+    ],
+)
+def test_a_part_may_be_empty_but_not_missing(text, missing):
+    found = ReactiveProgram.from_text(text, "p.lp").warnings
+    assert [one.split(" (")[0] for one in found] == [f"p.lp: the program has no {name} part" for name in missing]
+
+
+def test_no_file_is_a_program_without_parts():
+    found = ReactiveProgram.from_files([]).warnings
+    assert [one.split(" (")[0] for one in found] == [
+        "<program>: the program has no cumulative part",
+        "<program>: the program has no volatile part",
+    ]
+
+
+@pytest.mark.parametrize("header", ["volatile", "volatile(t,s)", "cumulative", "cumulative(t,s)", "base(t)", "foo"])
+def test_parts_with_other_parameters_are_told(header):
+    (found,) = faults(f"#program {header}.\na :- b.\n#show a/0.\n")
+    assert found.startswith(f"p.lp:1:1: unknown program part {header} (")
+
+
+@pytest.mark.parametrize(
+    ("rules", "late"),
+    [
+        ("c(t) :- e(t+1).", ["e(t+1)"]),
+        ("c(t) :- e(t).", []),
+        ("c(t) :- e(t-1).", []),
+        ("#external f(t) : e(t+1).", ["e(t+1)"]),
+        ("c(t) :- e(t+1). #external e(t+1).", []),
+        ("#program base. c :- e(3).", ["e(3)"]),
+    ],
+)
+def test_externals_that_are_declared_too_late(rules, late):
+    program = ReactiveProgram.from_text(f"#program cumulative(t). #external e(t). {rules} #program volatile(t).")
+    found = [one for one in program.warnings if "declared" in one]
+    assert [one.split("external ")[1].split(" is")[0] for one in found] == late
