@@ -35,11 +35,11 @@ class FixedAtoms(Propagator):
         if self._read or self._recorder.opaque or not init.propagate():
             return
         self._read = True
-        for one in init.symbolic_atoms:
-            value = _fixed(init, one.literal)
-            self.literals[one.symbol] = one.literal
+        self.literals = {**self._recorder.names, **{one.symbol: one.literal for one in init.symbolic_atoms}}
+        for atom, literal in self.literals.items():
+            value = _fixed(init, literal)
             if value is not None:
-                self.values[one.symbol] = value
+                self.values[atom] = value
         # what base defines without a name, a projection of clingo's say, follows from what has one
         while self.first in self._recorder.blocks and self._recorder.blocks[self.first][-1] < self._before:
             atoms = self._recorder.atoms.get(self.first, set())

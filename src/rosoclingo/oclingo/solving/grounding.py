@@ -67,12 +67,14 @@ class StepRecorder(Observer):
         blocks: first step of a block -> its steps.
         heads: first step of a block -> atoms that its rules define.
         atoms: first step of a block -> all atoms of its rules, and its externals.
+        names: the literals of the atoms that base has; clingo lets go of the names of those that are false for good.
         opaque: True once something was grounded whose meaning is not in rules alone.
 
     """
 
     def __init__(self) -> None:
         self._block: Optional[int] = None
+        self.names: Dict[clingo.Symbol, int] = {}
         self.blocks: Dict[int, range] = {}
         self.heads: Dict[int, Set[int]] = {}
         self.atoms: Dict[int, Set[int]] = {}
@@ -172,6 +174,8 @@ class Grounding:
         self.recorder.begin(range(BASE, BASE + 1))
         self._ground([("base", [])], 1)
         self.recorder.end()
+        if shortest:
+            self.recorder.names = {one.symbol: one.literal for one in self._control.symbolic_atoms}
         self._of_base = frozenset(self._declared)
         self._base_externals: Set[clingo.Symbol] = set()
         self._tell(self._past.facts)

@@ -201,6 +201,12 @@ def test_rules_that_tie_what_is_over_to_what_is_open_keep_their_steps(rules):
     assert first(retire("{ x }. " + EXTERNALS, *rules)) is None
 
 
+@pytest.mark.parametrize("rule", [":- x, t = 1.", ":- not x, t = 1.", ":- x, e(t).", ":- late(t), 1 { x ; y }."])
+def test_what_steps_have_decided_of_choices_in_base_stays_so(rule):
+    text = EXTERNALS.replace("#program volatile", rule + " #program volatile")
+    assert first(retire("{ x ; y }. " + text, "", "e(2).", steps=8)) == 7
+
+
 def test_a_rule_for_what_no_step_sees_keeps_none():
     assert first(retire("{ x }. #external door. " + EXTERNALS, "note :- x.", "door :- x.", ":- note.")) == 6
 
