@@ -23,7 +23,7 @@ def symbol_list(text: str) -> List[clingo.Symbol]:
 
     All are read with one call of clingo's own reader, as the arguments of one tuple; one by one takes twice the time.
     """
-    symbols = list(clingo.parse_term(f"({text},)").arguments) if text else []
+    symbols = clingo.parse_term(f"({text},)").arguments if text else []
     return [from_marked(one) for one in symbols] if MARK in text else symbols
 
 

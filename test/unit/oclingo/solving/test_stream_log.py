@@ -23,6 +23,7 @@ from rosoclingo.oclingo.remote import solver_process
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, Withdrawal
+from rosoclingo.oclingo.solving.stream_state import StreamState
 
 PROGRAM = """
 #cumulative t.
@@ -271,6 +272,82 @@ def test_the_text_of_a_log():
     assert log.last is log.before.before.before
     assert StreamLog().last is None
     assert StreamLog().text() == ""
+
+
+def leads(log):
+    return log.step, log.horizon, log.over, log.length
+
+
+def taken(text, horizon):
+    return Taken(parse_update(f"{text} #endstep."), horizon)
+
+
+def test_where_a_log_leads():
+    """Step, horizon, what is over; and the number of entries since the last checkpoint."""
+    log = StreamLog()
+    assert leads(log) == (1, 1, 0, 0)
+    for entry, there in (
+        (Over(4), (1, 1, 4, 1)),
+        (Over(2), (1, 1, 4, 2)),
+        (taken("#step 5. #over 3.", 7), (5, 7, 4, 3)),
+        (taken("#over 6. #over 1.", 8), (5, 8, 6, 4)),
+        (Taken(None, 9), (5, 9, 6, 5)),
+        (Close(5, frozenset()), (5, 9, 6, 6)),
+        (taken("#anew.", 1), (1, 1, 0, 7)),
+        (taken("#step 3. #anew. #over 2.", 4), (3, 4, 2, 8)),
+        (Checkpoint(StreamState(step=7, horizon=8, keep_from=6)), (7, 8, 6, 0)),
+        (Over(7), (7, 8, 7, 1)),
+    ):
+        log = log.then(entry)
+        assert leads(log) == there, entry
+    assert leads(copied(log)) == leads(log)
+
+
+def entries_kept(log):
+    found = []
+    while log is not None:
+        found.append(log.entry)
+        log = log.before
+    return found
+
+
+def test_what_lies_before_the_last_checkpoint_but_one_is_let_go():
+    first, second = (Checkpoint(StreamState(step=step, horizon=step)) for step in (1, 2))
+    entries = [Over(1), first, Over(2), second, Over(3)]
+    whole = StreamLog().then(*entries)
+    assert entries_kept(StreamLog().then(*entries[:3]).cut()) == [Over(2), first, Over(1), None]
+    assert entries_kept(whole.cut()) == [Over(3), second, Over(2), first]
+    assert whole.entries == [second, Over(3)]
+    assert whole.key == StreamLog().then(second, Over(3)).key, "it says where the checkpoint and the rest lead"
+
+
+def test_what_follows_after_another_log():
+    log = StreamLog()
+    longer = log.then(Over(1), Over(2))
+    assert longer.since(longer) == []
+    assert longer.since(longer.before) == [Over(2)]
+    assert longer.since(log) == longer.entries == [Over(1), Over(2)]
+    assert log.since(longer) is None
+    assert longer.since(StreamLog()) is None, "they begin alike, but it may be another stream's"
+    assert log.less(frozenset()) is log
+    facts = frozenset([parse_atom("e(1)")])
+    assert log.less(facts).entries == [Withdrawal(facts)]
+
+
+@pytest.mark.parametrize(("atoms", "longer"), [(0, True), (299, True), (300, False)])
+def test_the_more_a_state_holds_the_more_entries_come_between_checkpoints(atoms, longer):
+    log = StreamLog().then(Over(1), Over(2), Over(3))
+    log.state = StreamState(step=1, horizon=1, forgotten={parse_atom(f"e({number})") for number in range(atoms)})
+    assert log.is_longer(2) is longer
+    assert not log.is_longer(3)
+
+
+def test_a_fact_told_before_its_step_waits_for_it_in_a_reader_as_well():
+    solver = ReactiveSolver(ReactiveProgram.from_text(PROGRAM))
+    solver.update(parse_update("#step 1 : 0. e(3). #endstep."))
+    solver.restore(copied(solver.log))
+    for step, answer in ((1, set()), (2, set()), (3, {"e(3)"})):
+        assert texts(solver.update(parse_update(f"#step {step} : 0. #endstep."))) == {frozenset(answer)}
 
 
 def test_strings_as_oclingo_took_them_stay_what_they_are_in_a_checkpoint():

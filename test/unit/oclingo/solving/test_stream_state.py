@@ -2,7 +2,16 @@
 
 import pytest
 
-from rosoclingo.oclingo import Volatile, commitment, fact, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo import (
+    ReactiveProgram,
+    ReactiveSolver,
+    Volatile,
+    commitment,
+    fact,
+    parse_atom,
+    parse_term,
+    parse_update,
+)
 from rosoclingo.oclingo.progression.updates import Assert, Cumulative
 from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Past, StreamState, Term, lifetime_of
 
@@ -74,3 +83,29 @@ def test_a_copy_shares_nothing_that_changes():
 def test_a_fresh_state_has_forgotten_and_retired_nothing():
     fresh = StreamState(step=0, horizon=0)
     assert (fresh.forgets_done, fresh.keep_from, fresh.past, fresh.cyclic, fresh.bound) == (0, 0, None, False, None)
+
+
+def test_the_size_of_a_state_counts_its_statements_and_atoms():
+    whole = state()
+    assert whole.size == 5 + 3 + 2 + 2 + 1
+    assert whole.less(frozenset([A, GO])).size == 3 + 2 + 1 + 1 + 1
+
+
+def solver_of(text):
+    return ReactiveSolver(ReactiveProgram.from_text(text))
+
+
+@pytest.mark.parametrize("first", ["", "#iinit 0.", "#iinit -2."])
+def test_a_stream_begins_where_its_log_says(first):
+    solver = solver_of(f"{first} #cumulative t. #volatile t.")
+    state, log = solver.state, solver.log
+    assert (state.step, state.horizon, state.keep_from) == (log.step, log.horizon, log.over) == (1, 1, 0)
+    assert (solver.solve().step, solver.horizon) == (1, 1)
+
+
+def test_the_program_forgets_from_its_first_step_on():
+    solver = solver_of("#iinit -2. #cumulative t. #external e(t). #forget t : t-1. #volatile t.")
+    solver.solve()
+    result = solver.update(parse_update("e(-2). e(-1). e(0). e(1). #endstep."))
+    assert [sorted(map(str, answer)) for answer in result.answers] == [["e(1)"]]
+    assert [warning.split()[1] for warning in result.warnings] == ["e(-2)", "e(-1)", "e(0)"]
