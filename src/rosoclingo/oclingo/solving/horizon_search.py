@@ -53,7 +53,7 @@ class HorizonSearch:
 
     def _search_grounded(self, transaction: Transaction) -> Search:
         horizon = transaction.state.horizon
-        first = min(max(transaction.state.settled, transaction.program.first_step), horizon)
+        first = min(transaction.state.settled, horizon)
         if not self._shortest or first == horizon:
             return self._ask(transaction, horizon, horizon)
         return self._complete(transaction, self._search_range(transaction, first, horizon))

@@ -214,7 +214,6 @@ class Transaction:
         self.compacted = self.compacted or self.state.tried != tried
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
-        self.state.horizon = max(self.state.horizon, self.program.first_step)
         grounding = self._standing()
         while self.state.horizon < horizon:
             if halt():

@@ -21,7 +21,7 @@ class World:
         self.answers, self.most, self.asked = set(answers), most, []
         self.slow, self.dead, self.halts = others.get("slow", ()), others.get("dead"), others.get("halts")
         self.state = SimpleNamespace(settled=step, horizon=horizon)
-        self.program = SimpleNamespace(first_step=others.get("first_step", 1), optimizes=optimizes)
+        self.program = SimpleNamespace(optimizes=optimizes)
         self.conflicting = False
 
     def halt(self):
@@ -69,7 +69,7 @@ def run(world, models=1, shortest=True, hint=0, block=1):
         (World([5], horizon=5), {"hint": 9}, 5, "1..4 5..5"),
         (World([5], horizon=5), {"hint": 9, "shortest": False}, 5, "5..5"),
         (World([1, 2, 4], step=3, horizon=4), {}, 4, "3..3 4..4"),
-        (World([1, 4], horizon=4, first_step=2), {}, 4, "2..2 3..4 3..3"),
+        (World([1, 4], step=2, horizon=4), {}, 4, "2..2 3..4 3..3"),
         (World([0, 4], step=7, horizon=4), {}, 4, "4..4"),
     ],
 )

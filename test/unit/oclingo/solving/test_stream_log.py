@@ -334,6 +334,41 @@ def test_what_follows_after_another_log():
     assert log.less(facts).entries == [Withdrawal(facts)]
 
 
+def test_the_last_update_is_before_what_came_without_one():
+    log = StreamLog().then(Taken(None, 1), Over(1))
+    assert (log.last, log.update) == (None, None)
+    told = log.then(taken("#step 2. e(2).", 2))
+    assert told.last is told
+    for longer in (told, told.then(Close(2, frozenset())), told.then(Taken(None, 3), Over(2))):
+        assert longer.last is told
+        assert str(longer.update) == str(parse_update("#step 2. e(2). #endstep."))
+
+
+def reader_of(solver):
+    """Another solver that reads the text of its log."""
+    reader = ReactiveSolver(solver.program)
+    reader.restore(copied(solver.log))
+    return reader
+
+
+def test_a_reader_is_no_further_than_a_writer_that_was_stopped_on_the_way():
+    writer = ReactiveSolver(ReactiveProgram.from_text(PROGRAM))
+    asked = iter([False, False, True])
+    update = parse_update("#step 9 : 0. e(2). e(9). #endstep.")
+    assert writer.update(update, lambda: next(asked)).outcome is SolveOutcome.INTERRUPTED
+    reader = reader_of(writer)
+    assert reader.state == writer.state
+    assert (reader.step, reader.state.horizon) == (9, 3)
+    assert texts(reader.solve()) == texts(writer.solve()) == {frozenset(["e(2)", "e(9)"])}
+
+
+def test_a_reader_does_not_tell_again_what_the_writer_has_told():
+    writer = ReactiveSolver(ReactiveProgram.from_text("#cumulative t. c(X) :- X = 2/(t-2). #volatile t."))
+    (remark,) = writer.update(parse_update("#step 2. #endstep.")).warnings
+    assert "undefined operation" in remark
+    assert reader_of(writer).update(parse_update("#step 3. #endstep.")).warnings == ()
+
+
 @pytest.mark.parametrize(("atoms", "longer"), [(0, True), (299, True), (300, False)])
 def test_the_more_a_state_holds_the_more_entries_come_between_checkpoints(atoms, longer):
     log = StreamLog().then(Over(1), Over(2), Over(3))
