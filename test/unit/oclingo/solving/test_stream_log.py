@@ -22,7 +22,15 @@ from rosoclingo.oclingo.progression.updates import (
 from rosoclingo.oclingo.remote import solver_process
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, Withdrawal
+from rosoclingo.oclingo.solving.stream_log import (
+    Checkpoint,
+    Close,
+    StreamLog,
+    Taken,
+    Withdrawal,
+    entry_to_message,
+    key_after,
+)
 from rosoclingo.oclingo.solving.stream_state import StreamState
 
 PROGRAM = """
@@ -319,6 +327,17 @@ def test_what_lies_before_the_last_checkpoint_but_one_is_let_go():
     assert entries_kept(whole.cut()) == [Over(3), second, Over(2), first]
     assert whole.entries == [second, Over(3)]
     assert whole.key == StreamLog().then(second, Over(3)).key, "it says where the checkpoint and the rest lead"
+
+
+def test_a_key_stands_for_all_entries_since_a_checkpoint_whatever_their_sets_order():
+    many = frozenset(parse_atom(f"e({number})") for number in range(30))
+    checkpoint = Checkpoint(StreamState(step=1, horizon=1))
+    for entry, name in ((Close(1, many), "executed"), (Withdrawal(many), "facts")):
+        assert entry_to_message(entry)[name] == ",".join(f"e({number})" for number in range(30))
+        first, second = StreamLog().then(Over(1), entry), StreamLog().then(Over(2), entry)
+        assert first.key != second.key
+        keys = {key_after(log.key, entry_to_message(checkpoint)) for log in (StreamLog(), first, second)}
+        assert keys == {first.then(checkpoint).key} == {second.then(checkpoint).key}
 
 
 def test_what_follows_after_another_log():
