@@ -370,6 +370,15 @@ def reader_of(solver):
     return reader
 
 
+def test_an_earlier_log_knows_nothing_of_what_came_later():
+    solver = ReactiveSolver(ReactiveProgram.from_text("{ a }. #cumulative t. #external e(t). #volatile t."), models=0)
+    solver.update(parse_update("#step 1. e(1). #endstep."))
+    log = solver.log
+    assert texts(solver.update(parse_update("#step 2. e(2). :- a. #endstep."))) == {frozenset(["e(1)", "e(2)"])}
+    solver.restore(log)
+    assert texts(solver.solve()) == {frozenset(["e(1)"]), frozenset(["a", "e(1)"])}
+
+
 def test_a_reader_is_no_further_than_a_writer_that_was_stopped_on_the_way():
     writer = ReactiveSolver(ReactiveProgram.from_text(PROGRAM))
     asked = iter([False, False, True])
