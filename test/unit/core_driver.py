@@ -1,11 +1,11 @@
 """Drives the pure core in tests: small programs, a journal, and returns on demand."""
 
 from pathlib import Path
-from typing import List, Optional
+from typing import Callable, List, Optional
 
 from core_journal import Journal
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 
@@ -13,26 +13,39 @@ from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()
 
 
+def shortest(program: ReactiveProgram, kind: Callable[..., ReactiveSolver] = ReactiveSolver) -> ReactiveSolver:
+    """A solver as the core's node makes it, or one of another ``kind``."""
+    return kind(program, shortest=True, oclingo_strings=False)
+
+
 class Driver:
-    """A core with a journal; ``run`` lets it go as far as it goes by itself."""
+    """A core with a journal; ``run`` lets it go as far as it goes by itself.
+
+    ``solver`` makes each of its solvers; with ``start`` the core has begun, otherwise it waits for ``begin``.
+    """
 
     def __init__(
         self,
         text: str = ERRANDS,
         settings: Optional[CoreSettings] = None,
         program: Optional[ReactiveProgram] = None,
+        solver: Callable[[ReactiveProgram], StreamSolver] = shortest,
         watch: SearchWatch = unwatched,
+        watch_recovery: SearchWatch = unwatched,
+        start: bool = True,
     ) -> None:
         self.program = program or ReactiveProgram.from_text(text)
         self.journal = Journal()
         settings = settings or CoreSettings(horizon_limit=8)
-        self.core = Core(self.program, lambda: self._solver(), self.journal, settings, watch)
+        self.core = Core(self.program, lambda: solver(self.program), self.journal, settings, watch, watch_recovery)
         self.now = 1.0
-        self.core.start()
-        self.run()
+        if start:
+            self.begin()
 
-    def _solver(self) -> ReactiveSolver:
-        return ReactiveSolver(self.program, shortest=True, oclingo_strings=False)
+    def begin(self) -> "Driver":
+        """The core begins, and goes on."""
+        self.core.start()
+        return self.run()
 
     @classmethod
     def from_files(cls, *files: Path) -> "Driver":

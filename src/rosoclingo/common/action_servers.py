@@ -5,6 +5,8 @@ from typing import Any
 import rospy
 from actionlib import ActionServer
 
+from rosoclingo.common.worker import ending
+
 __all__ = ["forget_cancels", "start_server"]
 
 
@@ -27,5 +29,5 @@ def _publish_status(server: ActionServer, event: Any) -> None:
     try:
         server.publish_status_async(event)
     except rospy.ROSException:  # the topic has been closed since the server looked
-        if not (rospy.core.is_shutdown_requested() or rospy.is_shutdown()):
+        if not ending():
             raise

@@ -19,6 +19,11 @@ def failed() -> bool:
     return _failure.is_set()
 
 
+def ending() -> bool:
+    """Whether the node ends: rospy closes the topics before ``rospy.is_shutdown`` says so."""
+    return bool(rospy.core.is_shutdown_requested())
+
+
 def _refusal() -> rospy.ServiceException:
     return rospy.ServiceException(f"{rospy.get_name()} does not answer: its worker has ended")
 
@@ -91,7 +96,7 @@ class Worker:
             finally:
                 self._refuse()
         except Exception:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
-            if not rospy.core.is_shutdown_requested():  # else topics are closed, which is no fault
+            if not ending():  # else topics are closed, which is no fault
                 rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
                 _failure.set()
                 rospy.signal_shutdown("the worker failed")

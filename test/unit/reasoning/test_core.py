@@ -3,11 +3,9 @@
 from dataclasses import replace
 
 import pytest
-from core_driver import ERRANDS, Driver
-from core_journal import Journal
+from core_driver import ERRANDS, Driver, shortest
 
 from rosoclingo.oclingo import (
-    ReactiveProgram,
     ReactiveSolver,
     SolveOutcome,
     SolverError,
@@ -15,7 +13,7 @@ from rosoclingo.oclingo import (
     parse_atom,
 )
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
-from rosoclingo.reasoning import Core, CoreSettings, GoalProgress, PlanMade, Problem
+from rosoclingo.reasoning import CoreSettings, GoalProgress, PlanMade, Problem
 from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.returns import DONE, MOST_FACTS
 
@@ -144,10 +142,7 @@ def test_program_that_plans_before_any_request():
 
 
 def test_plan_that_is_put_off_for_ever_is_given_up():
-    journal = Journal()
-    program = ReactiveProgram.from_text(ERRANDS)
-    core = Core(program, Procrastinator, journal, CoreSettings(horizon_limit=5))
-    core.start()
+    core, journal = idle_core(Procrastinator)
     core.add_goal("a", "do(walk,1)")
     cycles = 0
     while core.advance(1.0):
@@ -168,10 +163,7 @@ def test_waits_for_one_goal_do_not_count_for_the_next():
 
 
 def test_a_plan_that_is_put_off_for_something_that_has_come_is_not_given_up():
-    journal = Journal()
-    program = ReactiveProgram.from_text(ERRANDS)
-    core = Core(program, Procrastinator, journal, CoreSettings(horizon_limit=5))
-    core.start()
+    core, journal = idle_core(Procrastinator)
     core.add_goal("a", "do(walk,1)")
     for cycle in range(1, 21):
         assert core.advance(1.0)
@@ -182,10 +174,7 @@ def test_a_plan_that_is_put_off_for_something_that_has_come_is_not_given_up():
 
 
 def test_a_plan_of_which_something_is_done_now_and_then_is_not_given_up():
-    journal = Journal()
-    program = ReactiveProgram.from_text(ERRANDS.replace("#external _return/3.", ""))
-    core = Core(program, Dawdler, journal, CoreSettings(horizon_limit=5))
-    core.start()
+    core, journal = idle_core(Dawdler, ERRANDS.replace("#external _return/3.", ""))
     core.add_goal("a", "do(walk,1)")
     while core.cycle < 20:
         if not core.advance(1.0):
@@ -208,15 +197,9 @@ def test_goal_that_goes_on_without_any_action_is_waited_for():
 
 
 def test_what_is_told_of_a_goal_in_its_order():
-    events = []
-    program = ReactiveProgram.from_text(ERRANDS)
-    core = Core(program, lambda: ReactiveSolver(program, shortest=True), events.append, CoreSettings(horizon_limit=8))
-    core.start()
-    core.add_goal("a", "do(walk,1)")
-    core.advance(1.0)
-    core.receive("walk", ["_return(walk,1,1)"])
-    core.advance(2.0)
-    assert [(type(event).__name__, event.cycle) for event in events] == [
+    driver = Driver().goal("a", "do(walk,1)")
+    driver.facts("_return(walk,1,1)")
+    assert [(type(event).__name__, event.cycle) for event in driver.journal.events] == [
         ("PlanMade", 1),
         *[("UpdateSent", 1), ("PlanMade", 1), ("GoalProgress", 1), ("ActionsDispatched", 1)],
         *[("ReturnTaken", 1), ("UpdateSent", 2), ("PlanMade", 2), ("GoalChanged", 2), ("GoalChanged", 2)],
@@ -239,16 +222,21 @@ class Picky(ReactiveSolver):
         return super().update(update, stopped)
 
 
-def picky_core(journal):
-    program = ReactiveProgram.from_text(ERRANDS)
-    core = Core(program, lambda: Picky(program, shortest=True), journal, CoreSettings(horizon_limit=8))
-    core.start()
-    return core
+def picky_core():
+    """A core whose solvers are picky, and its journal."""
+    driver = Driver(solver=lambda program: shortest(program, Picky))
+    return driver.core, driver.journal
+
+
+def idle_core(solver, text=ERRANDS):
+    """A core that may put its plan off five times, on solvers of its own, and its journal."""
+    driver = Driver(text, CoreSettings(horizon_limit=5), solver=lambda _program: solver(), start=False)
+    driver.core.start()
+    return driver.core, driver.journal
 
 
 def test_refused_update_costs_the_new_goals_and_no_other(monkeypatch):
-    journal = Journal()
-    core = picky_core(journal)
+    core, journal = picky_core()
     monkeypatch.setattr(Picky, "refused", staticmethod(lambda text: "fly" in text))
     core.add_goal("good", "do(walk,1)")
     assert core.advance(1.0)
@@ -262,8 +250,7 @@ def test_refused_update_costs_the_new_goals_and_no_other(monkeypatch):
 
 
 def test_solver_that_takes_nothing_any_more_ends_every_goal(monkeypatch):
-    journal = Journal()
-    core = picky_core(journal)
+    core, journal = picky_core()
     core.add_goal("good", "do(walk,1)")
     assert core.advance(1.0)
     monkeypatch.setattr(Picky, "refused", staticmethod(lambda _text: True))

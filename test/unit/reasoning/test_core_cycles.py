@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
-from core_driver import ERRANDS, Driver
-from core_journal import Journal
+from core_driver import ERRANDS, Driver, shortest
 from test_core import Picky, Procrastinator
 from test_late_facts import BATTERY
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
+from rosoclingo.oclingo import ReactiveSolver, SolveOutcome
 from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.reasoning import Core, CoreSettings, Halt, PlanMade
+from rosoclingo.reasoning import CoreSettings, Halt, PlanMade
 
 #: A goal ``told(Id)`` is under way as long as nothing ends it, and needs no action.
 UNDER_WAY = """
@@ -36,7 +35,10 @@ class Undecided(Driver):
     halts = staticmethod(lambda _update: False)
     asked = None  # the solver that took the latest update
 
-    def _solver(self):
+    def __init__(self, **others):
+        super().__init__(solver=self._make, **others)
+
+    def _make(self, program):
         driver = self
 
         class Halting(ReactiveSolver):
@@ -44,27 +46,30 @@ class Undecided(Driver):
                 result, driver.asked = super().update(update, stopped), self
                 return replace(result, outcome=SolveOutcome.INTERRUPTED, answers=()) if driver.halts(update) else result
 
-        return Halting(self.program, shortest=True)
+        return shortest(program, Halting)
 
 
-def core_of(make_solver, limit=5):
-    journal = Journal()
-    program = ReactiveProgram.from_text(ERRANDS)
-    return Core(program, lambda: make_solver(program), journal, CoreSettings(horizon_limit=limit)), journal
+def putting_off(solver):
+    """A driver, which has not begun, whose plan begins in a later cycle; it may be put off for five."""
+    return Driver(settings=CoreSettings(horizon_limit=5), solver=lambda _program: solver(), start=False)
 
 
 class Replaceable(Driver):
     """A driver that knows the solver in use, by which ``refused`` updates can be refused; a further one takes all."""
 
-    def _solver(self):
-        self.solver = Picky(self.program, shortest=True)
+    def __init__(self, text=ERRANDS):
+        super().__init__(text, solver=self._make)
+
+    def _make(self, program):
+        self.solver = shortest(program, Picky)
         return self.solver
 
 
 def test_a_core_that_has_not_begun_has_no_plan():
-    core, journal = core_of(lambda _program: Procrastinator())
+    driver = putting_off(Procrastinator)
+    core = driver.core
     assert (core.cycle, core.plan.actions, core.live_goals, core.awaited) == (1, (), [], ())
-    assert not journal.events
+    assert not driver.journal.events
 
 
 def test_an_update_that_nothing_was_taken_of_is_not_told():
@@ -92,21 +97,15 @@ def test_a_fact_that_was_not_taken_is_new_when_it_is_told_again():
 
 
 def test_a_plan_that_is_put_off_from_the_start_is_given_up_at_the_limit():
-    core, journal = core_of(lambda _program: Procrastinator())
-    core.start()
-    while core.advance(1.0):
-        assert core.cycle <= 5
-    assert core.cycle == 5
-    assert journal.problems == ["the plan was put off 5 times in a row: it is given up"]
+    driver = putting_off(Procrastinator).begin()
+    assert driver.core.cycle == 5
+    assert driver.journal.problems == ["the plan was put off 5 times in a row: it is given up"]
 
 
 def test_a_plan_that_comes_to_nothing_at_the_limit_is_not_given_up():
-    core, journal = core_of(lambda _program: Relenting())
-    core.start()
-    while core.advance(1.0):
-        assert core.cycle <= 5
-    assert core.cycle == 5
-    assert journal.problems == []
+    driver = putting_off(Relenting).begin()
+    assert driver.core.cycle == 5
+    assert driver.journal.problems == []
 
 
 def test_the_first_update_says_nothing_of_the_past():
@@ -183,10 +182,7 @@ def test_where_it_stays_open_now_and_then_whether_there_is_an_answer_nothing_beg
 
 
 def test_without_time_for_recovery_the_goals_that_came_last_are_given_up():
-    driver = Undecided()
-    settings, over = CoreSettings(horizon_limit=8), Halt("time is over")
-    driver.core = Core(driver.program, driver._solver, driver.journal, settings, watch_recovery=lambda: lambda: over)
-    driver.core.start()
+    driver = Undecided(watch_recovery=lambda: lambda: Halt("time is over"))
     driver.goal("a", "do(walk,1)").core.receive("interface", ["_return(walk,failed,1)"])
     driver.halts = lambda update: "cancel" not in str(update)
     driver.core.add_goal("b", "do(run,2)")
@@ -224,12 +220,8 @@ def test_what_begins_anew_keeps_the_new_goals_only():
 
 
 def test_where_it_cannot_begin_anew_the_goals_are_given_up():
-    driver = Driver(IMPOSSIBLE)
-    solver = type("Old", (Picky,), {"refused": staticmethod(lambda text: "#anew" in text)})
-    settings = CoreSettings(horizon_limit=8)
-    driver.core = Core(driver.program, lambda: solver(driver.program, shortest=True), driver.journal, settings)
-    driver.core.start()
-    contradicted(driver)
+    old = type("Old", (Picky,), {"refused": staticmethod(lambda text: "#anew" in text)})
+    driver = contradicted(Driver(IMPOSSIBLE, solver=lambda program: shortest(program, old)))
     assert driver.states("b")[-1] == driver.states("c")[-1] == "aborted"
     why = "there is no plan of at most 8 steps"
     assert driver.message("b") == f"do(run,2) cannot be met: {why}"

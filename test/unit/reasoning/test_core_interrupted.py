@@ -1,11 +1,10 @@
 """Searches that are ended: by what comes meanwhile, by time, by the loss of the solver's process."""
 
-from core_driver import ERRANDS, Driver
-from core_journal import Journal
+from core_driver import ERRANDS, Driver, shortest
 from stream_replay import check_replay
 
-from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, ReactiveSolver
-from rosoclingo.reasoning import Core, CoreSettings, Halt
+from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveSolver
+from rosoclingo.reasoning import Halt
 
 
 class Solver(ReactiveSolver):
@@ -24,18 +23,13 @@ class Solver(ReactiveSolver):
 class Interrupted(Driver):
     """A driver whose searches end as soon as ``halt`` is set, and are dropped where ``drops`` says so."""
 
-    def __init__(self, text=ERRANDS):
-        self.program = ReactiveProgram.from_text(text)
-        self.journal, self.now, self.halt = Journal(), 1.0, None
+    def __init__(self, text=ERRANDS, start=True):
+        self.halt = None
         self.drops = lambda update: False
-        self.solvers = 0
-        settings = CoreSettings(horizon_limit=8)
-        self.core = Core(self.program, self.make_solver, self.journal, settings, lambda: lambda: self.halt)
-        self.core.start()
-        self.run()
+        super().__init__(text, solver=self._make, watch=lambda: lambda: self.halt, start=start)
 
-    def make_solver(self):
-        solver = Solver(self.program, shortest=True)
+    def _make(self, program):
+        solver = shortest(program, Solver)
         solver.drops = lambda update: self.drops(update)
         return solver
 
@@ -45,6 +39,18 @@ class Interrupted(Driver):
         assert self.core.advance(self.now)
         self.halt = None
         return self
+
+
+class Leaving:
+    """A watch by which the search of this ``number``, counted from 1, is left for what comes."""
+
+    def __init__(self, number=0):
+        self.number = number
+
+    def __call__(self):
+        self.number -= 1
+        over = self.number == 0
+        return lambda: Halt("the test", disturbed=True) if over else None
 
 
 def test_a_search_that_is_left_is_made_again():
@@ -109,27 +115,23 @@ def test_a_goal_that_is_cancelled_in_a_dropped_update_is_forgotten():
 
 
 def test_time_does_not_count_while_the_solver_is_made_ready():
-    driver = Interrupted()
-    original, waits = ReactiveSolver.update, []
+    waits, looks = [], iter([Halt("too long")] * 3)
 
-    def update(solver, update, stopped=None):
-        if len(waits) < 3:
-            waits.append(stopped())
-            raise NotReadyError("not ready")
-        return original(solver, update, stopped)
+    class Late(ReactiveSolver):
+        def update(self, update, stopped=None):
+            if len(waits) < 3:
+                waits.append(stopped())
+                raise NotReadyError("not ready")
+            return super().update(update, stopped)
 
-    looks = iter([Halt("too long")] * 3)
-    driver.make_solver = lambda: type("Late", (ReactiveSolver,), {"update": update})(driver.program, shortest=True)
-    settings = CoreSettings(horizon_limit=8)
-    driver.core = Core(driver.program, driver.make_solver, driver.journal, settings, lambda: lambda: next(looks, None))
-    driver.core.start()
+    driver = Driver(solver=lambda program: shortest(program, Late), watch=lambda: lambda: next(looks, None))
     assert waits == [True] * 3
     assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
     assert driver.journal.problems == []
 
 
 def test_the_first_search_may_be_left():
-    driver = Interrupted()
+    driver = Interrupted(start=False)
     driver.halt = Halt("the test", disturbed=True)
     driver.core.start()
     driver.halt = None
@@ -138,8 +140,7 @@ def test_the_first_search_may_be_left():
 
 def test_the_first_search_that_was_left_is_made_again():
     text = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
-    driver = Interrupted(text + "#external _request/2. #external _return/3.")
-    driver.core = Core(driver.program, driver.make_solver, driver.journal, CoreSettings(), lambda: lambda: driver.halt)
+    driver = Interrupted(text + "#external _request/2. #external _return/3.", start=False)
     driver.halt = Halt("the test", disturbed=True)
     driver.core.start()
     driver.halt = None
@@ -147,7 +148,7 @@ def test_the_first_search_that_was_left_is_made_again():
 
 
 def test_the_first_search_may_be_dropped():
-    driver = Interrupted()
+    driver = Interrupted(start=False)
     driver.drops = lambda update: True
     driver.core.start()
     assert driver.journal.problems == ["the program can't be solved before any request: ended by the test"]
@@ -156,15 +157,7 @@ def test_the_first_search_may_be_dropped():
 
 
 def test_recovery_is_left_for_what_comes():
-    driver = Interrupted()
-    searches = []
-
-    def watch():
-        searches.append(None)
-        return lambda: Halt("the test", disturbed=True) if len(searches) == 3 else None
-
-    driver.core = Core(driver.program, driver.make_solver, driver.journal, CoreSettings(horizon_limit=8), watch)
-    driver.core.start()
+    driver = Driver(watch=Leaving(3))
     driver.core.add_goal("a", "do(never,1)")
     assert driver.core.advance(1.0)
     assert driver.states("a") == [], "without a plan, but not yet given up"
@@ -173,15 +166,8 @@ def test_recovery_is_left_for_what_comes():
 
 
 def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
-    driver = Interrupted(ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n")
-    searches = []
-
-    def watch():
-        searches.append(None)
-        return lambda: Halt("the test", disturbed=True) if len(searches) == 4 else None
-
-    driver.core = Core(driver.program, driver.make_solver, driver.journal, CoreSettings(horizon_limit=8), watch)
-    driver.core.start()
+    text = ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n"
+    driver = Driver(text, watch=Leaving(4))
     driver.goal("a", "do(walk,1)").core.receive("interface", ["_return(walk,failed,1)", "_seen(rain)"])
     assert driver.core.advance(1.0)
     assert driver.journal.problems == ["the search was left: the test"]
@@ -232,16 +218,10 @@ DOOMED = ERRANDS + ":- _seen(end).\n"
 
 
 def test_mending_is_left_for_what_comes():
-    driver = Interrupted(DOOMED).goal("a", "do(walk,1)")
-    driver.succeed()
-    searches = []
+    watch = Leaving()
+    driver = Driver(DOOMED, watch=watch).goal("a", "do(walk,1)").succeed()
     driver.core.receive("interface", ["_seen(end)"])
-
-    def watch():
-        searches.append(None)
-        return lambda: Halt("the test", disturbed=True) if len(searches) == 2 else None
-
-    driver.core._planner._watch = watch
+    watch.number = 2
     assert driver.core.advance(1.0)
     assert "_seen(end)." in driver.journal.updates[-1], "it is in force"
     driver.core.add_goal("b", "do(run,2)")

@@ -1,10 +1,8 @@
 """What the core does when the solver finds no plan: it ends goals with the reason, as few as possible, and goes on."""
 
 from core_driver import ERRANDS, Driver
-from core_journal import Journal
 
-from rosoclingo.oclingo import ReactiveSolver
-from rosoclingo.reasoning import Core, CoreSettings, Halt
+from rosoclingo.reasoning import Halt
 
 #: ``lock`` and ``open`` exclude each other.
 EXCLUSIVE = (
@@ -94,8 +92,6 @@ def test_program_without_any_answer_from_the_start():
 
 
 def test_interrupted_search_ends_the_goal_with_that_reason():
-    driver = Driver()
-
     searches = []
 
     def watch():
@@ -103,12 +99,7 @@ def test_interrupted_search_ends_the_goal_with_that_reason():
         searches.append(None)
         return lambda: Halt("the test ends it") if len(searches) == 2 else None
 
-    journal = Journal()
-    program = driver.program
-    driver.core = Core(program, lambda: ReactiveSolver(program), journal, CoreSettings(horizon_limit=8), watch)
-    driver.journal = journal
-    driver.core.start()
-    driver.goal("a", "do(never,1)")
+    driver = Driver(watch=watch).goal("a", "do(never,1)")
     assert driver.states("a")[-1] == "aborted"
     assert "no plan was found before the search was ended: the test ends it" in driver.message("a")
     assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"

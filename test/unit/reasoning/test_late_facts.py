@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
-from rosoclingo.reasoning import Core, CoreSettings, FactTaken, Halt
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import CoreSettings, FactTaken, Halt
 
 ROOT = Path(__file__).resolve().parents[3]
 BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
@@ -241,18 +241,8 @@ def test_the_action_that_can_not_have_been_is_named(fact, action, cycle):
 
 
 def test_where_time_is_over_it_is_not_said_to_be_sure():
-    driver = Driver(DOORS).goal("a", "go(den,1)")
-    journal, program = driver.journal, driver.program
-    driver.core = Core(
-        program,
-        lambda: ReactiveSolver(program, shortest=True),
-        journal,
-        CoreSettings(horizon_limit=8),
-        watch_recovery=lambda: lambda: Halt("time is over"),
-    )
-    driver.core.start()
-    driver.goal("c", "go(den,2)").finish()
+    driver = Driver(DOORS, watch_recovery=lambda: lambda: Halt("time is over")).goal("c", "go(den,2)").finish()
     driver.core.receive("door", ["_shut(den,0)", "_shut(hall,0)"])
     assert driver.goal("b", "go(hall,3)").finish().states("b")[-1] == "succeeded"
-    assert len(journal.problems) == 2
-    assert all("may contradict what was done and told before" in text for text in journal.problems)
+    assert len(driver.problems) == 2
+    assert all("may contradict what was done and told before" in text for text in driver.problems)

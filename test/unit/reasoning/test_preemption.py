@@ -1,10 +1,9 @@
 """With preempt, an action under way that the new plan does not want is ended at once; any other is awaited as ever."""
 
-from core_driver import ERRANDS, Driver
+from core_driver import ERRANDS, Driver, shortest
 
 from rosoclingo.oclingo import ReactiveSolver, SolverError
-from rosoclingo.reasoning import ActionsPreempted, Core, CoreSettings, Halt
-from rosoclingo.reasoning.stream_planner import unwatched
+from rosoclingo.reasoning import ActionsPreempted, CoreSettings, Halt
 
 #: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
 TOGETHER = """
@@ -49,8 +48,8 @@ there(I,t) :- there(I,t-1).
 """
 
 
-def driver(text=ERRANDS, preempt=True, watch=unwatched):
-    return Driver(text, CoreSettings(horizon_limit=8, preempt=preempt), watch=watch)
+def driver(text=ERRANDS, preempt=True, **others):
+    return Driver(text, CoreSettings(horizon_limit=8, preempt=preempt), **others)
 
 
 def preempted(one):
@@ -147,10 +146,7 @@ class Strict(ReactiveSolver):
 
 
 def test_a_solver_that_refuses_the_thought():
-    one = driver()
-    settings = CoreSettings(horizon_limit=8, preempt=True)
-    one.core = Core(one.program, lambda: Strict(one.program, shortest=True), one.journal, settings)
-    one.core.start()
+    one = driver(solver=lambda program: shortest(program, Strict))
     one.goal("a", "do(walk,1)").cancel("a")
     assert preempted(one) == []
     assert one.succeed().states("a")[-1] == "preempted"

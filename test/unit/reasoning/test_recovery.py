@@ -4,7 +4,6 @@ from itertools import combinations
 
 import pytest
 from core_driver import ERRANDS, Driver
-from core_journal import Journal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,7 +18,7 @@ from rosoclingo.oclingo import (
     parse_term,
 )
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.reasoning import Core, CoreSettings, Halt
+from rosoclingo.reasoning import Halt
 
 #: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` shuts for good, lead to rooms. A room is entered once at most
 #: where that failed, and not at all after one that it clashes with.
@@ -113,25 +112,10 @@ def test_a_malformed_explanation_is_told():
 
 
 def test_time_is_over():
-    program = ReactiveProgram.from_text(rooms(clashes=[("hall", "den")]))
-    journal = Journal()
-
-    def at_once():
-        return lambda: Halt("the test")
-
-    core = Core(
-        program,
-        lambda: ReactiveSolver(program, shortest=True),
-        journal,
-        CoreSettings(horizon_limit=8),
-        watch_recovery=at_once,
-    )
-    driver = Driver(rooms())
-    driver.core, driver.journal = core, journal
-    core.start()
+    driver = Driver(rooms(clashes=[("hall", "den")]), watch_recovery=lambda: lambda: Halt("the test"))
     driver.goal("a", "reach(hall,1)")
-    core.add_goal("b", "reach(den,2)")
-    core.add_goal("c", "reach(hall,3)")
+    driver.core.add_goal("b", "reach(den,2)")
+    driver.core.add_goal("c", "reach(hall,3)")
     driver.facts("_return(enter,failed,1)").finish()
     for key in "abc":
         assert driver.states(key)[-1] in ("aborted", "succeeded")
@@ -140,11 +124,8 @@ def test_time_is_over():
 
 def test_the_same_in_a_solver_process():
     program = ReactiveProgram.from_text(rooms(words=WORDS))
-    journal = Journal()
     with SolverProcess(program, shortest=True, oclingo_strings=False) as process:
-        driver = Driver(rooms())
-        driver.core, driver.journal = Core(program, process.solver, journal, CoreSettings(horizon_limit=8)), journal
-        driver.core.start()
+        driver = Driver(program=program, solver=lambda _program: process.solver())
         driver.goal("a", "reach(hall,1)").goal("b", "reach(den,2)").facts("_return(enter,blocked,1)").finish()
     assert driver.message("a").endswith("hall is unreachable since the way to hall was blocked in cycle 1")
     assert driver.states("b")[-1] == "succeeded"
