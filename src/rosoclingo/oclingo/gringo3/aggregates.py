@@ -1,11 +1,13 @@
-"""Translates the aggregates of gringo 3: sets in braces, multisets of weighted literals in brackets.
+"""Translates lists of weighted literals: aggregates, ``#minimize``, ``#maximize``, ``#compute``.
 
-A set counts each literal once, as today's braces do. A multiset counts every instance of every element, so that each
-gets a tuple of its own: weight, the element's number, and all variables of the element.
+gringo 3 has sets in braces and multisets in brackets. A set counts each literal once, as today's braces do. A multiset
+counts every instance of every element, so that each gets a tuple of its own: weight, the element's number, and all
+variables of the element.
 """
 
-from typing import Callable, List, Optional, Sequence
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
+from rosoclingo.oclingo.gringo3.directive_parser import Elements
 from rosoclingo.oclingo.gringo3.elements import (
     ElementTranslator,
     Naming,
@@ -14,11 +16,9 @@ from rosoclingo.oclingo.gringo3.elements import (
     show_element,
     weight,
 )
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Token
+from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
-from rosoclingo.oclingo.gringo3.syntax import Aggregate, Element, Literal, Term
-from rosoclingo.oclingo.gringo3.term_nodes import has_pool, show
+from rosoclingo.oclingo.gringo3.syntax import Aggregate, Element, Literal, Term, has_pool, show, show_literal
 
 SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
 """Tokens inside literals and terms that today's syntax lacks or reads otherwise."""
@@ -142,3 +142,69 @@ class AggregateTranslator:
         function = "" if aggregate.bracket == "{" else "#sum "
         relation = "=" if (aggregate.function == "#even") == wanted else "!="
         return f"{value} = {function}{{ {elements} }}, {value} \\ 2 {relation} 0"
+
+
+Domains = Sequence[Tuple[str, Sequence[str]]]
+"""Atoms declared by ``#domain``, each with its variables."""
+
+
+class OptimizationTranslator:
+    """Translates the optimization statements of one file.
+
+    Today's solver puts the tuples of all statements of one priority into one set, so each statement gets a mark of its
+    own: the file's name and a number.
+    """
+
+    def __init__(self, tokens: Sequence[Token], rewriting: Rewriting, naming: Naming, file: str) -> None:
+        self._tokens, self._rewriting, self._file = tokens, rewriting, file
+        self._elements = ElementTranslator(tokens, naming)
+
+    def optimize(self, parsed: Elements, level: int, step: str, domains: Domains) -> None:
+        """Translate in place.
+
+        ``level`` is the number of optimization statements before this one, ``step`` the parameter of its part, if any.
+        """
+        first, after = parsed.inside
+        self._rewriting.replace((first, first + 1), "{")
+        self._rewriting.replace((after - 1, after), "}")
+        number = 0
+        for element in parsed.elements:
+            texts = []
+            for single in self._elements.elements(element):
+                key = f'"{self._file}:{level + 1}"' + ("," + step if step else "")
+                key += "" if parsed.bracket == "{" else "," + str(number)
+                texts.append(self._element(single, parsed.bracket == "{", key, level, domains))
+                number += 1
+            self._rewriting.replace(element.span, "; ".join(texts))
+        for count, comma in enumerate(parsed.commas, 1):
+            self._rewriting.replace((comma, comma + 1), ";" if count < len(parsed.elements) else "")
+
+    def _element(self, element: Element, unique: bool, key: str, level: int, domains: Domains) -> str:
+        added = domain_atoms(self._tokens[element.span[0] : element.span[1]], domains)
+        element = self._elements.counted(element)
+        atom = f"({int(element.literal.negated)},{show(element.literal.left)})"
+        instance = [atom] if unique else instance_variables(element)
+        priority = show(element.priority) if element.priority else str(level)
+        terms = ",".join([f"{weight(element)}@{priority}", key, *instance])
+        conditions = show_conditions((element.literal, *element.conditions))
+        return "{} : {}".format(terms, ", ".join([conditions, *added]))
+
+    def compute(self, first: int, parsed: Elements, domains: Domains) -> None:
+        """Replace a ``#compute`` statement by constraints."""
+        rules = [rule for element in parsed.elements for rule in self._constraints(element, domains)]
+        self._rewriting.replace((first, parsed.dot + 1), " ".join(rules))
+
+    def _constraints(self, element: Element, domains: Domains) -> List[str]:
+        added = domain_atoms(self._tokens[element.span[0] : element.span[1]], domains)
+        rules = []
+        for single in self._elements.elements(element):
+            atom = show(single.literal.left)
+            wanted = atom if single.literal.negated else "not " + atom
+            rules.append(":- {}.".format(", ".join([wanted, *map(show_literal, single.conditions), *added])))
+        return rules
+
+
+def domain_atoms(tokens: Sequence[Token], domains: Domains) -> List[str]:
+    """The atoms of those declarations that a variable among the tokens belongs to."""
+    names: Dict[str, None] = dict.fromkeys(token.text for token in tokens)
+    return [atom for atom, variables in domains if any(variable in names for variable in variables)]

@@ -7,10 +7,202 @@ Each statement is looked at by itself: it may hold *evidence* for one of the lan
 import enum
 import re
 from dataclasses import dataclass, field
-from typing import Iterable, List, Optional, Sequence, Tuple
+from typing import Iterable, Iterator, List, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo.gringo3.evidence import Finding, Sign, findings
-from rosoclingo.oclingo.gringo3.lexer import Token, comments, statements
+from rosoclingo.oclingo.gringo3.lexer import Kind, Token, comments, statements
+
+
+class Sign(enum.Enum):
+    """What a finding says about the language."""
+
+    GRINGO3 = "only in gringo 3"
+    CLINGO5 = "only in clingo 5"
+    CONFLICT = "different meanings"
+    QUIET = "different meanings, but no cause for a warning"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was found: what it says, where, and what it is."""
+
+    sign: Sign
+    token: Token
+    what: str
+
+
+_ONLY_GRINGO3 = ("#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;")
+_ONLY_CLINGO5 = (":~", "#heuristic", "#edge", "#project", "#theory", "#defined", "#inf", "#sup", "$")
+_WORDS = {**dict.fromkeys(_ONLY_GRINGO3, Sign.GRINGO3), **dict.fromkeys(_ONLY_CLINGO5, Sign.CLINGO5)}
+_COMPARISONS = ("=", "==", "!=", "<", "<=", ">", ">=")
+_OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")
+_TUPLE_FUNCTIONS = ("#sum", "#sum+", "#min", "#max")
+_OPENING = {"(": ")", "{": "}", "[": "]"}
+_TUPLE_STARTS = (Kind.VARIABLE, Kind.NUMBER, Kind.STRING, Kind.BASED_NUMBER, Kind.ANONYMOUS)
+
+
+@dataclass
+class _Group:
+    """What was seen since a bracket was opened, or, at the bottom, since the statement began."""
+
+    bracket: str
+    opening: Token
+    name: str = ""
+    first_in_segment: bool = True
+    colons: int = 0
+    commas: int = 0
+    semicolons: int = 0
+    comparisons: int = 0
+
+
+def findings(statement: Sequence[Token]) -> Iterator[Finding]:
+    """All findings of a statement, in no particular order."""
+    scanner = _Scanner(statement)
+    yield from scanner.words()
+    yield from scanner.neighbours()
+    yield from scanner.shapes()
+
+
+class _Scanner:
+    def __init__(self, statement: Sequence[Token]) -> None:
+        self._tokens = statement
+        self._name = statement[0].text if statement[0].kind is Kind.DIRECTIVE else ""
+        self._in_body = False
+        self._conditional = False
+        self._several: Optional[Token] = None
+        self._groups = [_Group("", statement[0])]
+
+    def words(self) -> Iterator[Finding]:
+        """Tokens that only one language has."""
+        for token in self._tokens:
+            if token.kind in (Kind.DIRECTIVE, Kind.SYMBOL) and token.text in _WORDS:
+                yield Finding(_WORDS[token.text], token, f"'{token.text}'")
+            elif token.kind is Kind.BASED_NUMBER:
+                yield Finding(Sign.CLINGO5, token, "a number with a base")
+            elif token.kind is Kind.SCRIPT:
+                old = token.text.startswith("#begin_lua")
+                yield Finding(Sign.GRINGO3 if old else Sign.CLINGO5, token, "a script")
+
+    def neighbours(self) -> Iterator[Finding]:
+        """Pairs of tokens that only one language has."""
+        for before, token in zip(self._tokens, self._tokens[1:]):
+            if before.text == "not" and token.text == "not":
+                yield Finding(Sign.CLINGO5, token, "double negation")
+            elif before.text == "}" and token.text in _COMPARISONS:
+                yield Finding(Sign.CLINGO5, token, "a comparison after an aggregate")
+            elif before.text in _COMPARISONS and (token.text == "{" or token.text in ("#count", *_TUPLE_FUNCTIONS)):
+                yield from self._before_aggregate(before)
+        yield from self._display()
+
+    def _before_aggregate(self, comparison: Token) -> Iterator[Finding]:
+        left = self._tokens[self._tokens.index(comparison) - 1]
+        if comparison.text != "=" or left.kind is not Kind.VARIABLE:
+            yield Finding(Sign.CLINGO5, comparison, "a comparison before an aggregate")
+
+    def _display(self) -> Iterator[Finding]:
+        if self._name == "#show" and len(self._tokens) > 1:
+            tuple_like = self._tokens[1].kind in _TUPLE_STARTS or self._tokens[1].text == "("
+            sign = Sign.CLINGO5 if tuple_like else Sign.QUIET
+            yield Finding(sign, self._tokens[0], "#show")
+        elif self._name in _OPTIMIZE:
+            yield Finding(Sign.QUIET, self._tokens[0], "an optimization statement")
+
+    def shapes(self) -> Iterator[Finding]:
+        """What separators and brackets tell."""
+        for index, token in enumerate(self._tokens):
+            group = self._groups[-1]
+            if token.kind is Kind.STRING:
+                group.first_in_segment = False
+            elif token.text in _OPENING:
+                yield from self._open(index, token)
+            elif token.text in _OPENING.values():
+                yield from self._close()
+            else:
+                yield from self._mark(group, token)
+        if self._conditional and self._several and not self._name:
+            yield Finding(Sign.CONFLICT, self._several, "an interval or a pool under a condition or in a disjunction")
+
+    def _open(self, index: int, token: Token) -> Iterator[Finding]:
+        self._groups[-1].first_in_segment = False
+        name = self._tokens[index - 1].text if index else ""
+        self._groups.append(_Group(token.text, token, name if name.startswith("#") else ""))
+        if token.text == "[":
+            after_dot = index and self._tokens[index - 1].text == "."
+            yield Finding(Sign.CLINGO5 if after_dot else Sign.GRINGO3, token, "square brackets")
+        elif token.text == "{" and name in _TUPLE_FUNCTIONS:
+            yield Finding(Sign.CLINGO5, token, f"'{name}' with braces")
+
+    def _close(self) -> Iterator[Finding]:
+        if len(self._groups) > 1:
+            group = self._groups.pop()
+            if group.bracket == "(" and group.semicolons and self._pool_differs(group):
+                yield Finding(Sign.CONFLICT, group.opening, "a pool")
+
+    def _pool_differs(self, group: _Group) -> bool:
+        """A pool reads alike in a plain head and in ``#external`` if it is the only argument."""
+        inside = any(outer.bracket == "{" or outer.colons for outer in self._groups)
+        return bool(group.commas) or inside or self._in_body
+
+    def _mark(self, group: _Group, token: Token) -> Iterator[Finding]:
+        if group.bracket in ("", "{"):
+            yield from self._separator(group, token)
+        elif token.text == ",":
+            group.commas += 1
+        elif token.text in ("..", ";"):
+            self._several = token
+            group.semicolons += token.text == ";"
+
+    def _separator(self, group: _Group, token: Token) -> Iterator[Finding]:
+        text = token.text
+        if text == ":":
+            yield from self._colon(group, token)
+        elif text == ",":
+            yield from self._comma(group, token)
+        elif text == ";":
+            yield Finding(Sign.CLINGO5, token, "';' between elements")
+            group.first_in_segment, group.colons, group.comparisons = True, 0, 0
+        elif text in ("|", ":-"):
+            self._head_mark(group, text)
+        elif text in _COMPARISONS:
+            group.comparisons += 1
+            if group.comparisons > 1:
+                yield Finding(Sign.CLINGO5, token, "a chain of comparisons")
+        if text not in (",", ";"):
+            yield from self._start(group, token)
+
+    def _head_mark(self, group: _Group, text: str) -> None:
+        if text == ":-":
+            self._in_body, group.colons, group.comparisons = True, 0, 0
+        elif not self._in_body and not group.bracket:
+            self._conditional, group.colons = True, 0
+
+    def _start(self, group: _Group, token: Token) -> Iterator[Finding]:
+        """The first token of an element: today's tuples may begin with what no literal begins with."""
+        tuples = group.bracket == "{" and group.name in ("#count", *_OPTIMIZE)
+        if tuples and group.first_in_segment:
+            if token.kind in _TUPLE_STARTS:
+                yield Finding(Sign.CLINGO5, token, "a tuple as element")
+            elif token.text == "not":
+                yield Finding(Sign.GRINGO3, token, f"a literal as element of '{group.name}'")
+            else:
+                yield Finding(Sign.CONFLICT, token, f"an element of '{group.name}'")
+        group.first_in_segment = False
+
+    def _colon(self, group: _Group, token: Token) -> Iterator[Finding]:
+        group.colons += 1
+        group.comparisons = 0
+        self._conditional = self._conditional or not group.bracket
+        if group.colons > 1 and self._name not in ("#volatile", "#forget"):
+            yield Finding(Sign.GRINGO3, token, "a second ':'")
+
+    def _comma(self, group: _Group, token: Token) -> Iterator[Finding]:
+        group.comparisons = 0
+        if group.colons and self._name in ("#show", "#external"):
+            yield Finding(Sign.CLINGO5, token, "',' in the condition of a directive")
+        elif group.colons:
+            yield Finding(Sign.CONFLICT, token, "',' after a condition")
+        elif group.bracket == "{" and not group.name:
+            yield Finding(Sign.GRINGO3, token, "',' between elements")
+
 
 _PRAGMA = re.compile(r"\s*dialect\s*:\s*(gringo|clingo)\s*([35])\s*$")
 _STEP_DIRECTIVES = {"#base", "#cumulative", "#volatile", "#iinit", "#forget"}

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from typing import List, Optional, Tuple, Union
 
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Kind
+from rosoclingo.oclingo.gringo3.lexer import Kind, RefusalError
 from rosoclingo.oclingo.gringo3.statement_parser import StatementParser
-from rosoclingo.oclingo.gringo3.syntax import Element, Function, Literal, Signed, Span, Symbol, Term, Variable
-from rosoclingo.oclingo.gringo3.term_nodes import show
+from rosoclingo.oclingo.gringo3.syntax import Element, Function, Literal, Signed, Span, Symbol, Term, Variable, show
 
 Signature = Tuple[str, int]
 """A predicate's name, with ``-`` in front if it is negated classically, and the number of its arguments."""

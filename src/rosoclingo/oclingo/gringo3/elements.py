@@ -2,10 +2,14 @@
 
 from typing import Iterable, List, Optional, Sequence, Set, Tuple
 
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Token
-from rosoclingo.oclingo.gringo3.syntax import Element, Interval, Literal, Symbol, Term, Variable
-from rosoclingo.oclingo.gringo3.term_nodes import (
+from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
+from rosoclingo.oclingo.gringo3.syntax import (
+    Element,
+    Interval,
+    Literal,
+    Symbol,
+    Term,
+    Variable,
     alternative_count,
     has_interval,
     has_pool,

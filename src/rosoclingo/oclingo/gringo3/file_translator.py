@@ -2,19 +2,57 @@
 
 from typing import Callable, Dict, List, Sequence, Set, Tuple
 
-from rosoclingo.oclingo.gringo3.constants import Constants
+from rosoclingo.oclingo.gringo3.aggregates import OptimizationTranslator, domain_atoms
 from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, StatementDialect
 from rosoclingo.oclingo.gringo3.directive_parser import DirectiveParser, Display, Signature, TermDirective, signature_of
 from rosoclingo.oclingo.gringo3.elements import ElementTranslator, Naming, show_element
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Kind, Token
-from rosoclingo.oclingo.gringo3.optimization import OptimizationTranslator, domain_atoms
+from rosoclingo.oclingo.gringo3.lexer import Kind, RefusalError, Token
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.rules import RuleTranslator
 from rosoclingo.oclingo.gringo3.statement_parser import FUNCTIONS
-from rosoclingo.oclingo.gringo3.syntax import Aggregate, Disjunction, Element, Rule
-from rosoclingo.oclingo.gringo3.term_nodes import show
+from rosoclingo.oclingo.gringo3.syntax import Aggregate, Disjunction, Element, Rule, show
 from rosoclingo.oclingo.gringo3.visibility import Statement, Visibility
+
+_ARITHMETIC = {"+", "-", "*", "/", "\\", "**", "..", "&", "^", "?", "~", "|", "#mod", "#div", "#pow"}
+_COMPARISONS = {"=", ":=", "==", "!=", "<", "<=", ">", ">="}
+
+
+class Constants:
+    """Notes where names are used as terms before ``#const`` gives them a value.
+
+    gringo 3 replaces a constant only in what follows, today's solver everywhere.
+    """
+
+    def __init__(self) -> None:
+        self._used: Dict[str, Tuple[str, Token]] = {}
+
+    def note(self, file: str, statement: Sequence[Token]) -> None:
+        """Note the names that a statement uses as terms.
+
+        Names inside arithmetic do not count: there gringo 3 stops at a name without a value, so that no program can
+        mean anything else than today's solver takes it for.
+        """
+        for token in _names(statement):
+            self._used.setdefault(token.text, (file, token))
+
+    def define(self, token: Token, name: str) -> None:
+        """Note a ``#const``; :class:`RefusalError` if a statement before it uses the name."""
+        if name in self._used:
+            file, use = self._used[name]
+            message = f"gringo 3 does not replace '{name}' in the statements before this #const, but clingo 5 does"
+            raise RefusalError(token, message, f"put the #const before its use in {file}:{use.line}")
+
+
+def _names(statement: Sequence[Token]) -> List[Token]:
+    found, depth = [], 0
+    for before, token, after in zip(("", *(t.text for t in statement)), statement, (*statement[1:], statement[-1])):
+        depth += {"(": 1, ")": -1}.get(token.text, 0)
+        around = {before, after.text}
+        is_term = depth > 0 or around & _COMPARISONS
+        if token.kind is Kind.IDENTIFIER and after.text != "(" and is_term and not around & _ARITHMETIC:
+            found.append(token)
+    return found
+
 
 _AGGREGATES = (*FUNCTIONS, "#true", "#false", "#abs", "#mod", "#div", "#pow", "#infimum", "#supremum")
 _LPARSE_WORDS = ("minimize", "minimise", "maximize", "maximise", "compute", "const", "hide", "show", "domain")

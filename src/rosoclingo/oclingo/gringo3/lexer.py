@@ -1,13 +1,16 @@
 """Tokens of logic programs, in gringo 3's language and in clingo 5's alike.
 
 The lexer never fails: what is no token of either language becomes a token of kind :attr:`Kind.UNKNOWN`, which no rule
-of the grammar accepts. White space and comments are no tokens; their text is found again by the tokens' offsets.
+of the grammar accepts; what is refused is refused at a token. White space and comments are no tokens; their text is
+found again by the tokens' offsets.
 """
 
 import enum
 import re
 from dataclasses import dataclass
 from typing import Iterator, List, Sequence, Tuple
+
+from rosoclingo.oclingo.errors import Fault, ProgramError
 
 
 class Kind(enum.Enum):
@@ -150,3 +153,19 @@ def _end_of_comment(text: str, offset: int) -> int:
         if depth == 0:
             return mark.end()
     return -1
+
+
+class TranslationError(ProgramError):
+    """A program cannot be translated faithfully; :attr:`faults` lists every place and reason."""
+
+
+class RefusalError(Exception):
+    """One statement cannot be translated; the translator collects these into a :class:`TranslationError`."""
+
+    def __init__(self, token: Token, message: str, mend: str = "") -> None:
+        self.token, self.message, self.mend = token, message, mend
+        super().__init__(message)
+
+    def fault(self, file: str) -> Fault:
+        """The same with the file's name."""
+        return Fault(file, self.token.line, self.token.column, self.message, self.mend)

@@ -4,8 +4,7 @@ from typing import List, Sequence
 
 from rosoclingo.oclingo.gringo3.aggregates import AggregateTranslator
 from rosoclingo.oclingo.gringo3.elements import Naming, show_element
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Token
+from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.syntax import (
     Aggregate,
@@ -17,8 +16,11 @@ from rosoclingo.oclingo.gringo3.syntax import (
     Literal,
     Pool,
     Rule,
+    has_interval,
+    literal_terms,
+    show_literal,
+    walk,
 )
-from rosoclingo.oclingo.gringo3.term_nodes import has_interval, literal_terms, show_literal, walk
 
 PARITIES = ("#even", "#odd")
 

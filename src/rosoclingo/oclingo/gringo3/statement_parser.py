@@ -2,8 +2,7 @@
 
 from typing import List, Optional, Tuple
 
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Kind
+from rosoclingo.oclingo.gringo3.lexer import Kind, RefusalError
 from rosoclingo.oclingo.gringo3.syntax import (
     Aggregate,
     Body,

@@ -2,8 +2,7 @@
 
 from typing import List, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo.gringo3.faults import RefusalError
-from rosoclingo.oclingo.gringo3.lexer import Kind, Token
+from rosoclingo.oclingo.gringo3.lexer import Kind, RefusalError, Token
 from rosoclingo.oclingo.gringo3.syntax import (
     Absolute,
     Function,

@@ -9,12 +9,10 @@ from pathlib import PurePath
 from typing import List, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, decide, inspect
+from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, Sign, decide, inspect
 from rosoclingo.oclingo.gringo3.elements import Naming
-from rosoclingo.oclingo.gringo3.evidence import Sign
-from rosoclingo.oclingo.gringo3.faults import TranslationError
 from rosoclingo.oclingo.gringo3.file_translator import FileTranslator, Program
-from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+from rosoclingo.oclingo.gringo3.lexer import Kind, TranslationError, tokens
 
 MARK = "% dialect: clingo 5"
 """Comment put at the end of a translation that could be taken for gringo 3's language again."""

@@ -6,7 +6,7 @@ from typing import List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.dialect import Dialect
-from rosoclingo.oclingo.gringo3.faults import TranslationError
+from rosoclingo.oclingo.gringo3.lexer import TranslationError
 from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
 
 
