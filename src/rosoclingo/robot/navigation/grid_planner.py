@@ -11,7 +11,7 @@ from rosoclingo.robot.navigation.compiled.search import find_cells
 from rosoclingo.robot.navigation.compiled.straightening import ease, pull, straighten, tighten
 from rosoclingo.robot.navigation.costmap import SPARE, Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.navigation.landmarks import Landmarks, Tariff
+from rosoclingo.robot.navigation.landmarks import CostWeights, Landmarks
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
 
@@ -141,43 +141,43 @@ class GridPlanner(GlobalPlanner):
         first = _end(costmap, ground, start, self.limits.escape_distance)
         if first is None:
             return _failed(PlanOutcome.START_BLOCKED)
-        tariff = self._tariff(costmap)
+        weights = self._weights(costmap)
         narrow = ground.radius < costmap.grounds[0].radius
         if narrow:
             # Where it cannot turn the robot is to get straight in and straight out.
-            tariff = Tariff(costmap.grounds[0].radius, STRAIGHT)
-        landmarks = self._costs_of_landmarks(costmap, tariff)
-        cells = find_cells(ground, *tariff, *first.cell, *last.cell, 8, landmarks)
+            weights = CostWeights(costmap.grounds[0].radius, STRAIGHT)
+        landmarks = self._costs_of_landmarks(costmap, weights)
+        cells = find_cells(ground, *weights, *first.cell, *last.cell, 8, landmarks)
         if not len(cells):
             return _failed(PlanOutcome.NO_PATH)
         if len(cells) < SHORT and not narrow:
-            fine = tariff._replace(weight=PART * tariff.weight)
+            fine = weights._replace(weight=PART * weights.weight)
             cells = find_cells(ground, *fine, *first.cell, *last.cell, 16, landmarks[:0])
         points = np.concatenate([first.points, places_of(ground.places, cells), last.points])
-        pull(points, ground, *tariff, PULLS)
-        points = straighten(points, ground, *tariff)
-        tighten(points, ground, *tariff, ROUNDS)
-        points = straighten(points, ground, *tariff)
+        pull(points, ground, *weights, PULLS)
+        points = straighten(points, ground, *weights)
+        tighten(points, ground, *weights, ROUNDS)
+        points = straighten(points, ground, *weights)
         ease(points, ground, EASE / costmap.resolution)
         return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points), ground.radius * costmap.resolution - SPARE)
 
     def prepare(self, costmap: Costmap) -> bool:
         """Find landmarks on the map, part by part; see :class:`GlobalPlanner`."""
         if self._landmarks is None or self._landmarks.ground is not costmap.static_grounds[-1]:
-            self._landmarks = Landmarks(costmap.static_grounds[-1], self._tariff(costmap))
+            self._landmarks = Landmarks(costmap.static_grounds[-1], self._weights(costmap))
         self._landmarks.go_on()
         return not self._landmarks.done
 
-    def _costs_of_landmarks(self, costmap: Costmap, tariff: Tariff) -> np.ndarray:
+    def _costs_of_landmarks(self, costmap: Costmap, weights: CostWeights) -> np.ndarray:
         """Return what the search is led by (float32; n, cells), n 0 where nothing has been prepared for this map."""
         found = self._landmarks
-        if found is None or found.ground is not costmap.static_grounds[-1] or found.tariff != tariff:
+        if found is None or found.ground is not costmap.static_grounds[-1] or found.weights != weights:
             return np.empty((0, costmap.grounds[-1].places.size), dtype=np.float32)
         return found.costs
 
-    def _tariff(self, costmap: Costmap) -> Tariff:
+    def _weights(self, costmap: Costmap) -> CostWeights:
         comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
-        return Tariff(comfort / costmap.resolution, self.limits.comfort_weight)
+        return CostWeights(comfort / costmap.resolution, self.limits.comfort_weight)
 
     def _in_metres(self, costmap: Costmap, points: np.ndarray) -> np.ndarray:
         """Return the points in m, with more of them put in at ``spacing``."""

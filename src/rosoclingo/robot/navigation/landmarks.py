@@ -7,7 +7,7 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.places import NOWHERE, Ground
 from rosoclingo.robot.navigation.compiled.search import spread
 
-__all__ = ["Landmarks", "Tariff"]
+__all__ = ["CostWeights", "Landmarks"]
 
 COUNT = 24
 POCKET = 0.02  # a landmark that reaches less of all open cells leads few searches
@@ -15,8 +15,8 @@ MOST_BYTES = 1 << 26  # a map so large that its landmarks would take more memory
 PORTION = 30000  # cells that one call looks at: some milliseconds
 
 
-class Tariff(NamedTuple):
-    """What travel costs: cells less clear than ``comfort`` (cells) are dearer, by up to ``weight``."""
+class CostWeights(NamedTuple):
+    """What travel costs: 1 a cell, up to ``weight`` more where things are nearer than ``comfort`` (cells)."""
 
     comfort: float
     weight: float
@@ -28,8 +28,8 @@ class Landmarks:
     ``costs``: float32 (n, cells), n from 0 on; infinite where a landmark does not reach.
     """
 
-    def __init__(self, ground: Ground, tariff: Tariff) -> None:
-        self.ground, self.tariff = ground, tariff
+    def __init__(self, ground: Ground, weights: CostWeights) -> None:
+        self.ground, self.weights = ground, weights
         cells = ground.places.size
         self._all = np.empty((min(COUNT, MOST_BYTES // (4 * cells)), cells), dtype=np.float32)
         self.costs = self._all[:0]
@@ -48,7 +48,7 @@ class Landmarks:
         if self._begun is None:
             return
         costs, keys, items, size = self._begun
-        keys, items, size = spread(self.ground, *self.tariff, costs, keys, items, size, PORTION)
+        keys, items, size = spread(self.ground, *self.weights, costs, keys, items, size, PORTION)
         self._begun = (costs, keys, items, size)
         if size == 0:
             self._end(costs)

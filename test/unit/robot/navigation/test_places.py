@@ -19,9 +19,9 @@ from rosoclingo.robot.navigation.compiled.places import (
 )
 from rosoclingo.robot.navigation.compiled.search import find_cells
 from rosoclingo.robot.navigation.compiled.straightening import pull, straighten, tighten
-from rosoclingo.robot.navigation.landmarks import Landmarks, Tariff
+from rosoclingo.robot.navigation.landmarks import CostWeights, Landmarks
 
-TARIFF = Tariff(5.0, 0.3)
+WEIGHTS = CostWeights(5.0, 0.3)
 NONE = np.empty((0, 0), dtype=np.float32)
 RADII = st.floats(0.3, 3.0)
 STEPS = [(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1) if r or c]
@@ -85,7 +85,9 @@ def test_a_way_along_the_very_edge_of_the_map():
     for turned in (occupied, occupied[::-1], occupied.T, occupied.T[::-1, ::-1]):
         ground = ground_of(np.ascontiguousarray(turned), 2.5)
         good = np.argwhere(ground.places == OPEN)
-        ways = [len(find_cells(ground, *TARIFF, *good[0], *goal, 8, Landmarks(ground, TARIFF).costs)) for goal in good]
+        ways = [
+            len(find_cells(ground, *WEIGHTS, *good[0], *goal, 8, Landmarks(ground, WEIGHTS).costs)) for goal in good
+        ]
         assert all(ways)
 
 
@@ -96,10 +98,10 @@ def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
     good = np.argwhere(ground.places == OPEN)
     assume(len(good) >= 2)
     start, goal = (tuple(good[data.draw(st.integers(0, len(good) - 1))]) for _ in range(2))
-    landmarks, steps = Landmarks(ground, TARIFF), data.draw(st.sampled_from([8, 16]))
+    landmarks, steps = Landmarks(ground, WEIGHTS), data.draw(st.sampled_from([8, 16]))
     for _ in range(data.draw(st.integers(0, 8)) if steps == 8 else 0):
         landmarks.go_on()
-    cells = find_cells(ground, *TARIFF, *start, *goal, steps, landmarks.costs)
+    cells = find_cells(ground, *WEIGHTS, *start, *goal, steps, landmarks.costs)
     if not len(cells):
         assert (2 * goal[0] + 1, 2 * goal[1] + 1) not in joined(occupied, radius + 0.1, start)
         return
@@ -108,9 +110,9 @@ def test_a_way_is_found_if_there_is_one_and_keeps_clear(occupied, radius, data):
     assert np.square(np.diff(cells, axis=0)).sum(axis=1).max(initial=0) in ((0, 1, 2) if steps == 8 else (0, 1, 2, 5))
     points = places_of(ground.places, cells)
     keeps_clear(occupied, points, radius)
-    pull(points, ground, *TARIFF, 1)
-    points = straighten(points, ground, *TARIFF)
-    tighten(points, ground, *TARIFF, 4)
+    pull(points, ground, *WEIGHTS, 1)
+    points = straighten(points, ground, *WEIGHTS)
+    tighten(points, ground, *WEIGHTS, 4)
     assert tuple(points[0]) == (start[1] + 0.5, start[0] + 0.5)
     assert tuple(points[-1]) == (goal[1] + 0.5, goal[0] + 0.5)
     keeps_clear(occupied, points, radius)
@@ -128,7 +130,7 @@ def test_the_more_directions_the_shorter_the_way(steps, most):
     ground = ground_of(np.zeros((41, 41), dtype=np.uint8), 1.0)
     over = []
     for goal in np.argwhere(ground.places == OPEN):
-        ways = find_cells(ground, *TARIFF, 20, 20, *goal, steps, NONE)
+        ways = find_cells(ground, *WEIGHTS, 20, 20, *goal, steps, NONE)
         away = math.hypot(*(goal - 20))
         over.append(np.hypot(*np.diff(ways, axis=0).T).sum() / away if away else 1.0)
     assert most - 0.01 < max(over) < most
@@ -145,7 +147,7 @@ def test_a_gap_is_passed_if_it_is_wide_enough_between_two_cells(thickness, width
     occupied = np.ascontiguousarray(occupied.T) if turned else occupied
     ends = ((3, 5), (25, 25)) if not turned else ((5, 3), (25, 25))
     for radius, found in ((0.5 * width - 0.1, True), (0.5 * width + 0.02, False)):
-        cells = find_cells(ground_of(occupied, radius), *TARIFF, *ends[0], *ends[1], steps, NONE)
+        cells = find_cells(ground_of(occupied, radius), *WEIGHTS, *ends[0], *ends[1], steps, NONE)
         assert bool(len(cells)) == found
 
 
@@ -204,7 +206,7 @@ def test_landmarks_lead_to_ways_as_cheap_and_tell_that_there_is_none():
     occupied[:, 30] = occupied[20, :12] = occupied[:20, 12] = 1  # two halves, and a room in one of them
     occupied[28:31, 30] = 0
     occupied[56, 56:] = occupied[56:, 56] = 1  # a pocket
-    landmarks = Landmarks(ground_of(occupied, 1.1), TARIFF)
+    landmarks = Landmarks(ground_of(occupied, 1.1), WEIGHTS)
     while not landmarks.done:
         landmarks.go_on()
     assert len(landmarks.costs) >= 3
@@ -214,15 +216,15 @@ def test_landmarks_lead_to_ways_as_cheap_and_tell_that_there_is_none():
     good = np.argwhere(ground.places)
     for _ in range(100):
         ends = good[random.integers(len(good), size=2)]
-        led = find_cells(ground, *TARIFF, *ends[0], *ends[1], 8, landmarks.costs)
-        plain = find_cells(ground, *TARIFF, *ends[0], *ends[1], 8, NONE)
+        led = find_cells(ground, *WEIGHTS, *ends[0], *ends[1], 8, landmarks.costs)
+        plain = find_cells(ground, *WEIGHTS, *ends[0], *ends[1], 8, NONE)
         assert (len(led) > 0) == (len(plain) > 0)
         if len(plain):
             assert cost_of(led, ground) <= 1.004 * cost_of(plain, ground) + 0.02
 
 
 def cost_of(cells, ground):
-    """What travel along cells costs by the planner's tariff."""
-    prices = 1.0 + TARIFF.weight * np.maximum(0.0, 1.0 - ground.clearance[tuple(cells.T)] / TARIFF.comfort)
+    """What travel along cells costs by the planner's weights."""
+    factors = 1.0 + WEIGHTS.weight * np.maximum(0.0, 1.0 - ground.clearance[tuple(cells.T)] / WEIGHTS.comfort)
     lengths = np.hypot(*np.diff(cells, axis=0).T)
-    return float((lengths * 0.5 * (prices[1:] + prices[:-1])).sum())
+    return float((lengths * 0.5 * (factors[1:] + factors[:-1])).sum())

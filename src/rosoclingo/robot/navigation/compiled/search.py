@@ -2,7 +2,7 @@
 
 A landmark is a cell from which the cost of travel to all others is known. The way between two cells costs at least the
 difference of what they cost from a landmark (A. Goldberg, C. Harrelson: Computing the shortest path, 2005). What the
-laser marks only makes ways dearer, so costs on the map alone serve the search on any costmap of it.
+laser marks only makes ways cost more, so costs on the map alone serve the search on any costmap of it.
 Lengths are in cells, as in :mod:`rosoclingo.robot.navigation.compiled.clearance`.
 """
 
@@ -13,11 +13,11 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.places import NOWHERE, OPEN, line_is_clear, place_of
 
-__all__ = ["find_cells", "price", "spread"]
+__all__ = ["cell_cost", "find_cells", "spread"]
 
 DIAGONAL, KNIGHT = math.sqrt(2.0), math.sqrt(5.0)
-# The search overestimates what is left by that factor: the way found may be that much dearer than the cheapest.
-EAGER = 1.003
+# Weighted A*: the search overestimates what is left by 1 + EPSILON, so that the way found may cost that much more.
+EPSILON = 0.003
 ACTIVE = 6  # landmarks that lead one search: those that tell most of its two ends
 # The steps to the eight cells around one, and those of a knight in chess.
 ROWS = np.array([0, 0, 1, -1, 1, 1, -1, -1, 1, 1, -1, -1, 2, 2, -2, -2])
@@ -27,7 +27,7 @@ LENGTHS = np.hypot(ROWS, COLUMNS)
 
 
 @jit
-def price(clearance, comfort, weight):
+def cell_cost(clearance, comfort, weight):
     """Return what a cell of travel costs where things are ``clearance`` away: 1, and more nearer than ``comfort``."""
     if clearance >= comfort:
         return 1.0
@@ -72,7 +72,7 @@ def _left(row, column, goal_row, goal_column, there, goal, steps, costs, guides)
         least = (KNIGHT - DIAGONAL) * high + (2.0 * DIAGONAL - KNIGHT) * low
     for k in guides:
         least = max(least, abs(costs[k, there] - costs[k, goal]))
-    return EAGER * least
+    return (1.0 + EPSILON) * least
 
 
 @jit
@@ -159,7 +159,7 @@ def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_
         closed[here] = 1
         row, column = here // width, here % width
         cost = costs[here]
-        dear = price(clearance[row, column], comfort, weight)
+        own = cell_cost(clearance[row, column], comfort, weight)
         if size + steps >= keys.shape[0]:
             keys, items = _grown_keys(keys), _grown_items(items)
         for k in range(steps):
@@ -169,7 +169,7 @@ def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_
             there = r * width + c
             if closed[there] or cost + LENGTHS[k] >= costs[there]:
                 continue
-            new = np.float32(cost + 0.5 * LENGTHS[k] * (dear + price(clearance[r, c], comfort, weight)))
+            new = np.float32(cost + 0.5 * LENGTHS[k] * (own + cell_cost(clearance[r, c], comfort, weight)))
             if new < costs[there] and _leads(ground, row, column, k):
                 costs[there], origins[there] = new, here
                 key = np.float32(new + _left(r, c, goal_row, goal_column, there, goal, steps, landmarks, guides))
@@ -198,7 +198,7 @@ def spread(ground, comfort, weight, costs, keys, items, size, most):
             continue
         most -= 1
         row, column = here // width, here % width
-        dear = price(clearance[row, column], comfort, weight)
+        own = cell_cost(clearance[row, column], comfort, weight)
         if size + AROUND >= keys.shape[0]:
             keys, items = _grown_keys(keys), _grown_items(items)
         for k in range(AROUND):
@@ -206,7 +206,7 @@ def spread(ground, comfort, weight, costs, keys, items, size, most):
             if r < 0 or c < 0 or r >= height or c >= width:
                 continue
             there = r * width + c
-            new = np.float32(cost + 0.5 * LENGTHS[k] * (dear + price(clearance[r, c], comfort, weight)))
+            new = np.float32(cost + 0.5 * LENGTHS[k] * (own + cell_cost(clearance[r, c], comfort, weight)))
             if new >= costs[there]:
                 continue
             if places[r, c] == NOWHERE:

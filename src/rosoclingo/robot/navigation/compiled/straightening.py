@@ -10,7 +10,7 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.places import line_is_clear
-from rosoclingo.robot.navigation.compiled.search import price
+from rosoclingo.robot.navigation.compiled.search import cell_cost
 
 __all__ = ["ease", "pull", "straighten", "tighten"]
 
@@ -19,14 +19,14 @@ FINE = 0.05  # cells: a point is not moved by less
 
 
 @jit
-def _segment_price(clearance, x0, y0, x1, y1, comfort, weight):
+def _segment_cell_cost(clearance, x0, y0, x1, y1, comfort, weight):
     """Return what a straight segment costs, sampled twice a cell."""
     length = math.hypot(x1 - x0, y1 - y0)
     count = int(2.0 * length) + 1
     total = 0.0
     for i in range(count):
         part = (i + 0.5) / count
-        total += price(clearance[int(y0 + (y1 - y0) * part), int(x0 + (x1 - x0) * part)], comfort, weight)
+        total += cell_cost(clearance[int(y0 + (y1 - y0) * part), int(x0 + (x1 - x0) * part)], comfort, weight)
     return total * length / count
 
 
@@ -34,13 +34,13 @@ def _segment_price(clearance, x0, y0, x1, y1, comfort, weight):
 def straighten(points, ground, comfort, weight):
     """Return the points (float64 n, 2; x, y) that are left when straight lines replace what they can.
 
-    A line replaces a part of the way when it keeps the ground's radius free and is no dearer.
+    A line replaces a part of the way when it keeps the ground's radius free and costs no more.
     """
     clearance = ground.clearance
     count = points.shape[0]
     cost = np.zeros(count)
     for i in range(1, count):
-        cost[i] = cost[i - 1] + _segment_price(
+        cost[i] = cost[i - 1] + _segment_cell_cost(
             clearance, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1], comfort, weight
         )
     kept = np.empty((count, 2))
@@ -65,12 +65,12 @@ def straighten(points, ground, comfort, weight):
 def pull(points, ground, comfort, weight, rounds):
     """Pull a way of many points (float64 n, 2) straight, part by part: long parts, then ever shorter ones, everywhere.
 
-    Points are moved onto the line between the ends of their part when that is clear and no dearer.
+    Points are moved onto the line between the ends of their part when that is clear and costs no more.
     """
     count = points.shape[0]
     cost = np.empty(count - 1)  # of the segment behind each point
     for i in range(count - 1):
-        cost[i] = _price_between(ground.clearance, points[i], points[i + 1], comfort, weight)
+        cost[i] = _cost_between(ground.clearance, points[i], points[i + 1], comfort, weight)
     for _ in range(rounds):
         span = count - 1
         while span >= 4:
@@ -80,14 +80,14 @@ def pull(points, ground, comfort, weight, rounds):
                     for k in range(1, span):
                         points[i + k] = points[i] + (points[j] - points[i]) * (k / span)
                     for k in range(i, j):
-                        cost[k] = _price_between(ground.clearance, points[k], points[k + 1], comfort, weight)
+                        cost[k] = _cost_between(ground.clearance, points[k], points[k + 1], comfort, weight)
             span = span * 2 // 3
 
 
 @jit
-def _price_between(clearance, a, b, comfort, weight):
+def _cost_between(clearance, a, b, comfort, weight):
     """Return what a straight segment between two points costs."""
-    return _segment_price(clearance, a[0], a[1], b[0], b[1], comfort, weight)
+    return _segment_cell_cost(clearance, a[0], a[1], b[0], b[1], comfort, weight)
 
 
 @jit
@@ -96,7 +96,7 @@ def _shortcut(ground, start, end, comfort, weight, cost):
     x0, y0, x1, y1 = start[0], start[1], end[0], end[1]
     if not line_is_clear(ground, x0, y0, x1, y1, ground.radius):
         return False
-    return _segment_price(ground.clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
+    return _segment_cell_cost(ground.clearance, x0, y0, x1, y1, comfort, weight) <= cost * 1.0005 + 1e-6
 
 
 @jit
@@ -113,13 +113,13 @@ def tighten(points, ground, comfort, weight, rounds):
             if square > 0.0:
                 t = min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / square))
             aim_x, aim_y = a[0] + t * dx, a[1] + t * dy
-            now = _segment_price(clearance, a[0], a[1], x, y, comfort, weight)
-            now += _segment_price(clearance, x, y, b[0], b[1], comfort, weight)
+            now = _segment_cell_cost(clearance, a[0], a[1], x, y, comfort, weight)
+            now += _segment_cell_cost(clearance, x, y, b[0], b[1], comfort, weight)
             part, least = 1.0, FINE / (math.hypot(aim_x - x, aim_y - y) + FINE)
             while part >= least:
                 nx, ny = x + part * (aim_x - x), y + part * (aim_y - y)
-                there = _segment_price(clearance, a[0], a[1], nx, ny, comfort, weight)
-                there += _segment_price(clearance, nx, ny, b[0], b[1], comfort, weight)
+                there = _segment_cell_cost(clearance, a[0], a[1], nx, ny, comfort, weight)
+                there += _segment_cell_cost(clearance, nx, ny, b[0], b[1], comfort, weight)
                 if (
                     there < now
                     and line_is_clear(ground, a[0], a[1], nx, ny, ground.radius)
