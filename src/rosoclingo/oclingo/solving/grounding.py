@@ -128,7 +128,7 @@ class Grounding:
         messages: what clingo said since they were last cleared.
         recorder: the rules' atoms step by step, recorded where answers are shortest.
         shown: the shown atoms of the last answer.
-        satisfied: whether the last search had an answer.
+        satisfied: whether the last search had an answer, and nothing was added since.
 
     """
 
@@ -207,7 +207,7 @@ class Grounding:
         """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
         steps = range(self.horizon + 1, last + 1)
         parts = [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")]
-        self.horizon = last
+        self.horizon, self.satisfied = last, False
         self.recorder.begin(steps)
         self._ground(parts, steps[0])
         self.recorder.end()
@@ -229,6 +229,7 @@ class Grounding:
 
     def add(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
+        self.satisfied = False
         if lifetime == FOREVER:
             self.atoms.add(statement, None)
             return
@@ -246,13 +247,13 @@ class Grounding:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
         for atom, literal in self._externals.fresh():
             if literal in self._declared and atom not in self.atoms.stepless:
-                block = self.recorder.blocks.get(self._declared[literal], range(1, 2))
-                step = self.program.declaring_step(atom, block) if len(block) > 1 else self._declared[literal]
-                self._declarations.setdefault(step, []).append(atom)
+                step = self._declared[literal]
+                block = self.recorder.blocks.get(step, range(step, step + 1))
+                self._declarations.setdefault(self.program.declaring_step(atom, block), []).append(atom)
                 if literal in self._of_base:
                     self._base_externals.add(atom)
         steps = [step for step in self._declarations if first <= step <= last]
-        found = [atom for step in sorted(steps) for atom in self._declarations[step] if self.atoms.is_open(atom)]
+        found = [atom for step in steps for atom in self._declarations[step] if self.atoms.is_open(atom)]
         return found if base else [one for one in found if one not in self._base_externals]
 
     def show(self, propagator: Propagator) -> None:
@@ -375,5 +376,4 @@ def build_grounding(
         grounding.add(entry.statement, entry.lifetime)
     for cycle in sorted(state.closed_cycles)[:-1]:
         grounding.close_returns(cycle)
-    grounding.atoms.end_definitions()
     return grounding

@@ -196,9 +196,34 @@ def test_what_statements_mention_that_lapse_or_wait(rules):
     assert first(retire("{ x }. " + EXTERNALS, *rules)) >= 2
 
 
-@pytest.mark.parametrize("rules", [["e(1) :- x.", ":- c(1)."], ["e(1) :- x.", "", ":- c(2).", ":- e(1)."]])
+@pytest.mark.parametrize(
+    "rules",
+    [
+        ["e(1) :- x.", ":- c(1)."],
+        ["e(1) :- x.", "", ":- c(2).", ":- e(1)."],
+        ["e(1) :- x.", ":- not c(1)."],
+        ["e(1) :- x. e(1) :- y.", ":- not c(1)."],
+    ],
+)
 def test_rules_that_tie_what_is_over_to_what_is_open_keep_their_steps(rules):
-    assert first(retire("{ x }. " + EXTERNALS, *rules)) is None
+    assert first(retire("{ x ; y }. " + EXTERNALS, *rules)) is None
+
+
+@pytest.mark.parametrize("rule", ["e(2) :- c(1).", "e(2) :- c(1). e(3) :- e(2), not e(4)."])
+def test_several_steps_are_retired_at_once(monkeypatch, rule):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 4)
+    assert first(retire(EXTERNALS, "e(1).", rule, steps=6)) == 5
+
+
+@pytest.mark.parametrize("keep_from", [1, 3])
+def test_where_nothing_is_retired_the_grounding_stays(keep_from):
+    setting = Setting(ReactiveProgram.from_text("{ a }. #cumulative t. s(t) :- a. #volatile t."), shortest=True)
+    ground = grounding.Grounding(setting.program, (), set(), shortest=True)
+    ground.ground_to(3)
+    assert ground.search(1, lambda: False, 3, 3).satisfiable
+    state = StreamState(step=3, horizon=3, settled=3, keep_from=keep_from)
+    assert compaction.compact(setting, state, ground) is False
+    assert state.past is None
 
 
 @pytest.mark.parametrize("rule", [":- x, t = 1.", ":- not x, t = 1.", ":- x, e(t).", ":- late(t), 1 { x ; y }."])
