@@ -40,7 +40,7 @@ def find_conflict(things: Sequence[T], met: Met[T]) -> Conflict[T]:
     Where a test is undecided, the smallest conflict that was found until then is the result.
     """
     found: List[T] = []
-    rest = list(things)
+    rest = things
     try:
         while not _is_conflict(found, met, known=rest):
             size = least_number(len(rest), partial(_too_many, things, found, rest, met))
