@@ -448,6 +448,7 @@ def test_a_return_that_the_program_does_not_know_ends_the_action():
     assert driver.awaited == ["_action_lib(wake,up,2)"]
     driver.succeed()
     assert driver.awaited == []
+    assert driver.core.cycle == 3, "the next cycle begins, though there is nothing to feed"
     assert "declares no external _return/3" in driver.journal.problems[0]
 
 

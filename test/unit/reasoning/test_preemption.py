@@ -68,6 +68,30 @@ def test_an_action_that_nobody_wants_any_more():
     assert one.awaited == []
 
 
+#: The program hears which actions are ended, and no action returns ``preempted`` otherwise.
+HEARS = ERRANDS + """
+#external _cancel/3.
+#program cumulative(t).
+:- _return(W,preempted,t), not _cancel(W,_,t).
+"""
+
+
+def test_a_program_may_hear_of_the_actions_that_are_ended():
+    one = driver(HEARS).goal("a", "do(walk,1)").cancel("a")
+    assert preempted(one) == ["_cancel(walk,1,1)"]
+    one.facts("_return(walk,preempted,1)")
+    assert one.states("a")[-1] == "preempted"
+    assert one.problems == []
+    assert one.journal.updates[-1].split()[2:-2] == [
+        ":-",
+        "not",
+        "_action_lib(walk,1,1).",
+        "_request(cancel(1),2).",
+        "_cancel(walk,1,1).",
+        "_return(walk,preempted,1).",
+    ]
+
+
 def test_without_preempt_it_is_awaited():
     one = driver(preempt=False).goal("a", "do(walk,1)").cancel("a")
     assert preempted(one) == []
