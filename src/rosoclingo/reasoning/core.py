@@ -351,7 +351,7 @@ class Core:
         self._execution.forget_all()
         for update in updates:
             self._tell(_sent(self._step, update))
-        self._answered(result, Batch(self._update), now, mended=True)
+        self._answered(result, Batch(self._update), now)
 
     def _adopt(self, found: Recovery, why: str, now: float) -> None:
         self._tell_update()

@@ -69,11 +69,14 @@ def test_an_action_that_nobody_wants_any_more():
 
 
 #: The program hears which actions are ended, and no action returns ``preempted`` otherwise.
-HEARS = ERRANDS + """
+HEARS = (
+    ERRANDS
+    + """
 #external _cancel/3.
 #program cumulative(t).
 :- _return(W,preempted,t), not _cancel(W,_,t).
 """
+)
 
 
 def test_a_program_may_hear_of_the_actions_that_are_ended():
