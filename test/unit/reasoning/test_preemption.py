@@ -184,6 +184,7 @@ def test_it_thinks_when_something_has_come_and_only_then():
     one = driver(watch=lambda: searches.append(1) or (lambda: None))
     one.goal("a", "do(walk,1)")
     before = len(searches)
+    assert before == 2, "the first one and the goal's: of what has just gone out none is made"
     one.run().run()
     assert len(searches) == before, "nothing has come"
     one.facts("_seen(ball)")
