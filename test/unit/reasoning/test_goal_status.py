@@ -1,3 +1,5 @@
+from itertools import combinations
+
 import clingo
 import pytest
 
@@ -58,6 +60,19 @@ def test_worst_status_counts():
     assert statuses.read(parse_term("1"), 2) == Status("aborted", "blocked, x")
     assert statuses.read(parse_term("1"), 3) is None
     assert statuses.read(parse_term("2"), 2) is None
+
+
+@pytest.mark.parametrize(
+    ("worse", "better"), combinations(["aborted", "rejected", "canceled", "succeeded", "accepted"], 2)
+)
+def test_of_two_statuses_the_worse_counts(worse, better):
+    statuses = GoalStatuses(answer(f"_status(1,{better}(a),2)", f"_status(1,{worse}(z),2)"))
+    assert statuses.read(parse_term("1"), 2) == Status(worse, "z")
+
+
+def test_malformed_statuses_of_cycles_that_are_over_are_told_no_more():
+    statuses = GoalStatuses(answer("_status(1,odd,1)", "_status(2,odd,2)", "_status(3,odd,3)"), since=2)
+    assert [fault[:14] for fault in statuses.faults] == ["'_status(2,odd", "'_status(3,odd"]
 
 
 @pytest.mark.parametrize(

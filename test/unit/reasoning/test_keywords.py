@@ -21,12 +21,22 @@ def test_action_reads_and_prints():
 
 
 def test_return_reads_and_prints():
-    assert str(return_of(parse_atom("_return(pickup,failed(grip),3)")).atom) == "_return(pickup,failed(grip),3)"
+    answer = return_of(parse_atom("_return(pickup,failed(grip),3)"))
+    assert str(answer.atom) == "_return(pickup,failed(grip),3)"
+    assert answer.interface_name == "pickup"
 
 
 @pytest.mark.parametrize(
     "text",
-    ["_action_lib(a,b)", "_action_lib(a,b,c)", "_action_lib(a,b,0)", "_action_lib(a,b,-1)", "-_action_lib(a,b,1)", "a"],
+    [
+        "_action_lib(a,b)",
+        "_return(a,b,1)",
+        "_action_lib(a,b,c)",
+        "_action_lib(a,b,0)",
+        "_action_lib(a,b,-1)",
+        "-_action_lib(a,b,1)",
+        "a",
+    ],
 )
 def test_other_forms_are_errors(text):
     with pytest.raises(KeywordError):
