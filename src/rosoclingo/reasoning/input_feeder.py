@@ -188,11 +188,10 @@ class InputFeeder:
         return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen, done)
 
     def _dated(self, fact: Observation, step: int, over: int) -> Observation:
-        told = fact.told or fact.atom
-        cycle = None if fact.is_return else self._clock.cycle_of(told)
+        cycle = None if fact.is_return else self._clock.cycle_of(fact.atom)
         if cycle is not None and cycle < over:
-            return fact._replace(atom=self._clock.at_present(told, step), outdated=True)
-        return fact._replace(atom=self._clock.dated(told, step), outdated=False)
+            return fact._replace(atom=self._clock.at_present(fact.atom, step), outdated=True)
+        return fact._replace(atom=self._clock.dated(fact.atom, step))
 
     @staticmethod
     def _request(item: Union[Goal, Symbol], step: int) -> Symbol:

@@ -63,7 +63,7 @@ def test_worst_status_counts():
 
 
 @pytest.mark.parametrize(
-    ("worse", "better"), combinations(["aborted", "rejected", "canceled", "succeeded", "accepted"], 2)
+    ("worse", "better"), list(combinations(["aborted", "rejected", "canceled", "succeeded", "accepted"], 2))
 )
 def test_of_two_statuses_the_worse_counts(worse, better):
     statuses = GoalStatuses(answer(f"_status(1,{better}(a),2)", f"_status(1,{worse}(z),2)"))

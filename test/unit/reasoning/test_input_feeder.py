@@ -66,6 +66,14 @@ def test_what_comes_while_an_update_is_made_waits_for_the_next_one():
     assert heads(feeder.next_update(2).update) == ["_request(g(2),3)", "_request(cancel(8),2)", "_seen(ball)"]
 
 
+def test_a_rejected_goal_is_not_cancelled_once_another_of_its_identity_comes():
+    feeder = InputFeeder()
+    for identifier in ("1", "2"):
+        feeder.add_rejection(parse_term(identifier))
+    feeder.add_goal(goal("g(1)"))
+    assert heads(feeder.next_update(3).update) == ["_request(cancel(2),3)", "_request(g(1),4)"]
+
+
 def test_withdrawn_goal_is_not_fed():
     feeder = InputFeeder()
     first, second = goal("g(1)"), goal("g(2)")
@@ -136,6 +144,8 @@ def test_facts_of_cycles_that_are_over_are_taken_for_the_present():
     assert heads(batch.update) == ["_seen(ball,9)", "_seen(dog,9)", "_seen(cat,9)", "_kind(2)", "_return(a,x,2)"]
     assert [str(one.told) for one in batch.facts if one.outdated] == ["_seen(ball,2)"]
     assert {(one.origin, one.cycle) for one in batch.facts} == {("eye", 10)}
+    assert heads(feeder.next_update(10, over=1).update) == heads(feeder.next_update(10).update)
+    assert [str(feeder.next_update(10, over).update.items[0]) for over in (0, 1)] == ["_seen(ball,2).", "#over 1."]
 
 
 def test_a_preview_takes_nothing():
