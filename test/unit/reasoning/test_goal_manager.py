@@ -128,3 +128,15 @@ def test_a_program_that_takes_no_requests():
     clients = Clients("#external _request/1.").add(1)
     assert "no external _request/2" in clients.told[0].message
     assert clients.live == []
+
+
+def test_a_program_that_begins_anew_is_told_again_of_the_goals_that_live():
+    clients = Clients().add(1, 2, 3)
+    clients.feed()
+    goals = clients.goals.live
+    clients.goals.end(goals[:1], Outcome.SUCCEEDED, "is met")
+    clients.goals.again(goals)
+    assert clients.fed == [], "it knows none of them"
+    clients.goals.cancel("g3")
+    assert clients.ends()[-1] == ("g3", Outcome.CANCELED), "at once"
+    assert clients.feed(2) == ["_request(go(2),3)"]
