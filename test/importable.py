@@ -8,7 +8,7 @@ import runpy
 import subprocess
 import sys
 from pathlib import Path
-from typing import Dict, List, Mapping, Sequence, Set
+from typing import List, Mapping, Sequence, Set
 
 from processes import ROOT
 
@@ -29,11 +29,8 @@ def scripts_of(path: Path) -> Set[Path]:
     from roslaunch.config import load_config_default  # not needed, nor there, where the scripts are tried
 
     config = load_config_default([str(path)], None, verbose=False, assign_machines=False)
-    folders: Dict[str, List[str]] = {
-        "scripts": [node.type for node in config.nodes if node.package == "rosoclingo"],
-        "test/rostest": [test.type for test in config.tests if test.package == "rosoclingo"],
-    }
-    found = {ROOT / folder / name for folder, names in folders.items() for name in names}
+    found = {ROOT / "scripts" / node.type for node in config.nodes if node.package == "rosoclingo"}
+    found |= {path.parent / test.type for test in config.tests if test.package == "rosoclingo"}
     return {script for script in found if script.is_file()}
 
 

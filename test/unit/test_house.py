@@ -48,7 +48,7 @@ PURE_SOURCES = [
 SCRIPTS = sorted(path for path in (ROOT / "scripts").glob("*") if path.is_file())
 TESTS = sorted(path for path in (ROOT / "test").rglob("*") if path.suffix == ".py")
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
-ROSTESTS = sorted((ROOT / "test" / "rostest").glob("*.test"))
+ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"))
 
 
 def relative(path):
@@ -119,6 +119,13 @@ def test_every_subpackage_is_in_the_layers():
 def test_no_two_modules_have_one_name():
     names = [path.stem for path in SOURCES if path.stem != "__init__"]
     assert not {name for name in names if names.count(name) > 1}
+
+
+def test_rostests_lie_in_rooms_and_no_two_have_one_name():
+    rooms = {path.parent.relative_to(ROOT / "test" / "rostest").as_posix() for path in ROSTESTS}
+    assert rooms == {"core", "interfaces", "nodes", "robot", "scenarios"}
+    names = [path.name for path in (ROOT / "test" / "rostest").rglob("*") if path.suffix in (".py", ".test")]
+    assert not {name for name in names if names.count(name) > 1}, "rostest finds scripts by their names"
 
 
 @pytest.mark.parametrize("folder", sorted({path.parent for path in SOURCES}), ids=relative)

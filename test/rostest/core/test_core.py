@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+"""The core node: goals of several clients, refusals, cancels, stray facts, late comers; with the interfaces by hand."""
+
+import random
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalID, GoalStatus
+from rosoclingo.msg import InterfaceIO, ROSoClingoActionGoal, ROSoClingoResult, TaskPlan
+from std_msgs.msg import UInt32
+
+from rosoclingo.oclingo import parse_update
+from rosoclingo.reasoning import Outcome
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Hands, SentGoal, Updates
+from interface_helpers import PATIENCE, wait_until
+
+SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
+PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
+
+
+class Core(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_test")
+        cls.hands = Hands()
+        cls.hands.wait_for("/rosoclingo")
+        cls.client = Client()
+        cls.updates = Updates()
+        cls.number = 0
+
+    def setUp(self):
+        self.hands.at_once = False
+
+    def tearDown(self):
+        left = self.hands.clear()
+        self.assertEqual(left, [], "commands were left over")
+
+    @classmethod
+    def errand(cls, what="walk"):
+        """A goal text with an identity of its own."""
+        cls.number += 1
+        return f"do({what},{cls.number})"
+
+    def test_outcome_codes_are_those_of_the_action(self):
+        for outcome in Outcome:
+            self.assertEqual(getattr(ROSoClingoResult, outcome.name), int(outcome))
+
+    def test_goal_with_feedback_and_result(self):
+        goal = self.client.send(self.errand())
+        command = self.hands.take()
+        wait_until(lambda: goal.feedback, "feedback")
+        self.assertEqual(goal.feedback[0].task_plan[-1], command)
+        self.assertEqual(goal.feedback[0].task_plan[goal.feedback[0].position], command)
+        self.assertEqual(f",{goal.feedback[0].cycle})", command[command.rindex(",") :])
+        self.assertEqual(goal.feedback[0].status, "pending")
+        self.hands.succeed(command)
+        status, result = goal.wait()
+        self.assertEqual((status, result.outcome), (SUCCEEDED, ROSoClingoResult.SUCCEEDED))
+        self.assertIn("is met", result.message)
+
+    def test_two_clients_each_with_its_own_status(self):
+        other = Client()
+        blocking = self.client.send(self.errand())
+        first = self.hands.take()
+        kept, dropped = self.client.send(self.errand("run")), other.send(self.errand("swim"))
+        kept.arrived()
+        dropped.arrived()
+        refused = other.send("do(")
+        self.assertIn("no ground term", refused.ends_as(REJECTED))
+        dropped.cancel()
+        dropped.ends_as(RECALLED)
+        self.hands.succeed(first)
+        second = self.hands.take()
+        self.assertIn("run", second)
+        self.hands.succeed(second)
+        blocking.ends_as(SUCCEEDED)
+        kept.ends_as(SUCCEEDED)
+
+    def test_goals_that_cannot_be_taken(self):
+        good_text = self.errand()
+        good = self.client.send(good_text)
+        command = self.hands.take()
+        reasons = {
+            "": "no ground term",
+            "do(X,1)": "no ground term",
+            "do(walk,1": "no ground term",
+            "walk": "names no goal",
+            "cancel(1)": "cancel the goal itself",
+            good_text: "taken",
+            "\u00e4(1)": "no ground term",
+        }
+        for text, reason in reasons.items():
+            self.assertIn(reason, self.client.send(text).ends_as(REJECTED))
+        self.hands.succeed(command)
+        good.ends_as(SUCCEEDED)
+
+    def test_goal_that_cannot_be_met(self):
+        text = self.errand("never")
+        self.assertIn("there is no plan of at most 60 steps", self.client.send(text).ends_as(ABORTED))
+
+    def test_failed_action_is_repeated(self):
+        goal = self.client.send(self.errand())
+        self.hands.fail(self.hands.take())
+        self.hands.succeed(self.hands.take())
+        goal.ends_as(SUCCEEDED)
+
+    def test_cancel_while_the_action_runs(self):
+        goal = self.client.send(self.errand())
+        command = self.hands.take()
+        goal.cancel()
+        goal.cancelled()
+        self.hands.fail(command)
+        self.assertIn(goal.wait()[0], (PREEMPTED, RECALLED))
+
+    def test_cancel_before_the_goal(self):
+        cancel = rospy.Publisher("rosoclingo/cancel", GoalID, queue_size=10)
+        sender = rospy.Publisher("rosoclingo/goal", ROSoClingoActionGoal, queue_size=10)
+        wait_until(lambda: cancel.get_num_connections() and sender.get_num_connections(), "the server")
+        cancel.publish(GoalID(id="early"))
+        wait_until(lambda: self.status_of("early") == GoalStatus.RECALLING, "the cancel to arrive")
+        goal = ROSoClingoActionGoal(goal_id=GoalID(id="early"))
+        goal.goal.request = self.errand()
+        sender.publish(goal)
+        wait_until(lambda: self.status_of("early") == RECALLED, "the goal to be recalled")
+        self.assertFalse([text for text in self.updates.texts if goal.goal.request in text])
+
+    def status_of(self, key):
+        message = self.client.raw.last_status_msg
+        return next((one.status for one in message.status_list if one.goal_id.id == key), None)
+
+    def test_cancel_all_and_cancel_by_stamp(self):
+        blocking = self.client.send(self.errand())
+        command = self.hands.take()
+        others = [self.client.send(self.errand()) for _ in range(3)]
+        for goal in others:
+            goal.arrived()
+        self.client.raw.cancel_goals_at_and_before_time(rospy.Time.now())
+        for goal in others:
+            goal.ends_as(RECALLED)
+        last = self.client.send(self.errand())
+        last.arrived()
+        self.client.raw.cancel_all_goals()
+        last.ends_as(RECALLED)
+        self.hands.succeed(command)
+        self.assertIn(blocking.wait()[0], (SUCCEEDED, PREEMPTED, RECALLED))
+
+    def test_facts_that_make_no_sense_change_nothing(self):
+        goal = self.client.send(self.errand())
+        command = self.hands.take()
+        self.updates.wait_for(f"_request({goal.text},")
+        before = len(self.updates.texts)
+        cycle = int(command.rsplit(",", 1)[1][:-1])
+        number = command.split(",")[1]
+        self.hands.tell(f"_return(walk,{number},{cycle + 1})", f"_return(fly,{number},{cycle})", "_return(walk)")
+        self.hands.tell(
+            "garbage((", "", "_unheard(1)", "_request(do(walk,999),2)", f"_status({number},succeeded,{cycle})"
+        )
+        self.hands.tell(origin="an_interface_that_nobody_knows")
+        self.hands.tell("_return(arm,up,1)", origin="an_interface_that_nobody_knows")
+        self.hands.tell("_seen(ball)", "_seen(ball)")
+        self.hands.succeed(command)
+        self.hands.succeed(command)
+        goal.ends_as(SUCCEEDED)
+        self.updates.wait_for(command.replace("_action_lib", "_return"))
+        self.assertEqual(len(self.updates.texts), before + 1)
+        facts = [str(fact) for fact in parse_update(self.updates.texts[-1]).items[-2:]]
+        self.assertEqual(facts, ["_seen(ball).", command.replace("_action_lib", "_return") + "."])
+
+    def test_stray_return_while_idle(self):
+        before = len(self.updates.texts)
+        self.hands.tell("_return(walk,1,1)")
+        self.hands.at_once = True
+        goal = self.client.send(self.errand())
+        goal.ends_as(SUCCEEDED)
+        self.updates.wait_for(f"_request({goal.text},")
+        self.assertNotIn("_return(walk,1,1)", "".join(self.updates.texts[before:]))
+
+    def test_message_for_an_unknown_interface_is_nobodys_business(self):
+        publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, queue_size=1)
+        wait_until(lambda: publisher.get_num_connections() > 0, "a reader")
+        publisher.publish(InterfaceIO("nobody", ["_action_lib(nobody,x,1)"]))
+        self.assertEqual(self.hands.take(), "_action_lib(nobody,x,1)")
+        self.hands.at_once = True
+        self.client.send(self.errand()).ends_as(SUCCEEDED)
+
+    def test_late_interface_is_sent_what_is_under_way_and_nothing_old(self):
+        self.hands.at_once = True
+        self.client.send(self.errand()).ends_as(SUCCEEDED)
+        self.hands.at_once = False
+        goal = self.client.send(self.errand("run"))
+        command = self.hands.take()
+        echo = ["rostopic", "echo", "-n", "1", "/out_rosoclingo/facts"]  # a subscriber with a connection of its own
+        late = subprocess.run(echo, stdout=subprocess.PIPE, text=True, timeout=PATIENCE, check=True).stdout
+        self.assertIn(command, late)
+        self.hands.succeed(command)
+        goal.ends_as(SUCCEEDED)
+
+    def test_plan_is_latched(self):
+        self.hands.at_once = True
+        self.client.send(self.errand()).ends_as(SUCCEEDED)
+        plan = rospy.wait_for_message("rosoclingo/task_plan", TaskPlan, PATIENCE)
+        self.updates.wait_for(f"#step {plan.cycle} : 60.\n")
+        self.assertEqual(rospy.wait_for_message("rosoclingo/cycle", UInt32, PATIENCE).data, plan.cycle)
+        self.assertGreaterEqual(plan.horizon, plan.cycle)
+        self.assertEqual(plan.actions[-1], self.hands.seen[-1])
+
+    def test_request_from_the_command_line(self):
+        self.hands.at_once = True
+        run = [["rosrun", "rosoclingo", "request", text] for text in (self.errand(), "do(", self.errand("never"))]
+        codes = [subprocess.run(command, stdout=subprocess.DEVNULL, timeout=PATIENCE).returncode for command in run]
+        self.assertEqual(codes, [0, 3, 4])
+        nobody = subprocess.run(
+            [*run[0], "--server", "nobody", "--wait", "0.2"], stdout=subprocess.DEVNULL, timeout=PATIENCE
+        )
+        self.assertEqual(nobody.returncode, 5)
+
+    def test_many_goals_of_many_clients(self):
+        self.hands.at_once = True
+        chance = random.Random(1)
+        clients = [Client() for _ in range(4)]
+        sent = [(chance.random() < 0.3, SentGoal(chance.choice(clients).raw, self.errand("quick"))) for _ in range(100)]
+        for cancelled, goal in sent:
+            if cancelled:
+                goal.cancel()
+        for cancelled, goal in sent:
+            self.assertIn(goal.wait()[0], (SUCCEEDED, PREEMPTED, RECALLED) if cancelled else (SUCCEEDED,))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "core", Core, sys.argv)

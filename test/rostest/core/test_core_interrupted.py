@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""The core while its solver works without end: time limit, cancel, Ctrl-C and the node's sudden death."""
+
+import os
+import signal
+import sys
+import tempfile
+import unittest
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Updates
+from interface_helpers import Process, wait_until
+
+ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
+
+#: The errand boom is ground without end, the errand pigeons is searched without end.
+ENDLESS = """
+#program cumulative(t).
+n(0,t) :- asked(boom,_,C), C <= t+1.
+n(X+1,t) :- n(X,t), X < 2000000000.
+1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, asked(pigeons,I,C), C <= t, not dropped(I).
+:- in(P,H,t), in(Q,H,t), P < Q.
+#program base.
+dropped(I) :- _request(cancel(I),_).
+"""
+
+
+@contextmanager
+def core(namespace, **parameters):
+    """A core with endless errands; its topics are /NAMESPACE/..."""
+    with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+        file.write(ERRANDS.read_text() + ENDLESS)
+        file.flush()
+        values = [f"_{name}:={value}" for name, value in dict(parameters, program_files=f"[{file.name}]").items()]
+        command = ["rosrun", "rosoclingo", "core", "__name:=rosoclingo", f"__ns:={namespace}", *values]
+        with Process(*command, "_action_timeout:=1") as process:
+            yield process
+
+
+def stat(pid):
+    """State and parent of a process, None where there is none."""
+    with suppress(OSError):
+        state, parent = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[:2]
+        return state, int(parent)
+    return None
+
+
+def children(node):
+    """Process ids of a node's children."""
+    pid = ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node)).getPid(rospy.get_name())[2]
+    pids = [int(path.name) for path in Path("/proc").glob("[0-9]*")]
+    return [one for one in pids if (stat(one) or ("", 0))[1] == pid]
+
+
+def gone(pid):
+    return stat(pid) is None or stat(pid)[0] == "Z"
+
+
+def worked(node):
+    """Seconds of processor time that the children of a node have taken: an update is told only once it is in force."""
+    ticks = 0
+    for pid in children(node):
+        with suppress(OSError):
+            ticks += sum(map(int, Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]))
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+@contextmanager
+def kept_busy(node):
+    """Wait at the end until the solver has worked for more than what the start of another one in reserve takes."""
+    before = worked(node)
+    yield
+    wait_until(lambda: worked(node) > before + 2.0, "the solver to be at work")
+
+
+class CoreInterrupted(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_interrupted_test")
+
+    def serves(self, namespace, goal, updates):
+        """The core serves another goal."""
+        sent = Client(f"{namespace}/rosoclingo").send(goal)
+        action = goal.replace("do(", "_action_lib(")[:-1]
+        updates.wait_for(goal)
+        sent.arrived()
+        wait_until(lambda: any(action in text for text in self.plan(sent)), "a plan")
+        sent.cancel()
+        return sent
+
+    @staticmethod
+    def plan(sent):
+        return [text for feedback in sent.feedback for text in feedback.task_plan]
+
+    def test_time_limit_ends_grounding(self):
+        with core("timed", search_timeout=1.5):
+            updates = Updates("timed/rosoclingo")
+            goal = Client("timed/rosoclingo").send("do(boom,1)")
+            message = goal.ends_as(GoalStatus.ABORTED)
+            self.assertIn("do(boom,1) is given up without a plan: it took longer than 1.5 s", message)
+            self.serves("timed", "do(walk,2)", updates)
+
+    def test_cancel_ends_grounding_and_search(self):
+        with core("cancelled", search_timeout=0, horizon_limit=2):
+            updates = Updates("cancelled/rosoclingo")
+            for number, what in enumerate(["boom", "pigeons"], 1):
+                with kept_busy("/cancelled/rosoclingo"):
+                    goal = Client("cancelled/rosoclingo").send(f"do({what},{number})")
+                goal.cancel()
+                self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
+            self.serves("cancelled", "do(walk,3)", updates)
+
+    def test_ctrl_c_ends_grounding(self):
+        with core("stopped", search_timeout=0) as process:
+            client = Client("stopped/rosoclingo")
+            pids = children("/stopped/rosoclingo")
+            with kept_busy("/stopped/rosoclingo"):
+                goal = client.send("do(boom,1)")
+            process.signal(signal.SIGINT)
+            self.assertIn("the core shuts down", goal.ends_as(GoalStatus.ABORTED))
+            code, error = process.wait()
+            self.assertEqual(code, 0, error)
+            self.assertNotIn("Traceback", error)
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
+
+    def test_sudden_death_leaves_no_process_behind(self):
+        with core("killed", search_timeout=0) as process:
+            client = Client("killed/rosoclingo")
+            pids = children("/killed/rosoclingo")
+            with kept_busy("/killed/rosoclingo"):
+                client.send("do(boom,1)")
+            process.signal(signal.SIGKILL)
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
+
+    def test_death_of_the_solver_costs_one_update_at_most(self):
+        with core("robbed") as process:
+            updates = Updates("robbed/rosoclingo")
+            self.serves("robbed", "do(walk,1)", updates)
+            pids = children("/robbed/rosoclingo")
+            for pid in pids:
+                os.kill(pid, signal.SIGKILL)
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
+            self.serves("robbed", "do(run,2)", updates)
+            self.assertIsNotNone(process)
+
+    def test_cancels_of_grounding_leave_one_process_in_reserve(self):
+        with core("often", search_timeout=0, horizon_limit=2):
+            updates = Updates("often/rosoclingo")
+            client = Client("often/rosoclingo")
+            for number in range(1, 4):
+                with kept_busy("/often/rosoclingo"):
+                    goal = client.send(f"do(boom,{number})")
+                goal.cancel()
+                self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
+                self.assertLessEqual(len(children("/often/rosoclingo")), 2)
+            self.serves("often", "do(walk,9)", updates)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "core_interrupted", CoreInterrupted, sys.argv)

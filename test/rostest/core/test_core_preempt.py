@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""A goal is cancelled while the robot drives: with ~preempt it stops at once, else it ends its way, as in the paper."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from rosoclingo.msg import InterfaceIO
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client
+from navigation_helpers import Driver
+
+
+class CorePreempt(unittest.TestCase):
+    def test_cancel_while_driving(self):
+        preempt = rospy.get_param("/rosoclingo/preempt")
+        office2 = rospy.get_param("/rosoclingo/labels")["office2"]
+        commands = []
+        rospy.Subscriber("out_rosoclingo", InterfaceIO, lambda message: commands.extend(message.facts))
+        robot, client = Driver(), Client()
+        goal = client.send("goal(office3,office2,1)")
+        robot.wait(lambda: robot.speed[0] > 0.2)
+        goal.cancel()
+        status, result = goal.wait()
+        self.assertEqual(status, GoalStatus.PREEMPTED, result)
+        self.assertEqual(commands[0], "_action_lib(move_base,office2,1)")
+        left = abs(robot.pose[0] - office2["x"])
+        if preempt:
+            self.assertEqual(commands, ["_action_lib(move_base,office2,1)", "_cancel(move_base,office2,1)"])
+            self.assertGreater(left, 0.5, "it went all the way")
+            robot.wait(lambda: robot.speed == (0.0, 0.0))
+            self.assertGreater(abs(robot.pose[0] - office2["x"]), 0.5)
+        else:
+            self.assertEqual(commands, ["_action_lib(move_base,office2,1)"])
+            self.assertLess(left, 0.5, "it did not end its way")
+
+
+if __name__ == "__main__":
+    rospy.init_node("core_preempt_test")
+    rostest.rosrun("rosoclingo", "core_preempt", CorePreempt, sys.argv)

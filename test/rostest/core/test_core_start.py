@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""The core node's start and end: bad parameters and programs, constants and labels, time-outs, shutdown, Ctrl-C."""
+
+import signal
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from rosoclingo.msg import TaskPlan
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Updates
+from interface_helpers import Process, wait_until
+
+ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
+
+
+def core(namespace, **parameters):
+    """A core in a process of its own; its topics are /NAMESPACE/..."""
+    values = [f"_{name}:={value}" for name, value in parameters.items()]
+    return Process("rosrun", "rosoclingo", "core", "__name:=rosoclingo", f"__ns:={namespace}", *values)
+
+
+class CoreStart(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_start_test")
+
+    def fails_with(self, text, namespace, **parameters):
+        with core(namespace, **parameters) as process:
+            code, error = process.wait()
+        self.assertEqual(code, 1, error)
+        self.assertIn(text, error)
+        self.assertNotIn("Traceback", error)
+
+    def test_bad_parameters(self):
+        self.fails_with("~program_files", "none")
+        self.fails_with("there is no file '/no/such/file.lp'", "missing", program_files="[/no/such/file.lp]")
+        self.fails_with(
+            "~horizon_limit: must be a whole number from 1 on, not 0",
+            "zero",
+            program_files=f"[{ERRANDS}]",
+            horizon_limit=0,
+        )
+        self.fails_with("no #const nosuch", "constant", program_files=f"[{ERRANDS}]", constants="{nosuch: 3}")
+
+    def test_what_a_program_lacks_is_told_at_the_start(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+            file.write("#const n = 2.\n#program cumulative(t).\n{ _action_lib(go,n,t) }.\n")
+            file.flush()
+            with core("lacking", program_files=f"[{file.name}]", constants="{n: -2}") as process:
+                Client("lacking/rosoclingo").send("go(1)").ends_as(GoalStatus.REJECTED)
+                process.signal(signal.SIGINT)
+                error = process.wait()[1]
+        for text in ("no external _request/2 (write", "no external _return/3 (write", "no volatile part", "n is -2"):
+            self.assertEqual(error.count(text), 1, error)
+
+    def test_bad_program(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+            file.write("#program base.\na(X).\n")
+            file.flush()
+            self.fails_with(f"{file.name}:2", "unsafe", program_files=f"[{file.name}]")
+
+    def test_action_timeout(self):
+        with core("patient", program_files=f"[{ERRANDS}]", action_timeout=0.5):
+            client, updates = Client("patient/rosoclingo"), Updates("patient/rosoclingo")
+            goal = client.send("do(walk,1)")
+            updates.wait_for("_return(walk,timeout,1).")
+            goal.cancel()
+            self.assertIn(goal.wait()[0], (GoalStatus.PREEMPTED, GoalStatus.RECALLED))
+
+    def test_search_timeout(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+            pigeons = (
+                "#external _request/2.\n#program cumulative(t).\n"
+                "1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, _request(hard(_),_), not given_up.\n"
+                ":- in(P,H,t), in(Q,H,t), P < Q.\n#program base.\n"
+                "given_up :- _request(cancel(_),_).\n#show _action_lib/3.\n#defined _action_lib/3.\n"
+            )
+            file.write(pigeons)
+            file.flush()
+            with core("hard", program_files=f"[{file.name}]", search_timeout=0.5, horizon_limit=1):
+                message = Client("hard/rosoclingo").send("hard(1)").ends_as(GoalStatus.ABORTED)
+                self.assertIn("no plan was found before the search was ended", message)
+
+    def test_constants_and_labels(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+            file.write(
+                "#const n = 1.\n#external _return/3.\n#program cumulative(t).\n"
+                "_action_lib(go,L,n) :- label(L), t = n.\n#program volatile(t).\n:- t < n.\n"
+            )
+            file.flush()
+            values = {"program_files": f"[{file.name}]", "constants": "{n: 2}", "labels": "{kitchen: {x: 1, y: 2}}"}
+            with core("labelled", **values):
+                plans = []
+                subscriber = rospy.Subscriber("labelled/rosoclingo/task_plan", TaskPlan, plans.append)
+                wait_until(lambda: plans and plans[-1].cycle == 2, "cycle 2")
+                subscriber.unregister()
+                self.assertEqual(plans[-1].actions, ["_action_lib(go,kitchen,2)"])
+
+    def test_shutdown_ends_every_goal(self):
+        with core("mortal", program_files=f"[{ERRANDS}]") as process:
+            goal = Client("mortal/rosoclingo").send("do(walk,1)")
+            goal.arrived()
+            process.signal(signal.SIGINT)
+            self.assertIn("the core shuts down", goal.ends_as(GoalStatus.ABORTED))
+            self.assertEqual(process.wait()[0], 0)
+
+    def test_request_is_cancelled_on_ctrl_c(self):
+        with core("asked", program_files=f"[{ERRANDS}]", action_timeout=2.0):
+            updates = Updates("asked/rosoclingo")
+            command = ["rosrun", "rosoclingo", "request", "do(walk,1)", "--server", "asked/rosoclingo", "--wait", "30"]
+            with Process(*command) as request:
+                wait_until(lambda: updates.texts, "the request")
+                request.signal(signal.SIGINT)
+                updates.wait_for("cancel(1)")
+                self.assertEqual(request.wait()[0], 2)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "core_start", CoreStart, sys.argv)

@@ -1,0 +1,361 @@
+#!/usr/bin/env python3
+"""Interfaces by configuration: goals filled, ends answered, time-outs, retries, servers that are absent or die."""
+
+import signal
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib.msg import (
+    TestAction,
+    TestActionGoal,
+    TestActionResult,
+    TestGoal,
+    TestRequestAction,
+    TestRequestResult,
+    TwoIntsAction,
+    TwoIntsGoal,
+    TwoIntsResult,
+)
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from clingo import Function, Number
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rosgraph_msgs.msg import Log
+
+from rosoclingo.common.worker import Worker
+from rosoclingo.interfaces.action_runs import Limits
+from rosoclingo.interfaces.answers import Answer
+from rosoclingo.interfaces.base import Interface, RefusalError
+from rosoclingo.interfaces.config import ConfigError
+from rosoclingo.interfaces.hosting import InterfacesNode
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import CoreSide, Process, Server, wait_until
+
+MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
+
+
+def arm(**settings):
+    return {"interfaces": {"arm": {"type": "actionlib/TestAction", **settings}}}
+
+
+class ConfiguredInterfaces(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_side")
+        cls.core = CoreSide()
+        cls.oracle = Server("oracle", TestRequestAction)
+        cls.count = Server("count", TestAction)
+        cls.hasty = Server("hasty", TestAction)
+        cls.core.wait_for("interface")
+
+    def tearDown(self):
+        self.assertTrue(self.core.silent(), "exactly one message answers an action")
+
+    def test_goal_fields_and_answer(self):
+        self.core.send("ask", '_action_lib(ask,q(42,"some words",true,"1.5"),2)')
+        handle = self.oracle.accept()
+        goal = handle.get_goal()
+        self.assertEqual((goal.the_result, goal.result_text, goal.ignore_cancel), (42, "some words!", True))
+        self.assertEqual(goal.delay_terminate, rospy.Duration(1.5))
+        handle.set_succeeded(TestRequestResult(the_result=43), "seen(cup)")
+        self.assertEqual(self.core.receive(), ["said(42,2)", "seen(cup)", "_return(ask,answer(43),2)"])
+
+    def test_rules_by_result_and_text(self):
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_aborted(TestRequestResult(the_result=7), "No Term")
+        self.assertEqual(self.core.receive(), ['_return(ask,"No Term",2)'])
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_aborted(TestRequestResult(the_result=8), "No Term")
+        self.assertEqual(self.core.receive(), ["_return(ask,failed,2)"])
+
+    def test_a_fact_that_is_no_atom_is_left_out(self):
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_succeeded(TestRequestResult(the_result=1), "No Atom")
+        self.assertEqual(self.core.receive(), ["said(1,2)", "_return(ask,answer(1),2)"])
+
+    def test_parameters_that_do_not_fit(self):
+        for parameter in ("q(1,a,false)", "q(much,a,false,0)", "q(1,a,perhaps,0)", 'q(1,a,false,"1e300")', "alone"):
+            self.assertEqual(
+                self.core.run("ask", f"_action_lib(ask,{parameter},2)"), ["_return(ask,bad_parameter,2)"], parameter
+            )
+
+    def test_a_failed_goal_is_sent_again(self):
+        self.core.send("count", "_action_lib(count,5,1)")
+        self.count.accept().set_aborted()
+        self.count.accept().set_aborted()
+        self.count.accept().set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(count,5,1)"])
+
+    def test_retries_come_to_an_end(self):
+        self.core.send("count", "_action_lib(count,5,1)")
+        for _ in range(3):
+            self.count.accept().set_aborted()
+        self.assertEqual(self.core.receive(), ["_return(count,failed,1)"])
+
+    def test_other_reasons_are_not_tried_again(self):
+        self.core.send("count", "_action_lib(count,5,1)")
+        self.count.take().set_rejected()
+        self.assertEqual(self.core.receive(), ["_return(count,rejected,1)"])
+
+    def test_time_out(self):
+        self.core.send("hasty", "_action_lib(hasty,a,1)")
+        self.hasty.accept()
+        self.hasty.cancelled().set_canceled()
+        self.assertEqual(self.core.receive(), ["_return(hasty,timeout,1)"])
+
+    def test_time_out_of_a_server_that_does_not_heed_the_cancellation(self):
+        self.core.send("hasty", "_action_lib(hasty,a,2)")
+        handle = self.hasty.accept()
+        self.hasty.cancelled()
+        self.assertEqual(self.core.receive(), ["_return(hasty,timeout,2)"])
+        handle.set_succeeded()  # too late: it must not be heard
+        self.assertEqual(self.core.run("absent", "_action_lib(absent,a,3)"), ["_return(absent,server_lost,3)"])
+
+    def test_a_server_that_is_absent(self):
+        self.assertEqual(self.core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
+        self.core.send("absent", "_action_lib(absent,a,2)", "_cancel(absent,a,2)")
+        self.assertEqual(self.core.receive(), ["_return(absent,preempted,2)"])
+
+    def test_a_server_that_never_acknowledges(self):
+        goals, cancels = [], []
+        topics = [
+            rospy.Publisher("mute/status", GoalStatusArray, queue_size=1),
+            rospy.Publisher("mute/result", TestActionResult, queue_size=1),
+            rospy.Subscriber("mute/goal", TestActionGoal, goals.append),
+            rospy.Subscriber("mute/cancel", GoalID, cancels.append),
+        ]
+        wait_until(lambda: all(topic.get_num_connections() for topic in topics), "the interface to connect")
+        self.assertEqual(self.core.run("mute", "_action_lib(mute,a,1)"), ["_return(mute,server_lost,1)"])
+        self.core.send("mute", "_action_lib(mute,a,2)", "_cancel(mute,a,2)")
+        wait_until(lambda: goals[1:] and cancels and cancels[-1].id == goals[-1].goal_id.id, "goal and cancel")
+        topics[0].publish(GoalStatusArray())  # says nothing of the goal, which is not lost for that
+        self.assertEqual(self.core.receive(), ["_return(mute,preempted,2)"])
+
+    def test_a_server_that_dies_and_comes_back(self):
+        for end in (signal.SIGKILL, signal.SIGINT):
+            with Process(sys.executable, MORTAL) as server:
+                self.core.send("mortal", "_action_lib(mortal,a,1)")
+                statuses = rospy.Subscriber("mortal/status", GoalStatusArray, self._note)
+                self.statuses = []
+                wait_until(lambda: 1 in self.statuses, "the goal to be active")
+                server.signal(end)
+                self.assertEqual(self.core.receive(), ["_return(mortal,server_lost,1)"])
+                statuses.unregister()
+
+    def _note(self, message):
+        self.statuses.extend(status.status for status in message.status_list)
+
+
+class SumInterface(Interface):
+    """What a user writes who needs code: two numbers in a term, their sum in the return."""
+
+    def make_goal(self, action):
+        if not action.parameter.arguments:
+            raise RefusalError("no_numbers", "add what?")
+        first, second = (argument.number for argument in action.parameter.arguments)
+        return TwoIntsGoal(first, second) if first else TestGoal(second)
+
+    def make_answer(self, action, ended):
+        if ended.status == "succeeded":
+            return Answer(Number(ended.result.sum), ("calculated",)) if ended.result.sum else None
+        return Answer(Function("no_sum")) if ended.status == "aborted" else super().make_answer(action, ended)
+
+
+class Reports:
+    """What the interfaces say on /diagnostics."""
+
+    def __init__(self):
+        self._found = []
+        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: self._found.extend(one.status))
+
+    def wait_for(self, name, condition):
+        """The first report of an interface of which the condition holds, and its values as a dict."""
+        found = []
+
+        def look():
+            for status in list(self._found):
+                values = {pair.key: pair.value for pair in status.values}
+                if status.name == f"rosoclingo: interface {name}" and condition(status, values):
+                    found.append((status, values))
+            return found
+
+        wait_until(look, f"a report of {name}")
+        return found[0]
+
+
+class SubclassedInterface(unittest.TestCase):
+    def test_code_where_configuration_does_not_do(self):
+        core, server, worker = CoreSide(), Server("adder", TwoIntsAction), Worker()
+        SumInterface("sum", TwoIntsAction, "adder", worker=worker)
+        worker.start()
+        core.wait_for(rospy.get_name())
+        core.send("sum", "_action_lib(sum,two(3,4),1)")
+        goal = server.accept()
+        goal.set_succeeded(TwoIntsResult(goal.get_goal().a + goal.get_goal().b))
+        self.assertEqual(core.receive(), ["calculated", "_return(sum,7,1)"])
+        core.send("sum", "_action_lib(sum,two(3,4),2)")
+        server.accept().set_aborted()
+        self.assertEqual(core.receive(), ["_return(sum,no_sum,2)"])
+        core.send("sum", "_action_lib(sum,two(3,4),3)")
+        server.take().set_rejected()
+        self.assertEqual(core.receive(), ["_return(sum,rejected,3)"])
+        # refused, and faults of the subclass itself
+        self.assertEqual(core.run("sum", "_action_lib(sum,nothing,4)"), ["_return(sum,no_numbers,4)"])
+        self.assertEqual(core.run("sum", "_action_lib(sum,two(a,b),5)"), ["_return(sum,bad_parameter,5)"])
+        self.assertEqual(core.run("sum", "_action_lib(sum,two(0,4),5)"), ["_return(sum,bad_parameter,5)"])
+        core.send("sum", "_action_lib(sum,two(3,4),6)")
+        server.accept().set_succeeded(TwoIntsResult(2**40))
+        self.assertEqual(core.receive(), ["_return(sum,failed,6)"])
+        core.send("sum", "_action_lib(sum,two(3,-3),7)")
+        server.accept().set_succeeded(TwoIntsResult(0))
+        self.assertEqual(core.receive(), ["_return(sum,failed,7)"])
+        core.send("sum", "_action_lib(sum,two(3,4),8)")
+        server.accept().set_succeeded(TwoIntsResult(7))
+        self.assertEqual(core.receive(), ["calculated", "_return(sum,7,8)"])
+        self.check_health()
+        worker.stop()
+
+    def check_health(self):
+        reports = Reports()
+        status, values = reports.wait_for("sum", lambda _, values: values["succeeded"] == "4")
+        self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "idle"))
+        self.assertEqual((values["server"], values["failed"], values["faults"]), ("adder", "5", "4"))
+        self.assertIn("TypeError: make_answer gave None", values["last fault"])
+        status, _ = reports.wait_for("absent", lambda *_: True)
+        self.assertEqual((status.level, status.message), (DiagnosticStatus.WARN, "server absent is not connected"))
+
+    def test_a_fault_costs_its_actions_and_nothing_else(self):
+        core, server, worker, lines = CoreSide(), Server("trader", TwoIntsAction), Worker(), []
+        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
+        SumInterface("odd", TwoIntsAction, "trader", Limits(timeout="soon"), worker=worker)
+        SumInterface("trade", TwoIntsAction, "trader", worker=worker)
+        worker.start()
+        core.wait_for(rospy.get_name())
+        reports = Reports()
+        wait_until(lambda: log.get_num_connections() > 0, "the log")
+        core.send("trade", "_action_lib(trade,two(3,4),1)")
+        handle = server.accept()
+        core.send("odd", "_action_lib(odd,two(1,1),1)", "_action_lib(odd,two(2,2),1)")
+        odd = [server.accept() for _ in range(2)]
+        self.assertEqual([core.receive(), core.receive()], [["_return(odd,failed,1)"]] * 2)
+        for _ in odd:
+            server.cancelled().set_canceled()
+        status, _ = reports.wait_for("odd", lambda _, values: values["faults"] == "2")
+        self.assertEqual(status.level, DiagnosticStatus.ERROR)
+        self.assertIn("internal error: TypeError: '<' not supported", status.message)
+        handle.set_succeeded(TwoIntsResult(7))
+        self.assertEqual(core.receive(), ["calculated", "_return(trade,7,1)"])
+        wait_until(lambda: any("odd: internal error: TypeError" in line for line in lines), "the log")
+        told = [line for line in lines if "odd: internal error: TypeError" in line and "Traceback" in line]
+        self.assertEqual(len(told), 1)
+        worker.stop()
+
+
+class InterfaceNode(unittest.TestCase):
+    """The node as a process: its parameters, and its end."""
+
+    def test_parameters_that_cannot_be_used(self):
+        for fault, parameters in (
+            (
+                "arm.type: no action nowhere/NoAction on the Python path",
+                {"interfaces": {"arm": {"type": "nowhere/NoAction"}}},
+            ),
+            ("arm.goal.gaol: actionlib/TestGoal has no such field; it has goal", arm(goal={"gaol": 1})),
+            (
+                "~interfaces: arm.returns[0]: actionlib/TestResult has no field x; it has result",
+                arm(returns=[{"when": {"x": 1}}]),
+            ),
+            ("arm.returns[0]: actionlib/TestResult has no field y", arm(returns=[{"return": "$result.y"}])),
+            ("~names: no entry leg in ~interfaces", {"names": ["leg"]}),
+            ("~names: must be a list of interface names, not 'pickup'", {"names": "pickup"}),
+            ("~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3", {"labels": {"a": 3}}),
+            ("~timeout: must be a number from 0 on", {"names": ["pickup"], "timeout": -1}),
+            ("need a node with a single interface", {"timeout": 3}),
+            ("~server: must be the name of an actionlib server, not 3", {"names": ["pickup"], "server": 3}),
+        ):
+            for name, value in parameters.items():
+                rospy.set_param("~" + name, value)
+            with self.assertRaises(ConfigError) as caught:
+                InterfacesNode()
+            self.assertIn(fault, str(caught.exception))
+            for name in parameters:
+                rospy.delete_param("~" + name)
+
+    def test_all_faults_are_told_at_once(self):
+        rules = [{"when": {"outcome": "NOT_THERE"}, "return": "$result.y"}, {"stratus": "aborted"}]
+        entries = {
+            "pickup": {"type": "rosoclingo/PickupAction", "timeout": -1, "goal": {"pack": 1}, "returns": rules},
+            "leg": {"type": "nowhere/NoAction"},
+            "head": {"type": "actionlib/TestAction", "goal": {"goal": "much"}},
+        }
+        parameters = {
+            "interfaces": entries,
+            "labels": {"a": 3},
+            "names": ["pickup", "leg", "head", "tail"],
+            "server": 3,
+        }
+        for name, value in parameters.items():
+            rospy.set_param("~" + name, value)
+        with self.assertRaises(ConfigError) as caught:
+            InterfacesNode()
+        for name in parameters:
+            rospy.delete_param("~" + name)
+        faults = str(caught.exception).splitlines()
+        beginnings = (
+            "~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3",
+            "~names: no entry tail in ~interfaces; entries are ",
+            "~server, ~timeout, ~server_timeout, ~pause and ~retries need",
+            "~server: must be the name of an actionlib server, not 3",
+            "~interfaces: pickup.timeout: must be a number from 0 on",
+            "~interfaces: pickup.returns[1]: unknown key 'stratus' (is status meant?)",
+            "~interfaces: pickup.goal.pack: rosoclingo/PickupGoal has no such field; it has package",
+            "~interfaces: pickup.returns[0]: rosoclingo/PickupResult has no field y; it has outcome, message",
+            "~interfaces: pickup.returns[0].when.outcome: rosoclingo/PickupResult has no constant NOT_THERE; its",
+            "~interfaces: leg.type: no action nowhere/NoAction",
+            "~interfaces: head.goal.goal: int32 is wanted, but much is no whole number",
+        )
+        for beginning in beginnings:
+            self.assertEqual(len([fault for fault in faults if fault.startswith(beginning)]), 1, (beginning, faults))
+        self.assertEqual(len(faults), len(beginnings), faults)
+
+    def test_a_node_without_entries_does_not_start(self):
+        with Process("rosrun", "rosoclingo", "interface", "__name:=empty", "_interfaces:={}") as node:
+            code, error = node.wait()
+        self.assertEqual(code, 1)
+        self.assertIn("~interfaces: has no entries; write one for each action", error)
+
+    def test_the_exit_code_tells(self):
+        with Process("rosrun", "rosoclingo", "interface", "__name:=broken", "_names:=[leg]") as node:
+            code, error = node.wait()
+        self.assertEqual(code, 1)
+        self.assertIn("no entry leg", error)
+
+    def test_an_interface_that_ends_says_so(self):
+        core = CoreSide()
+        server = Server("elsewhere", TestAction)
+        entry = "_interfaces:={arm: {type: actionlib/TestAction, goal: {goal: $parameter}}}"
+        with Process(
+            "rosrun", "rosoclingo", "interface", "__name:=mortal_interface", entry, "_server:=elsewhere"
+        ) as node:
+            core.wait_for("mortal_interface")
+            core.send("arm", "_action_lib(arm,3,1)")
+            server.accept()
+            node.signal(signal.SIGINT)
+            self.assertEqual(core.receive(), ["_return(arm,interface_lost,1)"])
+            server.cancelled()
+            self.assertEqual(node.wait()[0], 0)
+
+
+class Suite(unittest.TestSuite):
+    def __init__(self):
+        super().__init__()
+        for case in (ConfiguredInterfaces, SubclassedInterface, InterfaceNode):
+            self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "configured_interfaces", "test_configured_interfaces.Suite", sys.argv)

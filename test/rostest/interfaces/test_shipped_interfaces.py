@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""move_base, pickup and deliver: every end of a goal becomes the right return."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from move_base_msgs.msg import MoveBaseAction
+from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import CoreSide, Server
+
+
+class ShippedInterfaces(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_side")
+        cls.core = CoreSide()
+        cls.move_base = Server("move_base", MoveBaseAction)
+        cls.pickup = Server("pickup", PickupAction)
+        cls.deliver = Server("deliver", DeliverAction)
+        cls.core.wait_for("move_base_interface", "pickup_interface", "deliver_interface")
+
+    def tearDown(self):
+        self.assertTrue(self.core.silent(), "exactly one message answers an action")
+
+    def move(self, cycle, label="office2"):
+        self.core.send("move_base", f"_action_lib(move_base,{label},{cycle})")
+
+    def test_success_returns_the_label(self):
+        self.move(1)
+        handle = self.move_base.accept()
+        pose = handle.get_goal().target_pose
+        self.assertEqual((pose.header.frame_id, pose.pose.position.x, pose.pose.position.y), ("map", 3.0, 4.0))
+        self.assertAlmostEqual(pose.pose.orientation.z, 0.7071, places=3)
+        handle.set_succeeded(text="Goal reached.")
+        self.assertEqual(self.core.receive(), ["_return(move_base,office2,1)"])
+
+    def test_abort_returns_the_reason(self):
+        for cycle, (text, reason) in enumerate(
+            [
+                ("Failed to find a valid plan. Even after executing recovery behaviors.", "blocked"),
+                ("Failed to find a valid control. Even after executing recovery behaviors.", "blocked"),
+                ("Robot is oscillating. Even after executing recovery behaviors.", "blocked"),
+                ("Failed to find a valid plan. Every path to the goal is blocked by something", "blocked"),
+                ("Failed to find a valid plan: no path leads to the goal on the map", "unreachable"),
+                ("Robot makes no progress", "blocked"),
+                ("the laser is silent", "sensor_lost"),
+                ("localisation lost", "not_localized"),
+                ("out of coffee", "failed"),
+            ],
+            start=1,
+        ):
+            self.move(cycle)
+            self.move_base.accept().set_aborted(text=text)
+            self.assertEqual(self.core.receive(), [f"_return(move_base,{reason},{cycle})"])
+
+    def test_other_terminal_statuses(self):
+        self.move(1)
+        self.move_base.take().set_rejected()
+        self.assertEqual(self.core.receive(), ["_return(move_base,rejected,1)"])
+        self.move(2)
+        self.move_base.accept().set_canceled(text="another goal")
+        self.assertEqual(self.core.receive(), ["_return(move_base,preempted,2)"])
+        self.move(3)
+        self.move_base.take().set_canceled()
+        self.assertEqual(self.core.receive(), ["_return(move_base,preempted,3)"])
+
+    def test_unknown_label(self):
+        self.assertEqual(
+            self.core.run("move_base", "_action_lib(move_base,cellar,1)"), ["_return(move_base,unknown_label,1)"]
+        )
+
+    def test_several_at_once_each_with_its_own_answer(self):
+        self.core.send("move_base", "_action_lib(move_base,office1,4)", "_action_lib(move_base,office2,4)")
+        first, second = self.move_base.accept(), self.move_base.accept()
+        first.set_canceled()
+        self.assertEqual(self.core.receive(), ["_return(move_base,preempted,4)"])
+        second.set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(move_base,office2,4)"])
+
+    def test_what_cannot_be_read_is_dropped_and_nothing_else(self):
+        self.core.send(
+            "move_base", "nonsense(", "_action_lib(move_base,office1)", "_action_lib(move_base,office1,1)", ""
+        )
+        self.move_base.accept().set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(move_base,office1,1)"])
+
+    def test_messages_for_others_are_dropped(self):
+        self.core.send("vacuum", "_action_lib(vacuum,office1,1)")
+        self.core.send("vacuum", "_action_lib(move_base,office1,1)")
+        self.core.send("move_base", "_action_lib(vacuum,office1,1)")
+        self.move(2)
+        self.move_base.accept().set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(move_base,office2,2)"])
+
+    def test_a_repeated_command_is_run_once(self):
+        self.move(1)
+        handle = self.move_base.accept()
+        self.move(1)
+        self.core.send("move_base", "_cancel(move_base,office1,9)")
+        self.move(2, "office1")
+        other = self.move_base.accept()
+        other.set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(move_base,office1,2)"])
+        handle.set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(move_base,office2,1)"])
+
+    def test_a_running_action_is_cancelled(self):
+        self.move(1)
+        self.move_base.accept()
+        self.core.send("move_base", "_cancel(move_base,office2,1)")
+        self.move_base.cancelled().set_canceled()
+        self.assertEqual(self.core.receive(), ["_return(move_base,preempted,1)"])
+
+    def test_an_action_that_succeeds_in_spite_of_the_cancellation_has_succeeded(self):
+        self.move(1)
+        self.move_base.accept()
+        self.core.send("move_base", "_cancel(move_base,office2,1)")
+        self.move_base.cancelled().set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(move_base,office2,1)"])
+
+    def test_packages(self):
+        for server, name, result in ((self.pickup, "pickup", PickupResult), (self.deliver, "deliver", DeliverResult)):
+            self.core.send(name, f"_action_lib({name},7,3)")
+            handle = server.accept()
+            self.assertEqual(handle.get_goal().package, "7")
+            handle.set_succeeded(result(outcome=result.SUCCEEDED, location="office3"))
+            self.assertEqual(self.core.receive(), [f"_return({name},7,3)"])
+            for outcome, reason in (
+                (result.FAILED, "failed"),
+                (result.UNKNOWN_PACKAGE, "unknown_package"),
+                (result.NOT_HERE, "not_here"),
+                (result.NOT_AT_LABEL, "not_at_label"),
+                (result.FULL, "full"),
+                (result.NOT_CARRIED, "not_carried"),
+            ):
+                self.core.send(name, f"_action_lib({name},7,3)")
+                server.accept().set_aborted(result(outcome=outcome))
+                self.assertEqual(self.core.receive(), [f"_return({name},{reason},3)"])
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "shipped_interfaces", ShippedInterfaces, sys.argv)

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""Simulated time, which the test publishes: it begins late, flies, stands still, is reset."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib.msg import TestAction
+from rosgraph_msgs.msg import Clock
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import CoreSide, Server, wait_until
+
+
+class SimulatedTimeInterfaces(unittest.TestCase):
+    def set_clock(self, seconds):
+        self.clock.publish(Clock(rospy.Time(seconds)))
+        wait_until(lambda: rospy.get_time() == seconds, "the time to arrive")
+
+    def test_a_day_in_simulated_time(self):
+        rospy.init_node("core_side")
+        self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
+        core = CoreSide()
+        server = Server("slow", TestAction)
+        core.wait_for("interface")
+
+        # before the first clock message
+        core.send("slow", "_action_lib(slow,a,1)")
+        server.accept().set_succeeded()
+        self.assertEqual(core.receive(), ["_return(slow,a,1)"])
+        self.assertEqual(core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
+
+        # an action that was begun then is not over because the clock begins with a large number
+        core.send("slow", "_action_lib(slow,a,2)")
+        handle = server.accept()
+        self.set_clock(100000)
+        self.set_clock(100059)
+        handle.set_succeeded()
+        self.assertEqual(core.receive(), ["_return(slow,a,2)"])
+
+        # time-outs are in simulated time
+        core.send("slow", "_action_lib(slow,a,3)")
+        server.accept()
+        self.set_clock(100130)
+        server.cancelled().set_canceled()
+        self.assertEqual(core.receive(), ["_return(slow,timeout,3)"])
+
+        # a reset of simulated time ends nothing, and goals go on
+        core.send("slow", "_action_lib(slow,a,4)")
+        handle = server.accept()
+        self.set_clock(5)
+        handle.set_succeeded()
+        self.assertEqual(core.receive(), ["_return(slow,a,4)"])
+        core.send("slow", "_action_lib(slow,a,5)")
+        server.accept().set_succeeded()
+        self.assertEqual(core.receive(), ["_return(slow,a,5)"])
+
+        # while time stands still, a server that is absent is noticed nevertheless
+        self.assertEqual(core.run("absent", "_action_lib(absent,a,6)"), ["_return(absent,server_lost,6)"])
+        self.assertTrue(core.silent())
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "simulated_time_interfaces", SimulatedTimeInterfaces, sys.argv)

@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""The markers node draws labels, packages and plan anew at each change."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from rosoclingo.msg import PackageState, PackageStates, TaskPlan
+from visualization_msgs.msg import Marker, MarkerArray
+
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.nodes.rviz.markers import MarkersNode
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import wait_until
+
+
+class Markers(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("markers_test")
+        cls.texts = {}
+        cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
+        cls.plan = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=1, latch=True)
+        rospy.Subscriber("markers/markers", MarkerArray, cls.note)
+
+    @classmethod
+    def note(cls, message):
+        assert message.markers[0].action == Marker.DELETEALL
+        ids = [(marker.ns, marker.id) for marker in message.markers]
+        assert len(ids) == len(set(ids))
+        cls.texts = {
+            ns: [marker.text for marker in message.markers if marker.ns == ns and marker.text] for ns, _ in ids
+        }
+
+    def test_labels_packages_and_plan(self):
+        wait_until(lambda: self.texts.get("labels") == ["office1", "office2"], "the labels")
+        self.packages.publish(packages=[PackageState("1", "office2", False), PackageState("2", "", True)])
+        wait_until(lambda: self.texts.get("packages") == ["1", "2"], "the packages")
+        self.plan.publish(cycle=1, actions=["_action_lib(move_base,office2,1)", "nonsense", "_action_lib(pickup,1,2)"])
+        wait_until(
+            lambda: self.texts.get("plan") == ["cycle 1: plan\n1. move_base office2  now\n2. pickup 1"], "the plan"
+        )
+        self.plan.publish(cycle=3, actions=[])
+        wait_until(lambda: self.texts.get("plan") == ["cycle 3: idle"], "the idle plan")
+
+    def test_parameters_that_cannot_be_used(self):
+        rospy.set_param("~labels", {"a": [1, 2]})
+        for name, value in (("panel", [1]), ("panel", 3), ("robot_radius", "wide")):
+            rospy.set_param("~" + name, value)
+            with self.assertRaises(ParameterError) as caught:
+                MarkersNode()
+            self.assertIn(name, str(caught.exception))
+            rospy.delete_param("~" + name)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "markers_test", Markers, sys.argv)

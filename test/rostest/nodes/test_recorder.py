@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""The recorder: a bag holds everything up to the end of a run, and of one that is killed up to then."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import rosbag
+import rosnode
+import rospy
+import rostest
+from std_msgs.msg import String
+
+from rosoclingo.nodes.recording.bag_file import active
+from rosoclingo.nodes.recording.recorder import is_recording
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import PATIENCE, Process, wait_until
+
+HERE = Path(__file__).resolve().parent
+NOTES = "/record/notes"
+WORDS = 5000
+
+
+def recorder(bag, topics="[last_words]"):
+    return Process("rosrun", "rosoclingo", "record", f"_bag:={bag}", f"_topics:={topics}")
+
+
+def speaker(words=WORDS):
+    return Process(str(HERE / "last_words.py"), f"_words:={words}")
+
+
+def recording():
+    return is_recording(["/last_words"])
+
+
+class Recorder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.bag = Path(folder.name, "run.bag")
+
+    def holds(self, bag=None):
+        """The texts of the recorded topic, and what the bag says about itself."""
+        with rosbag.Bag(str(bag or self.bag)) as read:
+            messages = [(topic, message.data) for topic, message, _ in read.read_messages()]
+        notes = [text for topic, text in messages if topic == NOTES]
+        return [text for topic, text in messages if topic == "/last_words"], notes
+
+    def test_of_all_it_ends_last(self):
+        """As roslaunch does: all are told to end at once, and the recorder is the first that does it."""
+        with recorder(self.bag) as record, speaker() as speaking:
+            wait_until(recording, "the recorder to be connected")
+            wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+            record.signal(signal.SIGINT)
+            speaking.signal(signal.SIGINT)
+            self.assertEqual(record.wait(), (0, ""))
+        words, notes = self.holds()
+        self.assertEqual(words, ["hello", *map(str, range(WORDS))])
+        self.assertEqual(notes, ["begins", "ends, with the run: nothing is lacking"])
+
+    def test_who_does_not_end_is_named(self):
+        with recorder(self.bag) as record, speaker():
+            wait_until(recording, "the recorder to be connected")
+            wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+            record.signal(signal.SIGINT)
+            wait_until(lambda: is_recording([]), "the recorder to wait")
+            record.signal(signal.SIGINT)
+            self.assertEqual(record.wait()[0], 0)
+        self.assertEqual(self.holds(), (["hello"], ["begins", "ends, lacks what came later on /last_words"]))
+
+    def test_rosnode_kill(self):
+        with recorder(self.bag) as record, speaker():
+            wait_until(recording, "the recorder to be connected")
+            wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+            rosnode.kill_nodes(["/record"])
+            self.assertEqual(record.wait()[0], 0)
+        self.assertEqual(self.holds()[0], ["hello"])
+
+    def test_a_killed_recorder_leaves_what_came_before(self):
+        publisher = rospy.Publisher("last_words", String, queue_size=None, latch=True)
+        with recorder(self.bag) as record:
+            wait_until(lambda: publisher.get_num_connections() > 0, "the recorder")
+            for number in range(100):
+                publisher.publish(f"word {number}.")
+            wait_until(lambda: b"word 99." in active(self.bag).read_bytes(), "the last word in the file")
+            record.signal(signal.SIGKILL)
+        publisher.unregister()
+        with recorder(self.bag, "[nothing]") as record:
+            wait_until(self.bag.with_name("run_1.bag").exists, "the bag to be laid aside")
+            wait_until(lambda: is_recording([]), "the next recorder")
+            record.signal(signal.SIGINT)
+            self.assertIn("was killed", record.wait()[1])
+        words, notes = self.holds(self.bag.with_name("run_1.bag"))
+        self.assertEqual(words, [f"word {number}." for number in range(100)])
+        self.assertIn("mended: who wrote this was killed; lacks what came after", notes[-1])
+        self.assertEqual(self.holds()[1], ["begins", "ends, with the run: nothing is lacking"])
+
+    def test_bad_parameters_and_files(self):
+        for arguments, text in (
+            (("_topics:=[]",), "~topics: must be a list of topics, not []"),
+            (("_topics:=[a]", "_bag:=/proc/no/run.bag"), "the bag /proc/no/run.bag cannot be written"),
+        ):
+            with Process("rosrun", "rosoclingo", "record", *[one.replace("~", "_") for one in arguments]) as process:
+                code, error = process.wait()
+            self.assertEqual(code, 1, error)
+            self.assertIn(text, error)
+            self.assertNotIn("Traceback", error)
+
+    def start(self, *command, **pipes):
+        process = subprocess.Popen(command, start_new_session=True, text=True, stderr=subprocess.DEVNULL, **pipes)
+        self.addCleanup(self.end, process)
+        return process
+
+    def end(self, process):
+        """Press Ctrl-C, and wait."""
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(PATIENCE)
+
+    def test_ctrl_c_and_the_bag_has_the_results_of_the_end(self):
+        """Without world and navigation: the goal's first action waits for a server when Ctrl-C comes."""
+        nothing = [f"{layer}:=none" for layer in ("sim", "nav", "map_server", "localization")]
+        bag = ("record:=true", f"bag:={self.bag}")
+        launch = self.start("roslaunch", "rosoclingo", "mailbot.launch", *nothing, *bag, stdout=subprocess.DEVNULL)
+        wait_until(lambda: is_recording(["/rosoclingo/result", "/out_rosoclingo"]), "the recorder")
+        client = self.start(*("rosrun", "rosoclingo", "request", "goal(office3,office2,1)"), stdout=subprocess.PIPE)
+        self.assertIn("active", client.stdout.readline())
+        self.end(launch)
+        told = client.communicate(timeout=PATIENCE)[0].splitlines()[-1]
+        with rosbag.Bag(str(self.bag)) as bag:
+            results = [message for _, message, _ in bag.read_messages(["/rosoclingo/result"])]
+            notes = [message.data for _, message, _ in bag.read_messages([NOTES])]
+        self.assertEqual([f"aborted: {one.status.text}" for one in results], [told])
+        self.assertEqual(notes[-1], "ends, with the run: nothing is lacking")
+
+
+if __name__ == "__main__":
+    rospy.init_node("recorder_test")
+    rostest.rosrun("rosoclingo", "recorder", Recorder, sys.argv)

@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Core, interface, office and markers have the topics, services and actions of the reference page, and no others."""
+
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from documented_names import documented, offered
+
+WALK = {"SERVER": ("walk", "actionlib/TestAction")}
+
+
+class ReferencePage(unittest.TestCase):
+    maxDiff = None
+
+    def look(self, script, node, given):
+        """Wait until the node is up and has what is documented, or say what differs."""
+        wanted, end = documented(script, node, given), time.monotonic() + 60.0
+        while offered(node) != wanted and time.monotonic() < end and not rospy.is_shutdown():
+            rospy.rostime.wallsleep(0.1)
+        self.assertEqual(offered(node), wanted)
+
+    def test_the_core(self):
+        self.look("core", "/rosoclingo", {})
+
+    def test_an_interface(self):
+        self.look("interface", "/legs", WALK)
+
+    def test_the_office(self):
+        self.look("office", "/office", {})
+
+    def test_the_markers(self):
+        self.look("markers", "/markers", {})
+
+
+if __name__ == "__main__":
+    rospy.init_node("reference_page_test")
+    rostest.rosrun("rosoclingo", "reference_page", ReferencePage, sys.argv)

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""A request from the command line ends as lost once its core is gone, whatever ROS time does, and no sooner."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from rosgraph_msgs.msg import Clock
+
+from rosoclingo.nodes.server_watch import SILENCE
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Hands
+from interface_helpers import PATIENCE, Process, wait_until
+
+ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
+
+
+def core(namespace):
+    """A core in a process of its own; its topics are /NAMESPACE/..."""
+    return Process(
+        "rosrun", "rosoclingo", "core", "__name:=rosoclingo", f"__ns:={namespace}", f"_program_files:=[{ERRANDS}]"
+    )
+
+
+class Request:
+    """`rosrun rosoclingo request`, ended with the test."""
+
+    def __init__(self, server, wait, **environment):
+        command = ["rosrun", "rosoclingo", "request", "do(walk,1)", "--server", server, "--wait", str(wait)]
+        self._process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ, **environment)
+        )
+
+    def end(self):
+        """Exit code and what it said."""
+        said = self._process.communicate(timeout=2 * PATIENCE)[0]
+        return self._process.returncode, said
+
+    @property
+    def running(self):
+        return self._process.poll() is None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.running:
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.communicate()
+
+
+class RequestLost(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("request_lost_test")
+        cls.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
+        cls.running = threading.Event()
+        cls.running.set()
+        threading.Thread(target=cls.tick, daemon=True).start()
+        wait_until(lambda: rospy.get_time() > 0.0, "the time to begin")
+
+    @classmethod
+    def tick(cls):
+        """Simulated time goes on while ``running`` is set."""
+        seconds = 1.0
+        while True:
+            cls.running.wait()
+            cls.clock.publish(Clock(rospy.Time(seconds)))
+            seconds += 0.02
+            threading.Event().wait(0.02)
+
+    def tearDown(self):
+        self.running.set()
+
+    def asks(self, namespace):
+        """A request whose action is under way."""
+        hands = Hands(f"{namespace}/")
+        hands.wait_for(f"/{namespace}/rosoclingo")
+        request = Request(f"{namespace}/rosoclingo", PATIENCE)
+        return hands, hands.take(), request
+
+    def is_lost(self, request):
+        code, said = request.end()
+        self.assertEqual(code, 5, said)
+        self.assertIn("lost: nothing is heard of do(walk,1) any more", said)
+        self.assertIn("does not answer", said)
+
+    def test_core_is_killed(self):
+        with core("killed") as process:
+            _, _, request = self.asks("killed")
+            with request:
+                process.signal(signal.SIGKILL)
+                self.is_lost(request)
+
+    def test_core_is_killed_while_time_stands_still(self):
+        with core("frozen") as process:
+            hands, command, request = self.asks("frozen")
+            with request:
+                self.running.clear()
+                for _ in range(int(3 * SILENCE)):
+                    self.assertTrue(request.running, "the core is there: its time stands still, and so its status")
+                    threading.Event().wait(1.0)
+                process.signal(signal.SIGKILL)
+                self.is_lost(request)
+            self.assertTrue(command and hands)
+
+    def test_a_core_whose_time_stands_still_ends_its_goals(self):
+        with core("paused"):
+            hands, command, request = self.asks("paused")
+            with request:
+                self.running.clear()
+                hands.succeed(command)
+                self.assertEqual(request.end()[0], 0)
+
+    def test_core_is_started_anew(self):
+        with core("anew") as process:
+            _, _, request = self.asks("anew")
+            with request:
+                process.signal(signal.SIGKILL)
+                process.wait()
+                with core("anew"):
+                    code, said = request.end()
+                    self.assertEqual(code, 5, said)
+                    self.assertIn("lost:", said)
+
+    def test_core_was_never_there(self):
+        for running in (True, False):
+            if not running:
+                self.running.clear()
+            with Request("nobody/rosoclingo", 0.5) as request:
+                code, said = request.end()
+                self.assertEqual(code, 5)
+                self.assertIn("no action server 'nobody/rosoclingo' within 0.5 s", said)
+
+    def test_there_is_no_master(self):
+        with Request("nobody/rosoclingo", 0.5, ROS_MASTER_URI="http://localhost:1") as request:
+            code, said = request.end()
+            self.assertEqual(code, 5)
+            self.assertIn("no ROS master at http://localhost:1", said)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "request_lost", RequestLost, sys.argv)

@@ -1,0 +1,305 @@
+#!/usr/bin/env python3
+"""The interfaces of map_server and fake_localization, and how the simulated robot's nodes refuse wrong parameters."""
+
+import contextlib
+import math
+import queue
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped, Twist
+from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
+from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
+from rosoclingo.srv import PutObstacle, SetRobotPose, StepSimulation
+from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import Process
+
+ROOT = Path(__file__).resolve().parents[3]
+OFFICE = str(ROOT / "worlds" / "office.yaml")
+SMALL = "{image: small.pgm, resolution: 0.5, origin: [1, 2, 0], negate: 0, occupied_thresh: 0.65, free_thresh: 0.19}"
+
+
+class Maps(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.wait_for_service("change_map", timeout=60.0)
+        cls.get, cls.change = rospy.ServiceProxy("static_map", GetMap), rospy.ServiceProxy("change_map", LoadMap)
+
+    def setUp(self):
+        self.assertEqual(self.change(OFFICE).result, LoadMapResponse.RESULT_SUCCESS)
+
+    def test_topics_and_service_agree(self):
+        served = self.get().map
+        shown = rospy.wait_for_message("map", OccupancyGrid, timeout=30.0)
+        metadata = rospy.wait_for_message("map_metadata", MapMetaData, timeout=30.0)
+        self.assertEqual(served.header.frame_id, "map")
+        self.assertEqual((served.info.width, served.info.height), (348, 208))
+        self.assertEqual((served.info.origin.position.x, served.info.origin.position.y), (-0.7, -5.2))
+        self.assertEqual(served.info.origin.orientation.w, 1.0)
+        self.assertEqual(served.data, shown.data)
+        self.assertEqual(served.info, metadata)
+        self.assertEqual(set(served.data), {-1, 0, 100})
+
+    def test_another_map(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "small.yaml").write_text(SMALL)
+            Path(folder, "small.pgm").write_bytes(b"P5 3 2 255 " + bytes([0, 254, 205, 254, 254, 254]))
+            answer = self.change(str(Path(folder, "small.yaml")))
+            self.assertEqual(answer.result, LoadMapResponse.RESULT_SUCCESS)
+            self.assertEqual(list(answer.map.data), [0, 0, 0, 100, 0, -1])
+            shown = rospy.wait_for_message("map", OccupancyGrid, timeout=30.0)
+            self.assertEqual((shown.info.width, shown.info.height, shown.info.resolution), (3, 2, 0.5))
+            self.assertEqual(self.change("package://rosoclingo/worlds/office.yaml").map.info.width, 348)
+            self.assertEqual(self.change(f"file://{folder}/small.yaml").map.info.width, 3)
+
+    def test_a_map_that_cannot_be_loaded_leaves_the_old_one(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "broken.yaml").write_text("image: [")
+            Path(folder, "small.yaml").write_text(SMALL)
+            Path(folder, "small.pgm").write_text("no image")
+            for url, result in (
+                (f"{folder}/nowhere.yaml", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                (f"{folder}/broken.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+                (f"{folder}/small.yaml", LoadMapResponse.RESULT_INVALID_MAP_DATA),
+                (folder, LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                ("/" + "a" * 300, LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                ("", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST),
+                ("package://no_such_package/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+                ("https://example.org/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+            ):
+                self.assertEqual(self.change(url).result, result, url)
+        self.assertEqual(self.get().map.info.width, 348)
+
+
+class Localization(unittest.TestCase):
+    """The map has the world turned back by a quarter, then moved back by 1 m along x, as fake_localization does it.
+
+    Odometry has the robot turned by a quarter at (1, 0).
+    """
+
+    @classmethod
+    def setUpClass(cls):
+        cls.changed, cls.last = threading.Condition(), {}
+        for name, kind in (("amcl_pose", PoseWithCovarianceStamped), ("particlecloud", PoseArray)):
+            rospy.Subscriber(name, kind, cls.keep, name)
+        rospy.Subscriber("/tf", TFMessage, cls.keep_transform)
+        cls.truth = rospy.Publisher("base_pose_ground_truth", Odometry, queue_size=10)
+        cls.tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
+        cls.initial = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
+
+    @classmethod
+    def keep(cls, message, name):
+        with cls.changed:
+            cls.last[name] = message
+            cls.changed.notify_all()
+
+    @classmethod
+    def keep_transform(cls, message):
+        for transform in message.transforms:
+            cls.keep(transform, transform.child_frame_id)
+
+    def until(self, condition, x=4.0, y=2.0):
+        """Be a robot that truly stands at a place until a condition holds."""
+        truth, odometry = Odometry(), TransformStamped()
+        truth.pose.pose.position.x, truth.pose.pose.position.y, truth.pose.pose.orientation.w = x, y, 1.0
+        odometry.header.frame_id, odometry.child_frame_id = "wheels", "body"
+        odometry.transform.translation.x = 1.0
+        odometry.transform.rotation.z = odometry.transform.rotation.w = math.sqrt(0.5)
+
+        def look():
+            truth.header.stamp = odometry.header.stamp = rospy.Time.now()
+            self.tf.publish(TFMessage([odometry]))
+            self.truth.publish(truth)
+            return condition(self.last)
+
+        with self.changed:
+            end = rospy.get_time() + 60.0
+            while not look():
+                self.assertLess(rospy.get_time(), end, "waited in vain")
+                self.changed.wait(0.05)
+
+    def at(self, x, y):
+        """Tell whether the robot is at a place in the map."""
+        position = self.last["amcl_pose"].pose.pose.position if "amcl_pose" in self.last else None
+        return position is not None and math.hypot(position.x - x, position.y - y) < 1e-6
+
+    def wheels_at(self, x, y):
+        """Tell whether odometry's frame is at a place in the map."""
+        place = self.last["wheels"].transform.translation
+        return math.hypot(place.x - x, place.y - y) < 1e-6
+
+    def test_pose_cloud_and_transform(self):
+        names = {"amcl_pose", "particlecloud", "wheels"}
+        # The robot is at (1, -4) with yaw -90 degrees in the map, and at (1, 0) with yaw 90 degrees by its wheels.
+        self.until(lambda last: names <= set(last) and self.at(1.0, -4.0) and self.wheels_at(2.0, -4.0))
+        pose, cloud, transform = (self.last[name] for name in ("amcl_pose", "particlecloud", "wheels"))
+        self.assertEqual([m.header.frame_id for m in (pose, cloud, transform)], ["floor"] * 3)
+        self.assertAlmostEqual(2.0 * math.asin(pose.pose.pose.orientation.z), -math.pi / 2)
+        self.assertEqual(len(cloud.poses), 1)
+        self.assertAlmostEqual(abs(transform.transform.rotation.z), 1.0)
+        self.assertGreater((transform.header.stamp - pose.header.stamp).to_sec(), 0.1)
+
+    def test_who_comes_late_gets_the_last_pose_though_no_other_follows(self):
+        self.until(lambda last: self.at(1.0, -4.0))
+        for name, kind in (("amcl_pose", PoseWithCovarianceStamped), ("particlecloud", PoseArray)):
+            late = queue.Queue()
+            subscriber = rospy.Subscriber(name, kind, late.put)
+            self.assertEqual(late.get(timeout=30.0).header.frame_id, "floor")
+            subscriber.unregister()
+
+    def test_zzz_an_initial_pose_moves_the_map(self):
+        self.until(lambda last: self.initial.get_num_connections() and "amcl_pose" in last)
+        for frame, x, w in (("floor", 99.0, 0.0), ("floor", math.nan, 1.0), ("moon", 99.0, 1.0), ("floor", 7.0, 1.0)):
+            pose = PoseWithCovarianceStamped()
+            pose.header.frame_id = frame
+            pose.pose.pose.position.x, pose.pose.pose.orientation.w = x, w
+            self.initial.publish(pose)
+        self.until(lambda last: self.at(7.0, 0.0))
+        self.until(lambda last: self.at(8.0, 0.0), x=5.0)
+        pose.header.frame_id = "body"
+        self.initial.publish(pose)
+        self.until(lambda last: self.at(15.0, 0.0), x=5.0)
+
+    def test_a_truth_that_is_none_is_left_out(self):
+        self.until(lambda last: "amcl_pose" in last)
+        before = self.last["amcl_pose"].pose.pose.position
+        broken = Odometry()
+        broken.pose.pose.position.x, broken.pose.pose.orientation.w = math.nan, 1.0
+        broken.header.stamp = rospy.Time.now()
+        self.truth.publish(broken)
+        self.until(lambda last: self.at(before.x + 0.0, before.y - 1.0), x=5.0)
+
+
+class WrongParameters(unittest.TestCase):
+    def test_each_node_names_what_is_wrong_and_ends(self):
+        """All start at the same time, as starting is what takes time."""
+        wrong = {
+            "map_server": (["/no/such/map.yaml"], "map /no/such/map.yaml: cannot be read"),
+            "simulator": (["_world:=/no/such/world.yaml"], "world /no/such/world.yaml: cannot be read"),
+            "move_base": (["_planner_patience:=long"], "~planner_patience: must be a number from 0 on, not 'long'"),
+            "fake_localization": (["_delta_x:=far"], "~delta_x: must be a finite number, not 'far'"),
+        }
+        with contextlib.ExitStack() as stack:
+            processes = {
+                node: stack.enter_context(Process("rosrun", "rosoclingo", node, f"__name:=wrong_{node}", *arguments))
+                for node, (arguments, _) in wrong.items()
+            }
+            for node, process in processes.items():
+                code, error = process.wait()
+                self.assertEqual(code, 1, error)
+                self.assertIn(wrong[node][1], error)
+                self.assertNotIn("Traceback", error)
+
+
+class SimulatorParameters(unittest.TestCase):
+    """A simulator with every parameter other than its default; it stands still but for the steps asked for."""
+
+    def write(self, folder):
+        """Make a world with a map of 2 m x 2 m, and another map of 10 m x 10 m."""
+        for name, cells in (("small", 20), ("large", 100)):
+            Path(folder, f"{name}.pgm").write_bytes(b"P5 %d %d 255 " % (cells, cells) + bytes([254]) * cells**2)
+            text = SMALL.replace("small", name).replace("0.5, origin: [1, 2, 0]", "0.1, origin: [0, 0, 0]")
+            Path(folder, f"{name}.yaml").write_text(text)
+        lasers = (
+            "[{beams: 9, range: 5, pose: [0, 0]}, {beams: 5, range: 3, angle: 90, pose: [-0.1, 0, 3.14159], rate: 2}]"
+        )
+        robots = f"[{{name: anna, pose: [1, 1, 0], lasers: {lasers}}}]"
+        Path(folder, "world.yaml").write_text(f"{{map: small.yaml, robots: {robots}}}")
+
+    def test_each(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.write(folder)
+            values = ("_paused:=true", "_use_model_names:=true", "_base_watchdog_timeout:=1.0", "_speed:=0")
+            files = (f"_world:={folder}/world.yaml", f"_map:={folder}/large.yaml")
+            with Process("rosrun", "rosoclingo", "simulator", "__name:=other", *values, *files):
+                rospy.wait_for_service("other/step", timeout=60.0)
+                self.check()
+                self.check_lasers()
+
+    def check(self):
+        step, place = (
+            rospy.ServiceProxy("other/step", StepSimulation),
+            rospy.ServiceProxy("other/set_pose", SetRobotPose),
+        )
+        self.assertEqual(step(0).time, step(0).time)
+        self.assertTrue(place("anna", 8.0, 8.0, math.pi).success, "the large map is not the one")
+        speeds = queue.Queue()
+        rospy.Subscriber("anna/odom", Odometry, lambda odom: speeds.put(odom.twist.twist.linear.x))
+        command, twist = rospy.Publisher("anna/cmd_vel", Twist, queue_size=1), Twist()
+        twist.linear.x = 0.5
+
+        def speed_after_a_step():
+            while True:  # the subscriber may not be known to the simulator at first
+                step(1)
+                with contextlib.suppress(queue.Empty):
+                    return speeds.get(timeout=0.5)
+
+        moving = 0
+        while speed_after_a_step() < 0.5:
+            command.publish(twist)
+        while speed_after_a_step() > 0.0:
+            moving += 1
+        # It goes on for 1 s and brakes for two steps; by the default it would be two and two.
+        self.assertTrue(8 <= moving <= 20, moving)
+
+    def check_lasers(self):
+        """Each has a topic and a frame of its own, counted as by stage_ros, and its own rate; 1 m from a pillar."""
+        step = rospy.ServiceProxy("other/step", StepSimulation)
+        put, place = (
+            rospy.ServiceProxy("other/put_obstacle", PutObstacle),
+            rospy.ServiceProxy("other/set_pose", SetRobotPose),
+        )
+        self.assertTrue(place("anna", 5.0, 5.0, 0.0).success)
+        self.assertTrue(put("pillar", 4.0, 5.0, 0.1, 0.0, 0.0, 0.0).success)
+        scans, frames = [queue.Queue(), queue.Queue()], queue.Queue()
+        for i in (0, 1):
+            rospy.Subscriber(f"anna/base_scan_{i}", LaserScan, scans[i].put)
+        rospy.Subscriber("/tf", TFMessage, frames.put)
+        while scans[0].empty() or scans[1].empty() or frames.empty():
+            step(5)
+        front, back = scans[0].get(), scans[1].get()
+        self.assertEqual(
+            [s.header.frame_id for s in (front, back)], ["anna/base_laser_link_0", "anna/base_laser_link_1"]
+        )
+        self.assertEqual((len(front.ranges), len(back.ranges), len(back.intensities)), (9, 5, 5))
+        self.assertEqual((front.range_max, back.range_max, back.range_min), (5.0, 3.0, 0.0))
+        self.assertAlmostEqual(back.angle_max, math.pi / 4, places=5)
+        self.assertAlmostEqual(back.angle_min + 4 * back.angle_increment, back.angle_max, places=5)
+        self.assertAlmostEqual(back.ranges[2], 0.8, places=3)
+        self.assertEqual(list(back.intensities), [0.0, 0.0, 1.0, 0.0, 0.0])
+        self.assertEqual(set(front.intensities), {0.0})
+        sent = {t.child_frame_id: t for t in frames.get().transforms}
+        self.assertEqual(sent["anna/base_laser_link_1"].header.frame_id, "anna/base_link")
+        self.assertAlmostEqual(sent["anna/base_laser_link_1"].transform.translation.x, -0.1)
+        begin, end = step(0).time.to_sec(), step(50).time.to_sec()
+        for scan, period, count in zip(scans, (0.1, 0.5), (50, 10)):
+            stamps = [scan.get(timeout=30.0).header.stamp.to_sec()]
+            while stamps[-1] < end - period + 0.01:
+                stamps.append(scan.get(timeout=30.0).header.stamp.to_sec())
+            self.assertEqual(len([stamp for stamp in stamps if stamp > begin + 0.01]), count, stamps)
+
+
+class Suite(unittest.TestSuite):
+    """All of the file's cases, as one for rostest."""
+
+    def __init__(self):
+        super().__init__(
+            map(
+                unittest.defaultTestLoader.loadTestsFromTestCase,
+                (Maps, Localization, WrongParameters, SimulatorParameters),
+            )
+        )
+
+
+if __name__ == "__main__":
+    rospy.init_node("map_and_localization")
+    rostest.rosrun("rosoclingo", "map_and_localization", "test_map_and_localization.Suite", sys.argv)

@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""Navigation when things go wrong: doors, obstacles, a lost laser, a robot carried away; and move_base's services."""
+
+import copy
+import functools
+import math
+import pathlib
+import shutil
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import PolygonStamped, PoseStamped
+from map_msgs.msg import OccupancyGridUpdate
+from move_base_msgs.msg import MoveBaseActionResult, RecoveryStatus
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.srv import GetPlan, LoadMap
+from PIL import Image
+from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor
+from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
+from std_srvs.srv import Empty
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from documented_names import documented, offered
+from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
+
+PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
+
+
+class NavigationFaults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.relaying = {"base_scan", "base_pose_ground_truth"}
+        for name, relayed, kind in (
+            ("base_scan", "relayed_scan", numpy_msg(LaserScan)),
+            ("base_pose_ground_truth", "relayed_truth", Odometry),
+        ):
+            relay = rospy.Publisher(relayed, kind, queue_size=10)
+            rospy.Subscriber(name, kind, lambda m, name=name, relay=relay: name in cls.relaying and relay.publish(m))
+        cls.recoveries = []
+        rospy.Subscriber("/move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
+        cls.driver = Driver()
+        cls.door = rospy.ServiceProxy("/simulator/set_door", SetDoor)
+        cls.plan = rospy.ServiceProxy("/move_base/make_plan", GetPlan)
+
+    def setUp(self):
+        for door in ("corridor", "meeting_west", "meeting_east"):
+            self.door(door, True)
+        rospy.ServiceProxy("reset_positions", Empty)()
+        self.driver.wait(lambda: self.driver.distance(1.9, 0.0) < 0.01)
+        rospy.ServiceProxy("/move_base/clear_costmaps", Empty)()
+
+    def tearDown(self):
+        self.assertEqual(self.driver.collisions, [])
+
+    def test_a_door_closes_on_the_way_and_the_robot_goes_round(self):
+        self.driver.send(pose_goal(9.9, 0.0))
+        self.driver.wait(lambda: self.driver.pose[0] > 4.0)
+        self.assertTrue(self.door("corridor", False).success)
+        south = []
+        self.driver.wait(lambda: south.append(self.driver.pose[1]) or min(south) < -1.3)
+        self.assertEqual(self.driver.end()[0], SUCCEEDED)
+        self.assertLess(self.driver.distance(9.9, 0.0), 0.2)
+
+    def test_doors_closed_for_good_end_with_the_reason_and_open_again_it_goes(self):
+        self.door("corridor", False)
+        self.door("meeting_west", False)
+        before = len(self.recoveries)
+        status, text = self.driver.drive(9.9, 0.0)
+        self.assertEqual(status, ABORTED)
+        self.assertIn("blocked by something that is not on the map", text)
+        self.assertGreater(len(self.recoveries), before)
+        self.door("corridor", True)
+        self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
+
+    def test_an_obstacle_on_the_goal_and_taken_away(self):
+        put = rospy.ServiceProxy("/simulator/put_obstacle", PutObstacle)
+        self.assertTrue(put("crate", 5.9, 0.0, 0.3, 0.0, 0.0, 0.0).success)
+        status, text = self.driver.drive(5.9, 0.0)
+        self.assertEqual(status, ABORTED)
+        self.assertIn("not on the map", text)
+        rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("crate")
+        self.assertEqual(self.driver.drive(5.9, 0.0)[0], SUCCEEDED)
+
+    def test_a_lost_laser_stops_the_robot_and_ends_the_goal(self):
+        self.lose("base_scan", "laser is lost")
+
+    def test_a_lost_localisation_stops_the_robot_and_ends_the_goal(self):
+        self.lose("base_pose_ground_truth", r"Localisation is lost: .*transform from map to odom")
+
+    def lose(self, topic, words):
+        """Drive, lose a topic on the way, see the robot stop and its goal end; drive again with it."""
+        self.driver.send(pose_goal(13.9, 0.0))
+        self.driver.wait(lambda: self.driver.speed[0] > 0.3)
+        self.relaying.discard(topic)
+        try:
+            self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
+            self.assertLess(self.driver.pose[0], 10.0)
+            status, text = self.driver.end()
+        finally:
+            self.relaying.add(topic)
+        self.assertEqual(status, ABORTED)
+        self.assertRegex(text, words)
+        self.assertEqual(self.driver.drive(2.5, 0.0)[0], SUCCEEDED)
+
+    def test_a_reset_on_the_way(self):
+        self.driver.send(pose_goal(9.9, 0.0))
+        self.driver.wait(lambda: self.driver.pose[0] > 4.0)
+        rospy.ServiceProxy("reset_positions", Empty)()
+        self.assertEqual(self.driver.end()[0], SUCCEEDED)
+        self.assertLess(self.driver.distance(9.9, 0.0), 0.2)
+
+    def ask(self, x, y, frame="map"):
+        start, goal = PoseStamped(), PoseStamped()
+        start.header.frame_id, goal.header.frame_id = "map", frame
+        start.pose.position.x, goal.pose.position.x, goal.pose.position.y = 1.9, x, y
+        return self.plan(start, goal, 0.0).plan
+
+    def test_make_plan(self):
+        plan = self.ask(9.9, 0.0)
+        self.assertEqual(plan.header.frame_id, "map")
+        first, last = plan.poses[0].pose.position, plan.poses[-1].pose.position
+        self.assertAlmostEqual(first.x, 1.9, delta=0.05)
+        self.assertAlmostEqual(last.x, 9.9, delta=0.05)
+        self.assertEqual(self.ask(7.93, 3.0).poses, [])
+        self.assertEqual(self.ask(1.0, 0.0, "moon").poses, [])
+
+    def test_the_nodes_have_what_the_reference_page_lists(self):
+        page = PAGE.read_text()
+        remapped = {
+            "move_base": {"base_scan": ("relayed_scan", "")},
+            "fake_localization": {"base_pose_ground_truth": ("relayed_truth", "")},
+        }
+        for node in ("move_base", "simulator", "map_server", "fake_localization"):
+            names = documented(node, f"/{node}", remapped.get(node, {}))
+            self.assertEqual(offered(f"/{node}"), names)
+            actions = {"/move_base/goal", "/move_base/cancel"}
+            for name in names.published.keys() - actions | names.services.keys():
+                if not name.startswith("/move_base/") or name.count("/") > 2:
+                    self.assertIn(name.rsplit("/", 1)[-1], page)
+
+    def test_costmaps(self):
+        """The global one in the map's frame, the local one around the robot in odometry's; and what changes of them."""
+        whole = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+        self.assertEqual((whole.header.frame_id, whole.info.width, whole.info.height), ("map", 348, 208))
+        self.assertTrue({0, 99, 100, -1} <= set(whole.data))
+        local = rospy.wait_for_message("/move_base/local_costmap/costmap", OccupancyGrid, timeout=60)
+        self.assertEqual((local.header.frame_id, local.info.width, local.info.height), ("odom", 120, 120))
+        self.assertAlmostEqual(local.info.origin.position.x, 1.9 - 3.0, delta=0.06)
+        updates = []
+        rospy.Subscriber("/move_base/global_costmap/costmap_updates", OccupancyGridUpdate, updates.append)
+        rospy.Subscriber("/move_base/local_costmap/costmap_updates", OccupancyGridUpdate, updates.append)
+        put = rospy.ServiceProxy("/simulator/put_obstacle", PutObstacle)
+        self.assertTrue(put("bin", 3.5, 0.0, 0.2, 0.0, 0.0, 0.0).success)
+        try:
+            self.driver.wait(lambda: {"map", "odom"} <= {update.header.frame_id for update in updates})
+            update = next(update for update in updates if update.header.frame_id == "map")
+            self.assertEqual(len(update.data), update.width * update.height)
+            self.assertLess(update.width * update.height, 348 * 208 // 4)
+            column, row = ((v - o) / 0.05 for v, o in ((3.3, -0.7), (0.0, -5.2)))
+            self.assertTrue(update.x <= column <= update.x + update.width, update.x)
+            self.assertTrue(update.y <= row <= update.y + update.height, update.y)
+            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+            self.assertGreater(again.data.count(100), whole.data.count(100))
+            self.relaying.discard("base_scan")  # so that nothing but the service can clear it
+            self.driver.wait(lambda: rospy.get_time() > again.header.stamp.to_sec() + 2.0)
+            rospy.ServiceProxy("/move_base/clear_costmaps", Empty)()
+            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+            self.assertEqual(again.data, whole.data)
+        finally:
+            self.relaying.add("base_scan")
+            rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("bin")
+
+    def test_a_new_map_on_the_way_that_no_path_leads_over(self):
+        """The map, not the world, has a wall across the building; the goal under way ends, and so does the next."""
+        change = rospy.ServiceProxy("/change_map", LoadMap)
+        office = PAGE.parents[1] / "worlds" / "office.yaml"
+        self.driver.send(pose_goal(9.9, 0.0))
+        self.driver.wait(lambda: self.driver.speed[0] > 0.3)
+        with tempfile.TemporaryDirectory() as folder:
+            with Image.open(str(office.with_name("office.pgm"))) as image:
+                image.paste(0, (172, 0, 176, image.height))
+                image.save(str(pathlib.Path(folder, "office.pgm")))
+            shutil.copy(str(office), folder)
+            self.assertEqual(change(f"{folder}/office.yaml").result, 0)
+        try:
+            ends = [self.driver.end(), self.driver.drive(9.9, 0.0)]
+        finally:
+            change(str(office))
+        for status, text in ends:
+            self.assertEqual(status, ABORTED)
+            self.assertIn("no path leads to the goal on the map", text)
+        self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
+        self.assertLess(self.driver.pose[0], 7.5)
+        self.driver.wait(lambda: self.ask(9.9, 0.0).poses)
+        self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
+
+    def test_broken_messages_harm_nothing(self):
+        scan = rospy.wait_for_message("base_scan", numpy_msg(LaserScan), timeout=60)
+        relay = rospy.Publisher("relayed_scan", numpy_msg(LaserScan), queue_size=100)
+        odom = rospy.Publisher("odom", Odometry, queue_size=100)
+        charts = rospy.Publisher("map", OccupancyGrid, queue_size=10)
+        self.driver.wait(lambda: all(p.get_num_connections() for p in (relay, odom, charts)))
+        for changes in (
+            {"ranges": np.array([], dtype=np.float32)},
+            {"ranges": np.array([math.nan, math.inf, -math.inf, -1.0, 0.0, 1e30] * 45, dtype=np.float32)},
+            {"angle_min": math.nan},
+            {"angle_increment": math.inf},
+            {"range_max": 0.0},
+            {"range_max": math.nan},
+            {"range_min": math.nan},
+            {"header": Header(frame_id="moon", stamp=scan.header.stamp)},
+        ):
+            broken = copy.deepcopy(scan)
+            for key, value in changes.items():
+                setattr(broken, key, value)
+            relay.publish(broken)
+        wheels = Odometry(header=scan.header)
+        wheels.header.frame_id = "odom"
+        wheels.twist.twist.linear.x = math.nan
+        odom.publish(wheels)
+        charts.publish(OccupancyGrid(data=[0] * 7))
+        self.assertIn("not finite", self.driver.drive(math.nan, 0.0)[1])
+        self.assertIn("invalid quaternion", self.driver.drive(3.0, 0.0, math.nan)[1])
+        self.assertEqual(self.driver.drive(3.0, 0.0)[0], SUCCEEDED)
+
+    def test_footprints(self):
+        for name, frame in (("global", "map"), ("local", "odom")):
+            footprint = rospy.wait_for_message(f"/move_base/{name}_costmap/footprint", PolygonStamped, timeout=60)
+            self.assertEqual(footprint.header.frame_id, frame)
+            distances = [self.driver.distance(p.x, p.y) for p in footprint.polygon.points]
+            self.assertAlmostEqual(max(distances), 0.18, delta=0.02)
+
+    def test_a_simple_goal_and_what_is_shown_of_it(self):
+        shown, results = {}, []
+        links = [rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)]
+        links += [rospy.Subscriber("move_base/result", MoveBaseActionResult, results.append)]
+        for name, kind in (
+            ("GridPlanner/plan", Path),
+            ("RolloutFollower/global_plan", Path),
+            ("RolloutFollower/local_plan", Path),
+            ("current_goal", PoseStamped),
+        ):
+            keep = functools.partial(shown.setdefault, name)
+            links.append(rospy.Subscriber("/move_base/" + name, kind, keep))
+        self.driver.wait(lambda: all(link.get_num_connections() for link in links))
+        links[0].publish(pose_goal(5.9, 0.0).target_pose)
+        self.driver.wait(lambda: results and len(shown) == 4)
+        self.assertEqual(results[0].status.status, SUCCEEDED)
+        self.assertLess(self.driver.distance(5.9, 0.0), 0.2)
+        frames = {name: message.header.frame_id for name, message in shown.items()}
+        expected = {"GridPlanner/plan": "map", "RolloutFollower/global_plan": "odom", "current_goal": "map"}
+        self.assertEqual(frames, {**expected, "RolloutFollower/local_plan": "odom"})
+        ends = [shown[name].poses[-1].pose.position for name in ("GridPlanner/plan", "RolloutFollower/global_plan")]
+        for end in ends:
+            self.assertAlmostEqual(end.x, 5.9, delta=0.05)
+        self.assertEqual(shown["current_goal"].pose.position.x, 5.9)
+
+
+if __name__ == "__main__":
+    rospy.init_node("navigation_faults")
+    rostest.rosrun("rosoclingo", "navigation_faults", NavigationFaults, sys.argv)

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Plugins by class path: they drive the robot, have their own parameters and topics, and fail for their goal only."""
+
+import pathlib
+import sys
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import RecoveryStatus
+from nav_msgs.msg import Path
+from nav_msgs.srv import GetPlan
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
+
+
+class NavigationPlugins(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.plans, cls.local_plans, cls.recoveries = [], [], []
+        rospy.Subscriber("move_base/Surveyor/plan", Path, cls.plans.append)
+        rospy.Subscriber("move_base/Stroller/local_plan", Path, cls.local_plans.append)
+        rospy.Subscriber("move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
+        cls.driver = Driver()
+
+    def tearDown(self):
+        self.assertEqual(self.driver.collisions, [])
+
+    def test_the_planners_drive(self):
+        speeds, near = [], []
+        self.driver.send(pose_goal(8.5, 0.0))
+        self.driver.wait(
+            lambda: (
+                speeds.append(self.driver.speed[0])
+                or near.append(self.driver.distance(5.0, 0.6))
+                or self.driver.distance(8.5, 0.0) < 0.1
+            )
+        )
+        self.assertEqual(self.driver.end()[0], SUCCEEDED)
+        self.assertLess(max(speeds), 0.45)
+        self.assertGreater(max(speeds), 0.3)
+        self.assertLess(min(near), 0.5)
+        self.assertTrue(self.plans)
+        self.assertEqual(self.local_plans[-1].header.frame_id, "odom")
+
+    def test_what_a_global_planner_raises_costs_its_goal_only(self):
+        status, text = self.driver.drive(14.5, 0.0)
+        self.assertEqual(status, ABORTED)
+        self.assertIn("the surveyor has lost his chart", text)
+        x, y, _ = self.driver.pose
+        self.assertEqual(self.driver.drive(x, y)[0], SUCCEEDED)
+
+    def test_a_velocity_that_is_no_number_costs_its_goal_only(self):
+        self.driver.drive(2.5, 0.0)
+        status, text = self.driver.drive(0.9, 0.0)
+        self.assertEqual(status, ABORTED)
+        self.assertIn("not finite", text)
+        self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
+
+    def test_the_recovery_is_the_listed_one(self):
+        before = len(self.recoveries)
+        status, text = self.driver.drive(13.5, 0.0)
+        self.assertEqual(status, ABORTED)
+        self.assertIn("blocked by something that is not on the map", text)
+        self.assertEqual([status.recovery_behavior_name for status in self.recoveries[before:]], ["wait_a_bit"])
+        self.assertEqual(self.recoveries[-1].total_number_of_recoveries, 1)
+
+    def test_make_plan_asks_the_planner_and_survives_it(self):
+        start, goal = PoseStamped(), PoseStamped()
+        start.header.frame_id = goal.header.frame_id = "map"
+        start.pose.position.x = 1.9
+        for service in ("move_base/make_plan", "move_base/Surveyor/make_plan"):
+            plan = rospy.ServiceProxy(service, GetPlan)
+            goal.pose.position.x = 8.5
+            points = [pose.pose.position for pose in plan(start, goal, 0.0).plan.poses]
+            self.assertTrue(any(abs(p.x - 5.0) < 0.2 and abs(p.y - 0.6) < 0.2 for p in points))
+            goal.pose.position.x = 14.5
+            self.assertEqual(plan(start, goal, 0.0).plan.poses, [])
+
+
+if __name__ == "__main__":
+    rospy.init_node("navigation_plugins")
+    rostest.rosrun("rosoclingo", "navigation_plugins", NavigationPlugins, sys.argv)

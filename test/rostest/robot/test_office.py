@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""The office node: what its servers do to the packages, with the robot here, there, nowhere."""
+
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+import tf2_ros
+from actionlib import ActionClient, GoalStatus
+from actionlib.action_client import CommState
+from geometry_msgs.msg import TransformStamped
+from rosoclingo.msg import (
+    DeliverAction,
+    DeliverGoal,
+    DeliverResult,
+    PackageStates,
+    PickupAction,
+    PickupGoal,
+    PickupResult,
+)
+from rosoclingo.srv import PutPackage
+
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.robot.nodes.office import OfficeNode
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import Process, wait_until
+
+
+class Robot:
+    """Publishes the robot's pose until it is lost."""
+
+    def __init__(self):
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        self.x = None
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self):
+        while not rospy.is_shutdown():
+            if self.x is not None:
+                transform = TransformStamped(child_frame_id="base_link")
+                transform.header.frame_id = "map"
+                transform.header.stamp = rospy.get_rostime()
+                transform.transform.translation.x = self.x
+                transform.transform.rotation.w = 1.0
+                self._broadcaster.sendTransform(transform)
+            rospy.sleep(0.02)
+
+
+class Office(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("office_test")
+        cls.robot = Robot()
+        cls.places = {}
+        rospy.Subscriber("packages", PackageStates, cls.note)
+        cls.pickup = ActionClient("pickup", PickupAction)
+        cls.deliver = ActionClient("deliver", DeliverAction)
+        cls.pickup.wait_for_server()
+        cls.deliver.wait_for_server()
+        rospy.wait_for_service("office/put_package")
+        cls.put = staticmethod(rospy.ServiceProxy("office/put_package", PutPackage))
+
+    @classmethod
+    def note(cls, message):
+        cls.places = {package.id: "carried" if package.carried else package.location for package in message.packages}
+
+    def setUp(self):
+        for package, label in {"1": "office1", "2": "office1", "3": "office1", "4": "office1", "5": "office2"}.items():
+            self.assertTrue(self.put(package, label).success)
+        self.stand(0.1)
+
+    def stand(self, x):
+        """Be at x, and known to be there: a pickup that fails tells where the office sees the robot."""
+        self.robot.x = x
+        where = {True: "office1", False: "office2"}[x < 2.0] if abs(x - 2.5) > 2.0 else ""
+        wait_until(lambda: self.pick("nothing")[1].location == where, "the pose to arrive")
+
+    def end(self, handle):
+        wait_until(lambda: handle.get_comm_state() == CommState.DONE, "the goal to end")
+        return handle.get_terminal_state(), handle.get_result()
+
+    def pick(self, package):
+        return self.end(self.pickup.send_goal(PickupGoal(package=package)))
+
+    def put_down(self, package):
+        return self.end(self.deliver.send_goal(DeliverGoal(package=package)))
+
+    def test_from_office_to_office(self):
+        status, result = self.pick("1")
+        self.assertEqual(
+            (status, result.outcome, result.location), (GoalStatus.SUCCEEDED, PickupResult.SUCCEEDED, "office1")
+        )
+        wait_until(lambda: self.places["1"] == "carried", "the package to be carried")
+        self.stand(5.2)
+        status, result = self.put_down("1")
+        self.assertEqual(
+            (status, result.outcome, result.location), (GoalStatus.SUCCEEDED, DeliverResult.SUCCEEDED, "office2")
+        )
+        wait_until(lambda: self.places["1"] == "office2", "the package to lie in office2")
+
+    def test_reasons(self):
+        for act, package, outcome, text in (
+            (self.pick, "5", PickupResult.NOT_HERE, "package 5 is at office2, the robot at office1"),
+            (self.pick, "9", PickupResult.UNKNOWN_PACKAGE, "there is no package 9"),
+            (self.put_down, "1", DeliverResult.NOT_CARRIED, "the robot does not carry package 1, it lies at office1"),
+        ):
+            status, result = act(package)
+            self.assertEqual((status, result.outcome, result.message), (GoalStatus.ABORTED, outcome, text))
+
+    def test_three_at_most_though_asked_at_once(self):
+        handles = [self.pickup.send_goal(PickupGoal(package=str(package))) for package in range(1, 5)]
+        ends = [self.end(handle) for handle in handles]
+        self.assertEqual([status for status, _ in ends], [GoalStatus.SUCCEEDED] * 3 + [GoalStatus.ABORTED])
+        self.assertEqual(ends[3][1].outcome, PickupResult.FULL)
+
+    def test_between_the_offices(self):
+        self.stand(2.5)
+        status, result = self.pick("1")
+        self.assertEqual((status, result.outcome, result.location), (GoalStatus.ABORTED, PickupResult.NOT_AT_LABEL, ""))
+
+    def test_a_robot_that_is_lost(self):
+        self.robot.x = None
+        wait_until(lambda: self.pick("1")[1].outcome == PickupResult.NOT_AT_LABEL, "the pose to be too old")
+
+    def test_cancel_while_waiting_and_while_handling(self):
+        handles = [self.pickup.send_goal(PickupGoal(package=str(package))) for package in range(1, 4)]
+        wait_until(lambda: handles[0].get_comm_state() == CommState.ACTIVE, "the arm to begin")
+        wait_until(lambda: handles[2].get_comm_state() == CommState.PENDING, "the last goal to be known")
+        handles[0].cancel()
+        handles[2].cancel()
+        ends = [self.end(handle) for handle in handles]
+        self.assertEqual(
+            [status for status, _ in ends], [GoalStatus.PREEMPTED, GoalStatus.SUCCEEDED, GoalStatus.RECALLED]
+        )
+        self.assertEqual([result.outcome for _, result in ends], [PickupResult.PREEMPTED, 0, PickupResult.PREEMPTED])
+        wait_until(lambda: self.places["2"] == "carried", "package 2 to be carried")
+        self.assertEqual([self.places[package] for package in "13"], ["office1", "office1"])
+
+    def test_putting_and_removing(self):
+        self.assertEqual(self.put("8", "office2").message, "package 8 is at office2")
+        wait_until(lambda: self.places.get("8") == "office2", "the package to lie in office2")
+        self.assertEqual(self.put("8", "").message, "package 8 is gone")
+        wait_until(lambda: "8" not in self.places, "the package to be gone")
+        for package, label, fault in (
+            ("8", "", "no package 8"),
+            ("8", "cellar", "no label cellar"),
+            ("", "office1", "identifier"),
+        ):
+            answer = self.put(package, label)
+            self.assertFalse(answer.success)
+            self.assertIn(fault, answer.message)
+
+    def test_parameters_that_cannot_be_used(self):
+        for fault, parameters in (
+            ("~labels: is missing: give a mapping of names to {x, y, yaw} in the launch file, or", {}),
+            ("~labels/b: must be {x, y, yaw} or [x, y, yaw], not 1", {"labels": {"b": 1}}),
+            ("~packages/a[0]: package 1: no label a", {"packages": {"a": [1]}}),
+            ("~capacity: must be a whole number from 1 on, not 0", {"capacity": 0}),
+            ("~capacity: must be a whole number from 1 on, not 'many'", {"capacity": "many"}),
+            ("~appear: must be true or false, not 1", {"appear": 1}),
+            ("~duration: must be a number from 0 on, not 'long'", {"duration": "long"}),
+            ("~tolerance: must be a number from 0 on, not -1", {"tolerance": -1}),
+            ("~base_frame: must be a text, not 3", {"base_frame": 3}),
+        ):
+            values = {"labels": {"b": [1, 2]}, **parameters} if parameters else {}
+            for name, value in values.items():
+                rospy.set_param("~" + name, value)
+            with self.assertRaises(ParameterError) as caught:
+                OfficeNode()
+            self.assertIn(fault, str(caught.exception))
+            for name in values:
+                rospy.delete_param("~" + name)
+
+    def test_the_exit_code_tells(self):
+        with Process("rosrun", "rosoclingo", "office", "__ns:=broken") as node:
+            code, error = node.wait()
+        self.assertEqual(code, 1)
+        self.assertIn("/broken/office: ~labels: is missing", error)
+
+    def test_packages_that_appear_and_capacity(self):
+        parameters = ["_labels:={b: [0, 0]}", "_appear:=true", "_capacity:=1", "_duration:=0"]
+        with Process("rosrun", "rosoclingo", "office", "__ns:=other", *parameters):
+            client = ActionClient("other/pickup", PickupAction)
+            client.wait_for_server()
+            pick = lambda package: self.end(client.send_goal(PickupGoal(package=package)))[1].outcome  # noqa: E731
+            wait_until(lambda: pick("new") != PickupResult.NOT_AT_LABEL, "the pose to arrive")
+            self.assertEqual(pick("newer"), PickupResult.FULL)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "office_test", Office, sys.argv)

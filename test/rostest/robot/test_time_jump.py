@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Simulated time goes back while a goal is on its way, and to before the last cancel."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import rosnode
+import rospy
+import rostest
+from actionlib import SimpleActionClient
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from rosoclingo.msg import PickupAction, PickupGoal
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
+
+
+class TimeJump(unittest.TestCase):
+    def test_time_goes_back_on_the_way(self):
+        driver = Driver()
+        driver.send(pose_goal(13.9, 0.0))
+        driver.wait(lambda: driver.speed[0] > 0.3 and rospy.get_time() > 5.0)
+        driver.client.cancel_goal()
+        self.assertEqual(driver.end()[0], PREEMPTED)
+        driver.send(pose_goal(4.0, 0.0))
+        driver.wait(lambda: driver.speed[0] > 0.3)
+        cancelled = rospy.get_time()
+        pickup = SimpleActionClient("pickup", PickupAction)
+        pickup.wait_for_server()
+        pickup.cancel_goals_at_and_before_time(rospy.Time.from_sec(cancelled + 1000.0))
+        ended = pickup.send_goal_and_wait(PickupGoal(package="1"))
+        self.assertIn(ended, (GoalStatus.RECALLED, PREEMPTED), "the cancel may overtake the goal, or not")
+        rosnode.kill_nodes(["/simulator"])
+        driver.wait(lambda: rospy.get_time() < cancelled)
+        self.assertEqual(driver.end(), (SUCCEEDED, "Goal reached."))
+        self.assertLess(driver.distance(4.0, 0.0), 0.2)
+        rospy.sleep(0.1)
+        self.assertLess(rospy.get_time(), cancelled + 60.0)
+        self.assertEqual(driver.drive(3.0, 0.0)[0], SUCCEEDED)
+        self.assertEqual(driver.collisions, [])
+        self.assertEqual(pickup.send_goal_and_wait(PickupGoal(package="1")), ABORTED, "there is no package 1")
+        for server in ("move_base", "pickup", "deliver"):
+            now = rospy.get_time()
+            while (
+                rospy.wait_for_message(server + "/status", GoalStatusArray, timeout=30.0).header.stamp.to_sec() <= now
+            ):
+                pass
+
+    def test_zzz_move_base_dies_on_the_way_and_comes_back(self):
+        """The watchdog stops the robot; the new move_base takes goals as the old one did."""
+        driver = Driver()
+        driver.send(pose_goal(13.9, 0.0))
+        driver.wait(lambda: driver.speed[0] > 0.3)
+        rosnode.kill_nodes(["/move_base"])
+        driver.wait(lambda: driver.speed == (0.0, 0.0))
+        x = driver.pose[0]
+        self.assertLess(x, 12.0)
+        again = Driver()
+        again.send(pose_goal(x + 1.0, 0.0))
+        self.assertEqual(again.end(), (SUCCEEDED, "Goal reached."))
+        self.assertLess(again.distance(x + 1.0, 0.0), 0.2)
+        self.assertEqual(again.collisions, [])
+
+
+if __name__ == "__main__":
+    rospy.init_node("time_jump")
+    rostest.rosrun("rosoclingo", "time_jump", TimeJump, sys.argv)

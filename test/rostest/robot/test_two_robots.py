@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Two robots: namespaces and frames as stage_ros has them, and both get past each other in a corridor."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+import rosgraph
+import rospy
+import rostest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import OccupancyGrid, Odometry
+from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Empty
+from tf2_msgs.msg import TFMessage
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from navigation_helpers import SUCCEEDED, Driver, pose_goal
+
+
+class TwoRobots(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.drivers = [Driver("robot_0/"), Driver("robot_1/")]
+
+    def tearDown(self):
+        self.assertEqual([driver.collisions for driver in self.drivers], [[], []])
+
+    def test_topics_are_those_of_stage_ros(self):
+        publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        offered = {topic for topic, nodes in publishers if "/simulator" in nodes}
+        heard = {topic for topic, nodes in subscribers if "/simulator" in nodes}
+        names = ("odom", "base_pose_ground_truth", "base_scan")
+        expected = {f"/robot_{i}/{name}" for i in (0, 1) for name in names} | {"/clock", "/tf"}
+        self.assertEqual(offered - {"/rosout", "/simulator/collisions"}, expected)
+        self.assertEqual(heard - {"/clock"}, {"/robot_0/cmd_vel", "/robot_1/cmd_vel"})
+        rospy.wait_for_service("/reset_positions", timeout=30.0)
+
+    def test_frames_are_those_of_stage_ros(self):
+        for i in (0, 1):
+            odom = rospy.wait_for_message(f"robot_{i}/odom", Odometry, timeout=60.0)
+            self.assertEqual(
+                (odom.header.frame_id, odom.child_frame_id), (f"robot_{i}/odom", f"robot_{i}/base_footprint")
+            )
+            scan = rospy.wait_for_message(f"robot_{i}/base_scan", LaserScan, timeout=60.0)
+            self.assertEqual(scan.header.frame_id, f"robot_{i}/base_laser_link")
+            costmap = rospy.wait_for_message(f"robot_{i}/move_base/local_costmap/costmap", OccupancyGrid, timeout=60.0)
+            self.assertEqual(costmap.header.frame_id, f"robot_{i}/odom")
+        seen = set()
+        chain = ("odom", "base_footprint", "base_link", "base_laser_link")
+        wanted = {(f"robot_{i}/{a}", f"robot_{i}/{b}") for i in (0, 1) for a, b in zip(chain, chain[1:])}
+        wanted |= {("map", f"robot_{i}/odom") for i in (0, 1)}
+        while seen != wanted:
+            for t in rospy.wait_for_message("/tf", TFMessage, timeout=60.0).transforms:
+                seen.add((t.header.frame_id, t.child_frame_id))
+            self.assertLessEqual(seen, wanted)
+
+    def test_a_command_moves_one_robot_only(self):
+        rospy.ServiceProxy("reset_positions", Empty)()
+        command, twist = rospy.Publisher("robot_1/cmd_vel", Twist, queue_size=1), Twist()
+        twist.angular.z = 1.0
+        mover, other = self.drivers[1], self.drivers[0]
+        mover.wait(lambda: command.publish(twist) or abs(mover.speed[1]) > 0.5)
+        self.assertEqual(other.speed, (0.0, 0.0))
+
+    def test_the_robots_pass_each_other(self):
+        rospy.ServiceProxy("reset_positions", Empty)()
+        anna, bert = self.drivers
+        anna.send(pose_goal(13.0, 0.0, 0.0))
+        bert.send(pose_goal(2.0, 0.0, math.pi))
+        self.assertEqual([driver.end() for driver in self.drivers], [(SUCCEEDED, "Goal reached.")] * 2)
+        self.assertLess(anna.distance(13.0, 0.0), 0.2)
+        self.assertLess(bert.distance(2.0, 0.0), 0.2)
+
+
+if __name__ == "__main__":
+    rospy.init_node("two_robots")
+    rostest.rosrun("rosoclingo", "two_robots", TwoRobots, sys.argv)

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""doc/tutorial.md: its files are written, its commands are run, and what they print is compared with the page."""
+
+import contextlib
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
+
+PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
+PATIENCE = 120.0  # seconds of wall time for one command
+STAYING = ("roslaunch", "python3")  # these commands run in terminals of their own, until the end
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+CODES = {"canceled": 2, "rejected": 3, "aborted": 4}  # of the exit, by the word that is printed last
+
+
+def without_cycles(line):
+    """How many cycles there were before depends on when Ctrl-C came."""
+    return re.sub(r"cycle \d+", "cycle N", line.rstrip())
+
+
+class Tutorial(unittest.TestCase):
+    def setUp(self):
+        self.stack = contextlib.ExitStack()
+        self.addCleanup(self.stack.close)
+        self.folder = self.stack.enter_context(tempfile.TemporaryDirectory())
+
+    def test_the_page_is_true(self):
+        files, commands, end = [], 0, 0
+        for match in BLOCK.finditer(PAGE):
+            if match.group(1) == "console":
+                commands += self.play(match.group(2))
+            else:
+                paragraph = PAGE[end : match.start()].strip().rpartition("\n\n")[2]
+                files.append(re.search(r"`(\w+\.\w+)`", paragraph).group(1))
+                Path(self.folder, files[-1]).write_text(match.group(2))
+            end = match.end()
+        expected = ["garden.lp", "morning.txt", "labels.yaml", "interfaces.yaml", "pump.py", "garden.launch"]
+        self.assertEqual(files, expected)
+        self.assertEqual(commands, PAGE.count("\n$ "))
+
+    def play(self, block):
+        """Run the commands of a console block, each with what it shall print below it; how many there were."""
+        parts = re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]
+        for part in parts:
+            command, *shown = part.split("\n")[:-1]
+            words = shlex.split(command)
+            if words[0] in STAYING:
+                self.stack.callback(self.end, subprocess.Popen(words, cwd=self.folder, start_new_session=True))
+            else:
+                self.compare(command, shown, *self.output(words, interrupted="^C" in shown))
+        return len(parts)
+
+    def compare(self, command, shown, code, lines):
+        """The lines that are shown come in this order, with others only where there are three dots."""
+        message = "{}\nprinted\n{}".format(command, "\n".join(lines))
+        wanted = [".*" if line in ("...", "^C") else re.escape(without_cycles(line)) + "\n" for line in shown]
+        printed = "".join(without_cycles(line) + "\n" for line in lines)
+        if wanted:
+            self.assertIsNotNone(re.fullmatch("".join(wanted), printed, re.DOTALL), message)
+        self.assertEqual(code, CODES.get(lines[-1].partition(":")[0], 0) if lines else 0, message)
+
+    def output(self, words, interrupted):
+        """Exit code and printed lines; Ctrl-C is pressed after the first line, where the page does so."""
+        environment = dict(os.environ, PYTHONUNBUFFERED="1")
+        process = subprocess.Popen(
+            words, cwd=self.folder, env=environment, stdout=subprocess.PIPE, text=True, start_new_session=True
+        )
+        alarm = threading.Timer(PATIENCE, os.killpg, (process.pid, signal.SIGKILL))
+        alarm.start()
+        lines = []
+        for line in process.stdout:
+            lines.append(line.rstrip())
+            if interrupted and len(lines) == 1:
+                os.killpg(process.pid, signal.SIGINT)
+        code = process.wait()
+        alarm.cancel()
+        return code, lines
+
+    @staticmethod
+    def end(process):
+        """Press Ctrl-C in a terminal, and wait."""
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(PATIENCE)
+        finally:
+            process.kill()
+
+
+if __name__ == "__main__":
+    rospy.init_node("tutorial_test")
+    rostest.rosrun("rosoclingo", "tutorial", Tutorial, sys.argv)
