@@ -7,7 +7,7 @@ __all__ = ["cancel_goal", "goal_id"]
 
 
 def goal_id(handle: ClientGoalHandle) -> str:
-    """Actionlib's id of a goal that was sent."""
+    """Return actionlib's id of a goal that was sent."""
     return str(handle.comm_state_machine.action_goal.goal_id.id)
 
 

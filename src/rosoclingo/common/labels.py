@@ -38,7 +38,7 @@ class Label(NamedTuple):
 
     @property
     def quaternion(self) -> Tuple[float, float, float, float]:
-        """The heading as a unit quaternion (x, y, z, w)."""
+        """Return the heading as a unit quaternion (x, y, z, w)."""
         return (0.0, 0.0, math.sin(self.yaw / 2.0), math.cos(self.yaw / 2.0))
 
     def distance(self, x: float, y: float) -> float:

@@ -10,7 +10,7 @@ from rosoclingo.common.parameters import Parameters
 
 
 class RobotPose:
-    """Where tf says that the robot is.
+    """Looks up the robot's position in tf.
 
     Parameters
     ----------

@@ -166,7 +166,7 @@ class Run:
         return self._verdict
 
     def handle(self, event: Event, now: Instant) -> Effect:
-        """Take an event; what has to be done about it.  Raises IllegalEventError."""
+        """Take an event and return what has to be done about it.  Raises IllegalEventError."""
         if event not in TRANSITIONS[self._phase]:
             raise IllegalEventError(f"{event.value} while {self._phase.value}")
         before = self._phase
@@ -179,11 +179,11 @@ class Run:
         return effect
 
     def tick(self, now: Instant) -> Effect:
-        """Let time pass: as `handle` with EXPIRED if the deadline of this phase is over."""
+        """Handle EXPIRED if the deadline of this phase has passed."""
         return self.handle(Event.EXPIRED, now) if self._expired(now) else Effect.NOTHING
 
     def wait_on(self, now: Instant) -> bool:
-        """Be patient with a server that is starting, for START_TIME in all; tell whether that is new."""
+        """Wait for a server that is starting, for START_TIME in all; return whether that is new."""
         if self._phase is not Phase.WAITING or self._since_sent.elapsed(now).wall >= START_TIME:
             return False
         self._in_phase = _Stopwatch(now)

@@ -24,7 +24,7 @@ class Health:
         self.tick = self._diagnostics.tick
 
     def note(self, succeeded: bool, what: str) -> None:
-        """An action has ended; `what` says how, for people."""
+        """Record how an action ended; `what` says it for people."""
         if succeeded:
             self._succeeded += 1
             self._fault = ""
@@ -33,7 +33,7 @@ class Health:
             self._last_failure = what
 
     def fault(self, error: Exception) -> str:
-        """Something in the program is wrong, an exception that is being handled; returns it in a line.
+        """Record the exception that is being handled, a fault of the program; returns it in a line.
 
         Its traceback is logged once; the state is an error until an action succeeds.
         """

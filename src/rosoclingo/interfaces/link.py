@@ -1,4 +1,4 @@
-"""The client's side of one actionlib server: is it there, send a goal, hear of its progress."""
+"""The client of one actionlib server: whether it is connected, goals sent to it, and their progress."""
 
 import threading
 from typing import Any, Callable, Iterable, Optional, Set

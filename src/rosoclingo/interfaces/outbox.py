@@ -1,4 +1,4 @@
-"""Answers on their way to the core."""
+"""The queue of answers to the core."""
 
 from collections import deque
 from typing import Callable, Deque, Tuple

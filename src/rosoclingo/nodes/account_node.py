@@ -67,7 +67,7 @@ class TopicAccount:
             return len(heard) >= goals and all(heard)
 
     def finish(self) -> Summary:
-        """The end: say what was held back, and sum up."""
+        """End the account: print what was held back, and the summary."""
         with self._lock:
             self.account.finish()
             return self.account.summary
@@ -87,7 +87,7 @@ class TopicAccount:
 
 
 class AccountNode(TopicAccount):
-    """Tells the account of what happens from now on.
+    """Prints the account of what happens from now on.
 
     Subscribes:
         out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), rosoclingo/task_plan (rosoclingo/TaskPlan)

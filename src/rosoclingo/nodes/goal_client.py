@@ -53,7 +53,7 @@ class SentGoal:
         self._handle = self._client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
 
     def send_again(self) -> None:
-        """Send what the server never told of again, with its cancel: rospy may drop both, and an id is taken once."""
+        """Send again what the server never acknowledged, and its cancel: rospy may drop both; an id is taken once."""
         if self._handle is not None and self._handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK:
             self._client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
             if self._unwanted:
@@ -66,7 +66,7 @@ class SentGoal:
             cancel_goal(self._client, self._handle)
 
     def lose(self, why: str) -> None:
-        """Nothing will be heard of it any more."""
+        """End the goal as lost."""
         self._end(OUTCOME_WORDS[GoalStatus.LOST], why)
 
     def _on_transition(self, handle: ClientGoalHandle) -> None:

@@ -65,7 +65,7 @@ class Silence:
         self.end()
 
     def end(self) -> None:
-        """The goal was heard of."""
+        """Start counting anew: the goal was heard of."""
         self._since = time.monotonic()
         self._turns = 0
         self.denied = False

@@ -112,19 +112,19 @@ class Core:
         return self._execution.awaited
 
     def add_goal(self, key: str, text: str) -> None:
-        """The client's handle ``key`` asks for the goal ``text``; it ends as refused when it cannot be taken."""
+        """Take the goal ``text`` under the client's handle ``key``; it is rejected with the reason if it cannot be."""
         self._goals.add(key, text)
 
     def cancel_goal(self, key: str) -> None:
-        """A client cancels; without effect on a goal that has ended."""
+        """Cancel a goal; without effect on one that has ended."""
         self._goals.cancel(key)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
-        """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
+        """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""
         self._execution.receive(origin, facts)
 
     def poll(self, now: float) -> None:
-        """Time passes: actions that have not returned in time count as failed."""
+        """Count actions that have not returned in time as failed."""
         self._execution.expire(now, self._settings.action_timeout)
 
     def start(self) -> None:
@@ -154,7 +154,7 @@ class Core:
         return True
 
     def abandon(self, why: str) -> None:
-        """The core goes away: every goal is aborted."""
+        """Abort every goal, as the core ends."""
         self._goals.end(self._goals.live, Outcome.ABORTED, why)
 
     def _preempt(self) -> None:

@@ -1,4 +1,4 @@
-"""Where clients' goals come in and go out: checks at the door, the list of live goals, their requests to the feeder."""
+"""Clients' goals: checked on arrival, kept while they live, passed to the feeder as requests, ended with a reason."""
 
 from typing import Callable, Iterable, List, Sequence
 
@@ -42,7 +42,7 @@ class GoalManager:
         return self._book.fed
 
     def add(self, key: str, text: str) -> None:
-        """A client sends the goal ``text``; a goal that cannot be taken is refused with the reason."""
+        """Take the goal ``text``; a goal that cannot be taken is rejected with the reason."""
         try:
             goal = Goal(key, read_goal(text), self._changed)
             if not self._program.declares_external(REQUEST, 2):
@@ -55,7 +55,7 @@ class GoalManager:
             self._admit()
 
     def cancel(self, key: str) -> None:
-        """A client cancels; nothing happens to a goal that has ended or is being cancelled already."""
+        """Cancel a goal; without effect on one that has ended or is being cancelled."""
         goal = self._book.by_key(key)
         if goal is None or goal.cancelling:
             return
@@ -67,7 +67,7 @@ class GoalManager:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before it was planned for")
 
     def drop(self, goals: Sequence[Goal], why: str) -> None:
-        """Give up goals that the program knows: it hears of it as a cancellation."""
+        """Abort goals that the program knows, and send it their cancellations."""
         for goal in goals:
             self._feeder.add_cancellation(goal.identifier)
         self.end(goals, Outcome.ABORTED, why)
@@ -80,7 +80,7 @@ class GoalManager:
                 goal.end(outcome, f"{goal} {why}")
 
     def again(self, goals: Iterable[Goal]) -> None:
-        """Tell the program, which knows nothing any more, of those of the goals that have not ended."""
+        """Send the requests of the goals that have not ended once more, to a program that has forgotten them."""
         for goal in goals:
             if goal.live:
                 goal.forget()

@@ -83,7 +83,7 @@ class TransitionError(RuntimeError):
 
 
 class GoalError(ValueError):
-    """A goal that cannot be taken; the text is the reason a client is told."""
+    """A goal is rejected; the text is the reason that the client gets."""
 
 
 class Goal:
@@ -122,11 +122,11 @@ class Goal:
         return self.request_cycle is not None
 
     def feed(self, cycle: int) -> None:
-        """An update in force carries the request, for ``cycle``."""
+        """Record that an update in force carries the request, for ``cycle``."""
         self.request_cycle = cycle
 
     def forget(self) -> None:
-        """The program knows nothing of the request any more."""
+        """Record that the program has forgotten the request."""
         self.request_cycle = None
 
     @property
@@ -164,7 +164,7 @@ class Goal:
 
 
 def read_goal(text: str) -> Symbol:
-    """The goal term of a client's text; raises GoalError with the reason when it is none."""
+    """Return the goal term of a client's text; raises GoalError with the reason when it is none."""
     if len(text) > LONGEST:
         raise GoalError(f"'{shortened(text)}' is too long for a goal: write at most {LONGEST} characters")
     try:

@@ -45,7 +45,7 @@ class Batch(NamedTuple):
 
 
 class Clock:
-    """Gives facts of now their cycle.
+    """Replaces ``now`` in facts by the cycle in which they take effect.
 
     ``delay(name, arity)`` tells after how many cycles what is seen of such a fact bears on actions: in update n, which
     starts cycle n, a fact of cycle n - delay is the first that the action of cycle n heeds. None stands for a
@@ -57,7 +57,7 @@ class Clock:
         self._first = first
 
     def dated(self, fact: Symbol, step: int) -> Symbol:
-        """``fact`` as the update of ``step`` is to state it; it stays as it is unless it is of now."""
+        """Return ``fact`` as the update of ``step`` is to state it: unchanged unless it is of ``now``."""
         return self.at_present(fact, step) if _is_of_now(fact) else fact
 
     def is_too_early(self, fact: Symbol, step: int) -> bool:
@@ -65,12 +65,12 @@ class Clock:
         return _is_of_now(fact) and step - self._delay_of(fact) < self._first
 
     def at_present(self, fact: Symbol, step: int) -> Symbol:
-        """``fact`` as if seen just now, its last argument replaced."""
+        """Return ``fact`` as if seen just now, its last argument replaced."""
         cycle = max(step - self._delay_of(fact), self._first)
         return Function(fact.name, [*fact.arguments[:-1], Number(cycle)], fact.positive)
 
     def cycle_of(self, fact: Symbol) -> Optional[int]:
-        """The cycle of a fact; None where its predicate knows none, or it is none."""
+        """Return the cycle of a fact; None where its predicate has none or its last argument is no number."""
         if not fact.arguments or self._delay(fact.name, len(fact.arguments)) is None:
             return None
         last = fact.arguments[-1]
@@ -112,7 +112,7 @@ class InputFeeder:
         return len(self._facts)
 
     def add_goal(self, goal: Goal) -> None:
-        """A new goal arrived."""
+        """Take a new goal."""
         self.arrivals += 1
         self._requests.append(goal)
 
@@ -121,25 +121,25 @@ class InputFeeder:
         self._requests = [item for item in self._requests if item is not goal]
 
     def add_cancellation(self, identifier: Symbol) -> None:
-        """A goal that was fed is to be cancelled."""
+        """Take the cancellation of a goal that was fed."""
         self.arrivals += 1
         self._requests.append(identifier)
 
     def add_rejection(self, identifier: Symbol) -> None:
-        """The program has rejected a goal: the next update, if there is one, cancels it, lest a late fact revive it."""
+        """Take a goal rejected by the program: the next update, if any, cancels it, lest a late fact revive it."""
         self._rejected.append(identifier)
 
     def add_fact(self, atom: Symbol, origin: str = "", cycle: int = 0) -> None:
-        """A return or another fact arrived in ``cycle``; the same fact twice in an update is one."""
+        """Take a return or another fact that arrived in ``cycle``; the same fact twice in an update is one."""
         self.arrivals += 1
         self._facts.setdefault(atom, Observation(atom, cycle, origin=origin, told=atom))
 
     def add_executed(self, actions: Iterable[Action]) -> None:
-        """The actions of a cycle are over: the next update commits to them."""
+        """Take the actions of a cycle that has ended: the next update commits to them."""
         self._executed += tuple(actions)
 
     def next_update(self, step: int, over: int = 0) -> Batch:
-        """The update that starts cycle ``step``; what it carries waits until it is ``taken``.
+        """Return the update that starts cycle ``step``; what it carries waits until it is ``taken``.
 
         Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
         where a fact of now takes effect only then.
@@ -151,7 +151,7 @@ class InputFeeder:
         return self._batch(step, self._executed, (*rejected, *requests), self._facts.values(), over)
 
     def taken(self, batch: Batch) -> None:
-        """The update that was made last is in force: what it carries waits no longer; the program knows its goals."""
+        """Record that the latest update is in force: what it carries no longer waits; the program knows its goals."""
         for one in batch.requests:
             waiting = self._rejected if one in self._rejected else self._requests
             if one in waiting:
@@ -163,11 +163,11 @@ class InputFeeder:
             goal.feed(batch.request_cycle)
 
     def wait(self) -> None:
-        """The next update is not to be made before something else arrives."""
+        """Make no update before something else arrives."""
         self._waits = self.arrivals
 
     def preview(self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = ()) -> StreamUpdate:
-        """What the next update would be, with ``further`` facts."""
+        """Return what the next update would be, with ``further`` facts."""
         facts = {**self._facts, **{atom: Observation(atom, step) for atom in further}}
         return self._batch(step, (*self._executed, *executed), self._requests, facts.values()).update
 
@@ -199,7 +199,7 @@ class InputFeeder:
 
 
 def requests_of(goals: Iterable[Goal]) -> FrozenSet[Symbol]:
-    """The requests of the goals that were fed."""
+    """Return the requests of the goals that were fed."""
     return frozenset(request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None)
 
 

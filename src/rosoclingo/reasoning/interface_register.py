@@ -34,11 +34,11 @@ class InterfaceRegister:
         return sorted(set().union(*self._announced.values()))
 
     def announce(self, node: str, interface: str) -> None:
-        """A node says that it serves an interface."""
+        """Record that a node announces an interface."""
         self._announced.setdefault(node, set()).add(interface)
 
     def answered(self, interface: str) -> None:
-        """A return of an interface was taken."""
+        """Record that a return of an interface was taken."""
         self._answered.add(interface)
 
     def look(

@@ -34,12 +34,12 @@ class _Kind:
     latest: str = ""
 
     def leave(self, text: str) -> None:
-        """One of them is not said."""
+        """Count a problem that is not logged."""
         self.unsaid, self.latest = self.unsaid + 1, text
 
 
 class LogThrottle:
-    """Says what is worth a line. ``count`` is the number of all problems, ``latest`` the text of the last one.
+    """Limits the lines of a log. ``count`` is the number of all problems, ``latest`` the text of the last one.
 
     Problems of one interface are the same if their texts differ in numbers only; the core's own if their texts are the
     same. They are of one kind if they differ in numbers, strings and what stands in brackets: the arguments of atoms.

@@ -87,7 +87,7 @@ class _Mender:
         self._fed = frozenset(one.atom for one in case.batch.facts)
 
     def mend(self) -> Optional[Mend]:
-        """Doubt more and more."""
+        """Doubt more and more observations until there is an answer."""
         undecided = False
         for pool in self._pools():
             try:

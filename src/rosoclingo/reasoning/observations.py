@@ -1,4 +1,4 @@
-"""What was seen of the world: actions that failed, and facts that interfaces told. A goal may be at odds with it."""
+"""What was observed of the world: failed actions, and facts from interfaces. Goals may contradict it."""
 
 from collections import deque
 from typing import Deque, FrozenSet, NamedTuple, Optional, Tuple
@@ -27,7 +27,7 @@ class Observation(NamedTuple):
 
     @property
     def facts(self) -> FrozenSet[Symbol]:
-        """All that would not have been told without it: had the failed action not been tried."""
+        """All that would not have been stated without it, had the failed action not been tried."""
         return frozenset((self.atom, *(action.atom for action in self.actions)))
 
     @property
@@ -51,21 +51,21 @@ class Observations:
 
     @property
     def newest_first(self) -> Tuple[Observation, ...]:
-        """All that are kept."""
+        """All observations that are kept."""
         return tuple(reversed(self._kept))
 
     def add_fact(self, fact: Observation) -> None:
-        """A fact was fed that is no return."""
+        """Record a fact that was fed and is no return."""
         self._kept.append(fact)
 
     def add_failure(self, answer: Return, actions: Tuple[Action, ...]) -> None:
-        """One of ``actions`` returned something else than success."""
+        """Record that one of ``actions`` returned something else than success."""
         self._kept.append(Observation(answer.atom, answer.cycle, actions))
 
     def drop(self, atoms: FrozenSet[Symbol]) -> None:
-        """Some facts count no more."""
+        """Remove the observations of these facts."""
         self._kept = deque((one for one in self._kept if one.atom not in atoms), maxlen=MEMORY)
 
     def clear(self) -> None:
-        """Everything begins anew, but what was done was done."""
+        """Remove all observations."""
         self._kept.clear()

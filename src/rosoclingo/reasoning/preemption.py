@@ -10,7 +10,7 @@ from rosoclingo.reasoning.stream_planner import Planner
 
 
 class Preemption:
-    """Thinks again of the actions under way whenever something has arrived; each is found unwanted once."""
+    """Checks the actions under way whenever something has arrived; each is reported as unwanted once."""
 
     def __init__(self, feeder: InputFeeder, execution: ExecutionMonitor, told: bool) -> None:
         """Think for the actions that ``execution`` awaits; ``told`` says whether the program hears of those it ends."""
@@ -21,11 +21,11 @@ class Preemption:
         self._found: FrozenSet[Action] = frozenset()
 
     def begin(self) -> None:
-        """A cycle's actions are under way, as they are wanted now."""
+        """Record that a cycle's actions are under way, all of them wanted."""
         self._considered, self._found = self._feeder.arrivals, frozenset()
 
     def unwanted(self, planner: Planner) -> Tuple[Action, ...]:
-        """The actions under way that are no longer wanted. May raise DisturbedError: more has come, ask again.
+        """Return the actions under way that are no longer wanted; may raise DisturbedError: more has come, ask again.
 
         Suppose that they return ``preempted`` now: then one is wanted if there is a shortest plan that begins with it
         again. Without a plan, or if the program does not know this return, each is.

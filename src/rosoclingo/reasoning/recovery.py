@@ -97,12 +97,12 @@ class _Attempts:
         self.begin()
 
     def begin(self) -> None:
-        """The time for what comes next begins."""
+        """Start the time limit of the next task."""
         self._look = self._question.watch()
 
     @property
     def over(self) -> bool:
-        """Whether the time is over."""
+        """Whether the time limit is reached."""
         return self._look() is not None
 
     def without(self, dropped: Sequence[Goal], unseen: Sequence[Observation] = ()) -> Recovery:

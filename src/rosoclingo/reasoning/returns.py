@@ -1,4 +1,4 @@
-"""What interfaces tell the core: returns of the actions under way, and other facts; what of it makes no sense."""
+"""What interfaces tell the core: returns of the actions under way and other facts, and why some are rejected."""
 
 from collections import deque
 from contextlib import contextmanager
@@ -37,7 +37,7 @@ MOST_WAITING = 10000
 
 
 class ReturnError(ValueError):
-    """A return that answers no action that is under way; the text says why."""
+    """A return is rejected: it answers no action that is under way; the text says why."""
 
 
 class _Group:
@@ -134,7 +134,7 @@ class Dispatch:
 
 
 class FactError(ValueError):
-    """A fact that no interface may state, or that the program has no use for; the text says why."""
+    """A fact is rejected: no interface may state it, or the program does not declare it; the text says why."""
 
 
 #: So many facts that name their cycle are remembered: told again they are nothing new.
@@ -183,11 +183,11 @@ class ExecutionMonitor:
         return tuple(self._executed)
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
-        """The actions of ``cycle`` are sent out."""
+        """Record that the actions of ``cycle`` are sent out."""
         self._dispatch = Dispatch(cycle, actions, now)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
-        """Facts from the interface ``origin``. One that makes no sense is told as a problem, and the rest are taken."""
+        """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""
         for text in facts[:MOST_FACTS]:
             with self._guarded(origin, text):
                 self._take(origin, _read(text))
@@ -198,7 +198,7 @@ class ExecutionMonitor:
             self._tell(Problem(self._cycle(), f"{why}: send them in several", origin))
 
     def expire(self, now: float, limit: float) -> None:
-        """Actions that have not returned within ``limit`` seconds count as failed; 0 waits for ever."""
+        """Count actions that have not returned within ``limit`` seconds as failed; 0 waits for ever."""
         if self._dispatch is None or limit <= 0:
             return
         self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
@@ -212,7 +212,7 @@ class ExecutionMonitor:
                 self._feed_return(action.interface_name, atom)
 
     def end_cycle(self) -> Tuple[Action, ...]:
-        """The actions that were executed in the cycle, which is over."""
+        """End the cycle; return the actions that were executed in it."""
         dispatch, self._dispatch = self._dispatch, None
         if dispatch is None:
             return ()
@@ -246,11 +246,11 @@ class ExecutionMonitor:
                 self._feeder.add_fact(atom, origin, self._cycle())
 
     def forget(self, fact: Observation) -> None:
-        """A fact was not taken: told again it is new."""
+        """Forget a fact that was not taken: when it comes again it is new."""
         self._known.pop(fact.told or fact.atom, None)
 
     def forget_all(self) -> None:
-        """Nothing counts of what was told before."""
+        """Forget all facts and observations."""
         self._known.clear()
         self.observations.clear()
 

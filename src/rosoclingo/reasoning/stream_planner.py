@@ -54,7 +54,7 @@ SearchWatch = Callable[[], Callable[[], Optional[Halt]]]
 
 
 def unwatched() -> Callable[[], Optional[Halt]]:
-    """The search takes the time it takes."""
+    """Never end a search."""
     return lambda: None
 
 
@@ -67,7 +67,7 @@ class DisturbedError(Exception):
 
 
 class Planner:
-    """A reactive solver whose log tells all that was planned from.
+    """A reactive solver as the core uses it; its log holds all that plans follow from.
 
     ``lookahead`` is the greatest number of steps that the horizon may lie beyond the current cycle. Every search may
     raise DisturbedError, and DroppedError where it could be ended only by dropping the update.
@@ -134,13 +134,13 @@ class Planner:
         return self._search(update).outcome is not SolveOutcome.UNSATISFIABLE
 
     def why_none(self, result: SolveResult) -> str:
-        """Why the last search, with that ``result``, gave no plan."""
+        """Return why the last search, with that ``result``, gave no plan."""
         if result.outcome is SolveOutcome.INTERRUPTED:
             return "no plan was found before the search was ended" + (f": {self.ended_by}" if self.ended_by else "")
         return f"there is no plan of at most {self._lookahead} steps"
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
-        """A planner beside this one in the same state, less the facts ``without``, and with a short horizon again."""
+        """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
         before, taken = self._before, self.taken
         if before is None or taken is None:
             return self._beside(self.log.less(without))
@@ -148,12 +148,12 @@ class Planner:
         return self._beside(before.less(without).then(Taken(taken.less(without), horizon)))
 
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
-        """A planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
+        """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
         planner = self._beside((self._before or StreamLog()).less(without))
         return planner, planner.update(update.less(without))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
-        """A planner that knows nothing but that it is ``step`` now and nothing was done before; what it was fed."""
+        """Return a planner that knows only that it is ``step`` now and nothing was done before; and what it was fed."""
         planner = self._beside(StreamLog())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []

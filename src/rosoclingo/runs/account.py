@@ -51,7 +51,7 @@ class GoalAccount:
 
 @dataclass
 class Summary:
-    """What a run came to.
+    """The totals of a run.
 
     ``packages`` maps each package to its label or "carried"; ``seconds`` are of the run's clock.
     """
@@ -108,17 +108,17 @@ class Account:
         self.summary = Summary()
 
     def goal(self, time: float, key: str, text: str) -> None:
-        """A client sent a goal."""
+        """Record a goal that a client sent."""
         self._goals[key] = GoalAccount(text)
         self.summary.goals.append(self._goals[key])
         self._line(time, "request", text, gives=_as_fed(text))
 
     def cancel(self, time: float, key: str) -> None:
-        """A client cancelled a goal; an empty key stands for all of them."""
+        """Record that a client cancelled a goal; an empty key stands for all of them."""
         self._line(time, "cancel", self._goals[key].text if key in self._goals else "every goal")
 
     def status(self, time: float, key: str, number: int, message: str) -> None:
-        """A goal's status, as often as it is published."""
+        """Record a goal's status, as often as it is published."""
         goal = self._goals.get(key)
         word = STATUS_WORDS[number]
         if goal is None or goal.status == word or goal.status in ENDED:
@@ -127,20 +127,20 @@ class Account:
         self._line(time, "goal", f"{goal.text}: {word}{_because(goal)}")
 
     def update(self, time: float, text: str) -> None:
-        """The core fed a stream update."""
+        """Record a stream update that the core fed."""
         self.summary.updates.append(text)
         step, sources, plain = _read_update(text)
         self._line(time, "update", " ".join(plain.split()), sources, f"update {step}")
 
     def plan(self, time: float, cycle: int, actions: Sequence[str]) -> None:
-        """The plan of a cycle; what is past is left out of the line."""
+        """Record the plan of a cycle; what is past is left out of the line."""
         ahead = ", ".join(_action(text) for text in actions if _cycle_of(text) >= cycle) or "nothing to do"
         first = not self.summary.updates and not actions
         after = set() if first else {f"update {cycle}"}
         self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}")
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
-        """Actions on out_rosoclingo, and what ends them before their time."""
+        """Record actions on out_rosoclingo, and what ends them early."""
         for text in facts:
             if text.startswith(CANCEL_ACTION):
                 self._line(time, "preempt", _action(ACTION_LIB + text[len(CANCEL_ACTION) :]))
@@ -149,7 +149,7 @@ class Account:
                 self._line(time, "action", _action(text), {f"plan {_cycle_of(text)}"})
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
-        """Facts on in_rosoclingo."""
+        """Record facts on in_rosoclingo."""
         for text in facts:
             answer = _return(text)
             if answer is None:
@@ -160,19 +160,19 @@ class Account:
                 self._line(time, "return", words, gives=str(answer.atom))
 
     def packages(self, packages: Iterable[Tuple[str, str]]) -> None:
-        """Where all packages are."""
+        """Record where all packages are."""
         self.summary.packages = dict(packages)
 
     def robot(self, place: str) -> None:
-        """Where the robot is."""
+        """Record where the robot is."""
         self.summary.robot = place
 
     def note(self, time: float, text: str) -> None:
-        """Anything else worth a line."""
+        """Record anything else worth a line."""
         self._line(time, "note", text)
 
     def finish(self) -> None:
-        """Say what is still held back."""
+        """Write the lines that are still held back."""
         for line in self._held:
             self._print(line)
         self._held = []

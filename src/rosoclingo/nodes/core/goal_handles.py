@@ -23,7 +23,7 @@ class GoalHandles:
         self._handles: Dict[str, ServerGoalHandle] = {}
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
-        """A goal came in."""
+        """Take a goal that arrived."""
         self._handles[key] = handle
 
     def changed(self, event: GoalChanged) -> None:

@@ -1,4 +1,4 @@
-"""The core node's parameters: read from the parameter server's values, checked, with an error that names the mend."""
+"""The core node's parameters: read from the parameter server and checked; errors name the mend."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ from rosoclingo.reasoning.program_fitness import constant_remarks, program_warni
 
 @dataclass(frozen=True)
 class CoreParameters:
-    """What the core node was told. ``search_timeout`` and ``recovery_timeout`` are in seconds of wall time."""
+    """The parameters of the core node. ``search_timeout`` and ``recovery_timeout`` are in seconds of wall time."""
 
     program_files: Tuple[str, ...]
     constants: Dict[str, str]

@@ -19,17 +19,17 @@ class CoreHealth:
         self._diagnostics = Diagnostics(name, lambda: describe(self._health, time.monotonic()))
 
     def plan_made(self, event: PlanMade) -> None:
-        """There is an answer."""
+        """Record an answer."""
         self._health.plan_made(event)
 
     def problem(self, event: Problem) -> None:
-        """Something is wrong: it goes to the log, unless it was said before."""
+        """Log a problem, unless it was logged before."""
         line = self._health.problem(event, time.monotonic())
         if line:
             rospy.logwarn("%s", line)
 
     def tick(self) -> None:
-        """Publish what there is to tell; to be called often."""
+        """Publish what has changed; to be called often."""
         for line in self._health.counted(time.monotonic()):
             rospy.logwarn("%s", line)
         self._diagnostics.tick()

@@ -46,18 +46,18 @@ class CoreTopics:
         self._task_plan.publish(message)
 
     def actions_dispatched(self, event: ActionsDispatched) -> None:
-        """Have the actions of a cycle run."""
+        """Publish the actions of a cycle."""
         self._under_way = _messages((action, action.atom) for action in event.actions)
         for message in self._under_way:
             self._out.publish(message)
 
     def actions_preempted(self, event: ActionsPreempted) -> None:
-        """Have actions ended."""
+        """Publish the cancellations of actions."""
         for message in _messages((action, action.cancellation) for action in event.actions):
             self._out.publish(message)
 
     def return_taken(self, _event: object) -> None:
-        """An action is no longer under way."""
+        """Record a return: its action is no longer under way."""
         self._under_way = _messages((action, action.atom) for action in self._awaited())
 
 

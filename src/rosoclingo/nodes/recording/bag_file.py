@@ -1,4 +1,4 @@
-"""A bag that is worth something whenever its writer dies: what came until a second before can be read."""
+"""A bag that can be read whenever its writer dies, up to a second before."""
 
 import os
 from pathlib import Path
@@ -61,11 +61,11 @@ class BagFile:
             raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def note(self, text: str, time: genpy.Time) -> None:
-        """Say something about the bag in the bag."""
+        """Write a note about the bag into the bag."""
         self._bag.write(self._notes, String(text), max(time, FIRST))
 
     def flush(self) -> None:
-        """Have all that was written survive this process."""
+        """Flush all that was written, so that it survives this process."""
         try:
             self._bag.flush()
             self._file.flush()

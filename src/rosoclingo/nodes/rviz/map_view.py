@@ -1,4 +1,4 @@
-"""What of a map is worth showing, and how large: for rviz's view and for the texts in it. Lengths in m."""
+"""Which part of a map to show, and how large: rviz's view and the texts in it. Lengths in m."""
 
 import math
 from typing import Any, Dict, NamedTuple, Tuple

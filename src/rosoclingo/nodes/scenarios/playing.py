@@ -1,4 +1,4 @@
-"""A scenario from its file to the comparison with what it expects, with an account of it."""
+"""Reads a scenario, plays it with an account of the run, and compares the end with what it expects."""
 
 from pathlib import Path
 from typing import Callable, List, NamedTuple, Optional
@@ -14,7 +14,7 @@ from rosoclingo.runs.scenario import Scenario, ScenarioError
 
 
 class ScenarioOutcome(NamedTuple):
-    """What a scenario came to: ``faults`` is empty when it was played to its end and ended as expected."""
+    """How a scenario ended: ``faults`` is empty when it was played to its end and ended as expected."""
 
     summary: Summary
     faults: List[str]

@@ -18,7 +18,7 @@ _COMPARISONS = {"=", ":=", "==", "!=", "<", "<=", ">", ">="}
 
 
 class Constants:
-    """Notes where names are used as terms before ``#const`` gives them a value.
+    """Records where names are used as terms before ``#const`` gives them a value.
 
     gringo 3 replaces a constant only in what follows, today's solver everywhere.
     """

@@ -1,4 +1,4 @@
-"""Failures told as such: beside a return that is no success, ``_failed(A,V,C)`` for programs that declare it.
+"""Failures as facts of their own: beside a return that is no success, ``_failed(A,V,C)`` for programs that declare it.
 
 Success is the parameter of an action that was committed, anything else is a reason. A program could say so itself,
 

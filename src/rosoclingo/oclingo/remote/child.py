@@ -1,4 +1,4 @@
-"""A worker process as seen from its parent: started, spoken to, ended."""
+"""A worker process as seen from its parent: started, asked, ended."""
 
 import os
 import selectors

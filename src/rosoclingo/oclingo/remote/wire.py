@@ -1,4 +1,4 @@
-"""What a ``SolverProcess`` and its worker say to each other: JSON, one message a line.
+"""The messages between a ``SolverProcess`` and its worker: JSON, one a line.
 
 Symbols travel as text, see :mod:`~rosoclingo.oclingo.solving.state_text`.
 """
@@ -20,7 +20,7 @@ def encode(message: Message) -> bytes:
 
 
 class Lines:
-    """Puts lines together that come in pieces."""
+    """Assembles lines from pieces."""
 
     def __init__(self) -> None:
         self._pieces: List[bytes] = []

@@ -81,7 +81,7 @@ def requests(message: Message) -> Iterator[Request]:
 
 
 class Inbox:
-    """Puts a client's messages together from the bytes that come in."""
+    """Assembles a client's messages from the bytes that come in."""
 
     def __init__(self) -> None:
         self._unfinished = bytearray()

@@ -213,7 +213,7 @@ class SearchWatch:
         self.begin(start)
 
     def begin(self, start: float) -> None:
-        """Let the time begin at ``start``."""
+        """Start the time limit at ``start``."""
         self._start = start
         self.ended_by = ""
 

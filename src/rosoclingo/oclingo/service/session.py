@@ -23,7 +23,7 @@ Output = Union[TextOutput, JsonOutput]
 
 
 class Assembler:
-    """Puts updates together from lines, each update as soon as it is complete."""
+    """Assembles updates from lines, each as soon as it is complete."""
 
     def __init__(self) -> None:
         self._pending: List[str] = []

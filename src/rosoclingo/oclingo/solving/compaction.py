@@ -1,4 +1,4 @@
-"""Steps that are over: told to later groundings as facts, so that a long stream costs no more than a short one.
+"""Steps that are over: later groundings get them as facts, so that a long stream costs no more than a short one.
 
 A step can be retired once every atom of its ground rules is fixed for good: by splitting, its rules and the facts that
 hold at it are worth the same to all that comes later. What it takes is that requests, commitments, returns and other

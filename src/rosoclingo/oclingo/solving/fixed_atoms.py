@@ -1,4 +1,4 @@
-"""What is decided for good: a look at which atoms clingo has fixed, step by step."""
+"""Which atoms clingo has fixed for good, step by step."""
 
 from functools import cached_property
 from typing import Dict, List, Optional, Set

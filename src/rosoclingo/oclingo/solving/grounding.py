@@ -56,12 +56,12 @@ class _Externals(Observer):
         self.fresh: Set[int] = set()
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """An external."""
+        """Record an external."""
         self.fresh.add(atom)
 
 
 class StepRecorder(Observer):
-    """Notes the literals in the ground rules of each block of steps that are grounded at once.
+    """Records the literals in the ground rules of each block of steps that are grounded at once.
 
     Attributes:
         blocks: first step of a block -> its steps.
@@ -90,26 +90,26 @@ class StepRecorder(Observer):
         self._block = None
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """A rule of some step."""
+        """Record a rule of some step."""
         if self._block is not None:
             self._note(self._block, head, body)
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """A rule with a weighted body of some step."""
+        """Record a rule with a weighted body of some step."""
         if self._block is not None:
             self._note(self._block, head, [literal for literal, _ in body])
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """An external of some step."""
+        """Record an external of some step."""
         if self._block is not None:
             self._note(self._block, (), (atom,))
 
     def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
-        """Edges of all steps make one graph."""
+        """Record that there are edges: those of all steps make one graph."""
         self.opaque = True
 
     def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
-        """A theory's atoms may mean anything."""
+        """Record that there are theory atoms, which may mean anything."""
         self.opaque = True
 
     def _note(self, block: int, head: Sequence[int], body: Sequence[int]) -> None:

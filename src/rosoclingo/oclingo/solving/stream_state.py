@@ -107,7 +107,7 @@ class StreamState:
 
     @property
     def size(self) -> int:
-        """How many values it consists of, about."""
+        """About how many values it consists of."""
         statements = len(self.permanent) + len(self.lapsing) + len(self.waiting)
         return statements + len(self.open_atoms) + len(self.forgotten)
 
