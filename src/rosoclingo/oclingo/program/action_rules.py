@@ -19,7 +19,7 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
-BEYOND = "__oclingo_beyond"
+BEYOND = Signature("__oclingo_beyond", 1)
 """``__oclingo_beyond(T)``: the program's name for the literal that is true for steps beyond the horizon."""
 
 _RULES = """
@@ -41,6 +41,11 @@ def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:
     return lambda atom: is_action(atom) and atom.arguments[2] == clingo.Number(cycle)
 
 
+def cycle_alone(term: AST) -> AST:
+    """Return the term of an ``_action_lib(A,P,C)`` with C as its only argument."""
+    return term.update(arguments=list(term.arguments)[2:])
+
+
 def closing_text(parts: Sequence[Part], opened: Container[Signature] = ()) -> Source:
     """Return the rules for every way in which the heads of ``parts`` write the cycle of an action.
 
@@ -59,15 +64,15 @@ def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
         for statement, one in part.atoms:
             if one.head and statement.ast_type == ASTType.Rule and one.signature == ACTION:
                 cycle = one.term.arguments[2]
-                simple = cycle.ast_type in (ASTType.SymbolicTerm, ASTType.BinaryOperation)
-                found.add((name, part.parameter, str(cycle) if simple and not _has_variable(cycle) else _VARIABLE))
+                found.add((name, part.parameter, str(cycle) if _is_one(cycle) else _VARIABLE))
     return sorted(found)
 
 
-def _has_variable(term: AST) -> bool:
+def _is_one(term: AST) -> bool:
+    """Tell whether ``term`` has one value at a step, whatever else its rule says."""
     if term.ast_type == ASTType.BinaryOperation:
-        return _has_variable(term.left) or _has_variable(term.right)
-    return term.ast_type == ASTType.Variable
+        return _is_one(term.left) and _is_one(term.right)
+    return bool(term.ast_type == ASTType.SymbolicTerm)
 
 
 def _rules(name: str, parameter: str, cycle: str, returns: bool) -> str:
@@ -75,4 +80,4 @@ def _rules(name: str, parameter: str, cycle: str, returns: bool) -> str:
     domain = f" : _action_lib(_,_,{_VARIABLE})" if cycle == _VARIABLE else ""
     # clingo would go through the actions of all steps at each step where the cycle is a variable
     success = _SUCCESS.format(cycle=cycle) if returns and cycle != _VARIABLE else ""
-    return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND) + success
+    return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND.name) + success

@@ -8,7 +8,7 @@ from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks, remarks
-from rosoclingo.oclingo.program.action_rules import closing_text
+from rosoclingo.oclingo.program.action_rules import ACTION, closing_text, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directives import Directives, Placed
@@ -143,6 +143,12 @@ class ReactiveProgram:
         patterns = [*self._heads.get(signature, ()), *self._declarations.get(signature, ())]
         return signature in self.open_signatures or any(one.may_match(atom, first, _FAR) for one in patterns)
 
+    def may_act(self, cycle: int, first: int) -> bool:
+        """Tell whether base or some step from ``first`` on could have an action of ``cycle``; never wrongly False."""
+        atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])
+        known = any(one.may_match(atom, first, _FAR) for one in self._action_cycles)
+        return known or ACTION in self.open_signatures
+
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
         patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
@@ -177,9 +183,13 @@ class ReactiveProgram:
         self._patterns: Dict[Signature, List[Pattern]] = {}
         self._declarations: Dict[Signature, List[Pattern]] = {}
         self._heads: Dict[Signature, List[Pattern]] = {}
+        self._action_cycles: List[Pattern] = []
         for part in self.parts:
             for statement, one in part.atoms:
                 pattern = Pattern(one.term, part.parameter, statement, self._values)
+                if one.head and one.signature == ACTION:
+                    alone = cycle_alone(one.term)
+                    self._action_cycles.append(Pattern(alone, part.parameter, statement, self._values))
                 if one.head:
                     external = statement.ast_type == ASTType.External
                     (self._declarations if external else self._heads).setdefault(one.signature, []).append(pattern)

@@ -182,8 +182,8 @@ class AtomIndex:
         self._stale = False
         for signature in self._signatures:
             for one in self._control.symbolic_atoms.by_signature(*signature):
-                literal = one.literal
-                if literal not in self._seen:
+                literal = one.literal  # 0 where rules mention, under not, what no rule defines yet
+                if literal and literal not in self._seen:
                     self._seen.add(literal)
                     yield one.symbol, literal
 
@@ -193,24 +193,32 @@ class CycleIndex:
 
     def __init__(self, control: clingo.Control, signature: Signature) -> None:
         self._index = AtomIndex(control, [signature])
-        self._cycles: Dict[clingo.Symbol, List[Tuple[clingo.Symbol, int]]] = {}
+        self._cycles: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
 
     def expire(self) -> None:
         """Note that there may be new atoms."""
         self._index.expire()
 
+    def cycles(self) -> Iterable[int]:
+        """Return the cycles whose atoms, or some of them, have not been popped."""
+        for atom, literal in self._index.fresh():
+            if atom.arguments[-1].type is clingo.SymbolType.Number:
+                self._cycles.setdefault(atom.arguments[-1].number, []).append((atom, literal))
+        return self._cycles.keys()
+
     def pop_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:
         """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
-        for atom, literal in self._index.fresh():
-            self._cycles.setdefault(atom.arguments[-1], []).append((atom, literal))
-        return self._cycles.pop(clingo.Number(cycle), [])
+        return self._cycles.pop(cycle, []) if cycle in self.cycles() else []
 
 
 class ActionIndex:
     """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
 
-    def __init__(self, control: clingo.Control, session: BackendSession, signature: Signature) -> None:
-        self._session = session
+    def __init__(
+        self, control: clingo.Control, session: BackendSession, signature: Signature, first: Optional[int] = None
+    ) -> None:
+        """Take the signature, and the ``first`` cycle of all: those before it hold what the program says for sure."""
+        self._control, self._session, self._first = control, session, first
         self._atoms = CycleIndex(control, signature)
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
@@ -223,13 +231,21 @@ class ActionIndex:
         self._closed[cycle] = set(executed)
         self._forbid(cycle)
 
-    def forbid_late(self, step: int) -> None:
-        """Forbid actions of closed cycles that came with the grounding of ``step``."""
-        for cycle in (step - 1, step, step + 1):
-            if cycle in self._closed:
-                self._forbid(cycle)
+    def forbid_late(self) -> None:
+        """Forbid actions of cycles that are over which came with the last grounding."""
+        for cycle in [one for one in self._atoms.cycles() if one in self._closed or self._is_before(one)]:
+            self._forbid(cycle)
+
+    def _is_before(self, cycle: int) -> bool:
+        return self._first is not None and cycle < self._first
+
+    def _may_be(self, atom: clingo.Symbol, cycle: int) -> bool:
+        if cycle in self._closed:
+            return atom in self._closed[cycle]
+        known = self._control.symbolic_atoms[atom]
+        return known is not None and known.is_fact
 
     def _forbid(self, cycle: int) -> None:
         for atom, literal in self._atoms.pop_cycle(cycle):
-            if atom not in self._closed[cycle]:
+            if not self._may_be(atom, cycle):
                 self._session.backend.add_rule([], [literal])

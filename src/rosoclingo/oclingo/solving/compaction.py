@@ -135,7 +135,9 @@ def _move(
     state.permanent = [*map(Statement, known), *statements.kept, *_ties(grounding, fixed, set(statements.kept))]
     state.open_atoms = [atom for atom in state.open_atoms if atom not in fixed.values or matters(atom)]
     state.forgotten = {atom for atom in state.forgotten | (statements.false - true) if matters(atom)}
-    state.closed_cycles = {cycle: done for cycle, done in state.closed_cycles.items() if cycle >= first - 1}
+    # the last one is told for its returns, those before it for the actions that steps to come may yet have of them
+    closed = state.closed_cycles.items()
+    state.closed_cycles = {c: done for c, done in closed if c >= first - 1 or program.may_act(c, first)}
 
 
 def _ties(grounding: Grounding, fixed: FixedAtoms, kept: Set[Statement]) -> List[Statement]:

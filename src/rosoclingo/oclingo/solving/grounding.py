@@ -152,9 +152,9 @@ class Grounding:
         self._session = BackendSession(self._control)
         self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
         self.atoms = AtomTable(self._control, self._session, self._declared, program.head_signatures)
-        self._actions = ActionIndex(self._control, self._session, ACTION)
+        self._actions = ActionIndex(self._control, self._session, ACTION, program.first_step if shortest else None)
         self._returns = CycleIndex(self._control, RETURN)
-        self._externals = AtomIndex(self._control, program.external_signatures)
+        self._externals = AtomIndex(self._control, program.external_signatures - {BEYOND})
         self._observer = _Externals()
         self._control.register_observer(self._observer)
         self.recorder = StepRecorder()
@@ -202,6 +202,7 @@ class Grounding:
         self._externals.expire()
         self._returns.expire()
         self._actions.expire()
+        self._ends.expire()
 
     def ground_to(self, last: int) -> None:
         """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
@@ -213,19 +214,18 @@ class Grounding:
         self.recorder.end()
         for step in steps:
             self._bound(step)
-        self._hidden.update(atom.symbol for atom in self._control.symbolic_atoms.by_signature(BEYOND, 1))
+        if self._shortest:
+            self._ends.link(last)
+        self._actions.forbid_late()
         self.atoms.resolve_absent()
 
     def _bound(self, step: int) -> None:
-        """Tie what holds at ``step`` to the horizon and to the cycles that have been closed."""
+        """Tie the volatile rules of ``step`` to the horizon."""
         for window in self.program.windows:
             guard = self._control.symbolic_atoms[self.program.guard(window, step)]
             if guard is not None and window > 0:
                 self._ends.define_window(guard.literal, step, window)
                 self._hidden.add(guard.symbol)
-        if self._shortest:
-            self._ends.forbid_beyond(step)
-        self._actions.forbid_late(step)
 
     def add(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
@@ -303,7 +303,7 @@ class Grounding:
         def keep(model: clingo.Model) -> None:
             """Take a model for an answer; where there is something to optimize, only one that is proven best."""
             if not best or not model.cost or model.optimality_proven:
-                self.shown = frozenset(model.symbols(shown=True)) - self._hidden
+                self.shown = frozenset(model.symbols(shown=True)) - self._hidden - self._ends.names
                 answers.append(self.shown | self._retired)
                 horizons.append(self._ends.horizon_of(model, first, last))
 

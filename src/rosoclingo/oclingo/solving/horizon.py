@@ -5,25 +5,36 @@ so the horizon H is where ``not beyond(H), beyond(H+1)``, and an instance of ``#
 holds while S <= H <= S+w-1, holds where ``not beyond(S), beyond(S+w)``.
 """
 
-from typing import Dict, List
+from typing import Dict, List, Set
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import BEYOND
-from rosoclingo.oclingo.solving.atom_table import BackendSession
+from rosoclingo.oclingo.solving.atom_table import HOLDS, OPEN, AtomIndex, BackendSession
 
 
 class HorizonLiterals:
-    """The literals ``beyond(T)`` of one control, made as they are needed."""
+    """The literals ``beyond(T)`` of one control, made as they are needed, and the program's names for them.
+
+    Attributes:
+        names: the program's ``__oclingo_beyond(T)``, which are no part of an answer.
+
+    """
 
     def __init__(self, control: clingo.Control, session: BackendSession, before: int) -> None:
         """Start with step ``before``, which never lies beyond."""
-        self._control, self._session = control, session
+        self._session = session
         self._last = before
         self._settled = before
         self._beyond: Dict[int, int] = {}
-        self._linked = before
-        self._names: Dict[int, int] = {}  # step -> the literal of the program's name for it
+        self._index = AtomIndex(control, [BEYOND])
+        self._known: Dict[int, int] = {}  # grounded step that may lie beyond -> literal of the program's name for it
+        self._coming: Dict[int, int] = {}  # step that is not grounded yet -> likewise
+        self.names: Set[clingo.Symbol] = set()
+
+    def expire(self) -> None:
+        """Note that there may be new names."""
+        self._index.expire()
 
     def _literal(self, step: int) -> int:
         """Return the literal ``beyond(step)``, making it and those before it."""
@@ -41,34 +52,31 @@ class HorizonLiterals:
         end = self._literal(step + window)
         self._session.backend.add_rule([guard], [end, -self._literal(step)])
 
-    def forbid_beyond(self, step: int) -> None:
-        """Tie the program's ``__oclingo_beyond(T)`` for T around ``step`` to the literals."""
-        while self._linked < step + 1:
-            name = clingo.Function(BEYOND, [clingo.Number(self._linked + 1)])
-            atom = self._control.symbolic_atoms[name]
-            if atom is None and self._linked + 1 > step - 1:
-                return  # an action of that cycle may still come with a later step
-            self._linked += 1
-            if atom is not None:
-                self._names[self._linked] = atom.literal
-                self._session.backend.add_rule([atom.literal], [self._literal(self._linked)])
-                self._end(range(self._linked, self._settled + 1))
+    def link(self, last: int) -> None:
+        """Tie the program's names to the literals; all steps after ``last``, which is grounded, lie beyond."""
+        for atom, name in self._index.fresh():
+            self.names.add(atom)
+            cycle = atom.arguments[0]
+            if cycle.type is clingo.SymbolType.Number and cycle.number > self._settled:
+                self._coming[cycle.number] = name
+            else:
+                self._session.release(name)
+        for step in sorted(self._coming):
+            if step <= last:
+                name = self._known[step] = self._coming.pop(step)
+                self._session.backend.add_external(name, OPEN)  # else it would stay true where its rule is of no use
+                self._session.backend.add_rule([name], [self._literal(step)])
+            else:
+                self._session.backend.add_external(self._coming[step], HOLDS)
 
     def settle(self, step: int) -> None:
         """Say for good that no horizon lies before ``step``, which lets clingo simplify."""
         for settled in range(self._settled + 1, step + 1):
             self._session.backend.add_rule([], [self._literal(settled)])
-        self._end(range(self._settled + 1, step + 1))
+            if settled in self._known:
+                # its rule is not enough: it goes where its body is false now, and without a rule the name is open
+                self._session.backend.add_rule([], [self._known.pop(settled)])
         self._settled = max(self._settled, step)
-
-    def _end(self, steps: range) -> None:
-        """Say for good that ``steps``, or those of them that the program has a name for, do not lie beyond.
-
-        The rule is not enough: its body is false now, and an external without a rule is open to clingo.
-        """
-        for step in steps:
-            if step in self._names:
-                self._session.backend.add_rule([], [self._names.pop(step)])
 
     def range(self, first: int, last: int) -> List[int]:
         """Return the assumptions by which the horizon lies in first..last."""

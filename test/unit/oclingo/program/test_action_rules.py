@@ -14,6 +14,8 @@ _action_lib(see,x,C) :- d(C).
 _action_lib(see,x,C+t) :- d(C).
 _action_lib(see,x,t+C) :- d(C).
 _action_lib(say,x,|t|).
+_action_lib(two,x,2*t+(0..1)).
+_action_lib(abs,x,t+|C|) :- C = -2.
 d(t).
 #external _action_lib(far,x,t+9).
 #program volatile(k).

@@ -58,13 +58,21 @@ def test_a_body_may_mention_what_a_later_step_defines():
     assert atoms(play(solver, "#step 3.")) == ["d(1)", "d(2)", "d(3)", "e(1)"]
 
 
-@pytest.mark.parametrize("cycle", ["t-1", "t", "t+1"])
+@pytest.mark.parametrize("cycle", ["t-2", "t-1", "t", "t+1", "t+2"])
 def test_actions_of_a_closed_cycle_that_come_with_a_later_grounding_are_forbidden(cycle):
     solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", models=0)
     solver.close_cycle(3, [])
     result = play(solver, "#step 5.")
     assert len(result.answers) == 16
     assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
+
+
+def test_what_no_rule_can_bring_about_is_no_action_of_a_closed_cycle():
+    text = "d(x,t). c(t). c(t) :- d(x,t), not _action_lib(go,y,t). { _action_lib(go,Y,t) : d(Y,t) } :- c(t)."
+    solver = solver_of(f"#cumulative t. {text} #volatile t.", models=0)
+    play(solver, "#step 1.")
+    solver.close_cycle(1, [])
+    assert len(play(solver, "#step 2.").answers) == 2
 
 
 def test_cycles_that_an_update_closes_are_clipped_to_the_present_and_hold_what_it_commits_to():

@@ -101,6 +101,21 @@ def test_nothing_accumulates():
     assert len(state.forgotten) < 12
 
 
+@pytest.mark.parametrize("offset", range(-3, 4))
+@pytest.mark.parametrize("name", ["t", "T"])
+def test_nothing_accumulates_wherever_the_actions_of_a_step_lie(offset, name):
+    head = f"{{ _action_lib(go,x,{name}+{offset}) }} :- now(T), t-1 < T, T <= t"
+    text = f"#program cumulative(t). now(t). {head}. #program volatile(t)."
+    solver = ReactiveSolver(ReactiveProgram.from_text(text), models=0, shortest=True)
+    for cycle in range(1, 16):
+        solver.forget_before(cycle)
+        answers = solver.update(parse_update(f"#step {cycle} : 0. #endstep.")).answers
+        assert len(answers) == (2 if 0 <= offset < cycle else 1), "each cycle is closed without an action"
+        solver.close_cycle(cycle, [])
+    assert solver.state.past.first >= 14 - max(offset, 0)
+    assert name == "T" or len(solver.state.closed_cycles) <= 6
+
+
 def test_cycles_in_which_nothing_can_be_done_are_retired(monkeypatch):
     monkeypatch.setattr(building, "BLOCK", 64)
     monkeypatch.setattr(solver_module, "BLOCK", 8)

@@ -70,7 +70,7 @@ def test_where_rules_do_not_tell_all_nothing_is_decided(text, first):
     assert undecided(f"#iinit {first}. {text}", (first, 2, 3), 4, start=first) == first
 
 
-@pytest.mark.parametrize("offset", [0, 1])
+@pytest.mark.parametrize("offset", range(-3, 4))
 @pytest.mark.parametrize("name", ["t", "T"])
 def test_the_ends_of_horizons_keep_no_step_open(name, offset):
     cycle = f"{name}+{offset}"

@@ -1,6 +1,7 @@
 """What an answer's horizon leaves out: steps and actions beyond it, however a program writes their cycle."""
 
 import pytest
+from test_solver import play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.solving.grounding import Grounding
@@ -50,7 +51,7 @@ def cycles(answers):
     return {atom.arguments[2].number for answer in answers for atom in answer if atom.name == "_action_lib"}
 
 
-@pytest.mark.parametrize("offset", [-2, -1, 0])
+@pytest.mark.parametrize("offset", range(-3, 4))
 @pytest.mark.parametrize("name", ["t", "T"])
 def test_no_action_beyond_the_horizon_whatever_its_cycle(name, offset):
     grounding = grounding_of(ACTIONS.format(cycle=f"{name}+{offset}"), 1)
@@ -59,7 +60,7 @@ def test_no_action_beyond_the_horizon_whatever_its_cycle(name, offset):
             grounding.ground_to(last)
         for horizon in range(1, last + 1):
             found = search(grounding, horizon, horizon)
-            possible = range(1 + offset, min(last + offset, horizon) + 1)
+            possible = range(max(1, 1 + offset), min(last + offset, horizon) + 1)
             assert cycles(found.answers) == set(possible)
             assert len(found.answers) == 2 ** len(possible)
 
@@ -73,3 +74,27 @@ def test_no_action_beyond_the_horizon_where_only_some_steps_have_one(rest):
             grounding.ground_to(last)
         for horizon in range(1, last + 1):
             assert cycles(search(grounding, horizon, horizon).answers) == set(range(2 - rest, horizon + 1, 2))
+
+
+def test_each_action_has_a_cycle_of_its_own_where_one_rule_has_several():
+    text = "#program cumulative(t). { _action_lib(go,x,2*t+(0..1)) }. #program volatile(t)."
+    assert cycles(search(grounding_of(text, 2), 2, 2).answers) == {2}
+
+
+def test_a_cycle_far_away_or_none_costs_nothing():
+    text = "#program cumulative(t). { _action_lib(go,x,(2147483647;soon)) } :- t = 1. #program volatile(t)."
+    found = search(grounding_of(text, 3), 2, 3)
+    assert [sorted(map(str, answer)) for answer in found.answers] == [[], ["_action_lib(go,x,soon)"]] * 2
+
+
+def test_what_a_program_forgets_is_no_concern_of_what_lies_beyond():
+    text = "#program cumulative(t). { _action_lib(go,x,t+3) }. #forget t : t-1. #program volatile(t)."
+    solver = solver_of(text, shortest=True, models=0)
+    for step, answers in ((1, 1), (3, 1), (4, 2), (6, 8)):
+        assert len(play(solver, f"#step {step} : 0.").answers) == answers
+
+
+@pytest.mark.parametrize(("rule", "shown"), [("{ _action_lib(go,x,t-1) }.", []), ("_action_lib(go,x,t-1).", [0])])
+def test_before_the_first_cycle_only_what_the_program_says_for_sure_was_done(rule, shown):
+    solver = solver_of(f"#program cumulative(t). {rule} #program volatile(t).", shortest=True, models=0)
+    assert [cycles([answer]) for answer in play(solver, "#step 1.").answers] == [set(shown)]
