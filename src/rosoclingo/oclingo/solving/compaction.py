@@ -93,8 +93,7 @@ class _Statements:
         if literal is not None:
             return head in self._past or (literal in self._fixed.steps and literal not in self._fixed.base)
         # clingo lets go of the names of what is false for good
-        first = self._program.first_step
-        return self._program.may_declare(head, first, last) or self._program.may_see([head], first, last)
+        return self._program.may_see([head], self._program.first_step, last)
 
     def _value(self, atom: clingo.Symbol) -> Optional[bool]:
         """Return what is decided of ``atom`` without regard to constraints, which may be the ones in question."""
@@ -117,7 +116,9 @@ def _move(
     mentioned = {literal.atom for one in state.unsettled() for literal in one.body}
 
     def matters(atom: clingo.Symbol) -> bool:
-        return atom in mentioned or program.may_mention(atom, first) or program.may_declare(atom, first)
+        if atom in mentioned or fixed.literals.get(atom) in fixed.base:
+            return True
+        return program.may_mention(atom, first) or program.may_declare(atom, first)
 
     steps, defined = fixed.steps, fixed.defined
     true = {atom for atom, value in fixed.values.items() if value}

@@ -75,6 +75,8 @@ def test_parts_with_other_parameters_are_told(header):
         ("c(t) :- e(t+1).", ["e(t+1)"]),
         ("c(t) :- e(t).", []),
         ("c(t) :- e(t-1).", []),
+        ("c(t) :- e(X), d(X). #program base. d(1).", []),
+        ("c(t) :- e(t+1). { e(t+2) }.", []),
         ("#external f(t) : e(t+1).", ["e(t+1)"]),
         ("c(t) :- e(t+1). #external e(t+1).", []),
         ("#program base. c :- e(3).", ["e(3)"]),

@@ -203,6 +203,7 @@ def test_what_statements_mention_that_lapse_or_wait(rules):
         ["e(1) :- x.", "", ":- c(2).", ":- e(1)."],
         ["e(1) :- x.", ":- not c(1)."],
         ["e(1) :- x. e(1) :- y.", ":- not c(1)."],
+        ["e(1) :- fresh.", ":- c(1).", "", "fresh :- x."],
     ],
 )
 def test_rules_that_tie_what_is_over_to_what_is_open_keep_their_steps(rules):
@@ -213,6 +214,30 @@ def test_rules_that_tie_what_is_over_to_what_is_open_keep_their_steps(rules):
 def test_several_steps_are_retired_at_once(monkeypatch, rule):
     monkeypatch.setattr(compaction, "COMPACT_AFTER", 4)
     assert first(retire(EXTERNALS, "e(1).", rule, steps=6)) == 5
+
+
+def test_what_is_false_for_good_is_so_when_its_name_is_gone(monkeypatch):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 4)
+    assert first(retire(EXTERNALS, "", "e(2) :- c(1).", "e(3) :- not c(2).", steps=6)) == 5
+
+
+def test_what_steps_have_found_false_is_not_told():
+    text = EXTERNALS.replace("#program volatile", "next(t) :- c(t-1). unless(t) :- not c(t-1). #program volatile")
+    assert first(retire(text, "", "e(2).")) == 6
+
+
+def test_what_is_not_shown_is_not_shown_when_it_is_over():
+    assert first(retire(EXTERNALS + " #show c/1.", "e(1).", "e(2).")) == 6
+
+
+def test_facts_that_a_later_step_declares_again_stay_facts():
+    text = "#program cumulative(t). day(t). #external e(T) : day(T), T > t-4. #program volatile(t)."
+    assert first(retire("{ x }. " + text, "", "", "e(3).", "", ":- e(3), x.")) == 6
+
+
+def test_what_a_step_has_made_of_an_external_of_base_stays_so():
+    text = EXTERNALS.replace("#program volatile", "door :- e(t), t = 1. gate :- e(t), t = 2. #program volatile")
+    assert first(retire("#external door. #external gate. " + text, "e(1).")) == 6
 
 
 @pytest.mark.parametrize("keep_from", [1, 3])
