@@ -1,4 +1,4 @@
-"""Logs of streams as another process or a record on disk would read them."""
+"""Logs of streams as another process or a record on disk would read them; and the answers of their readers."""
 
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog
 
@@ -11,3 +11,8 @@ def copied(log):
 def cut(solver):
     """The log of a solver as one checkpoint, read from its text."""
     return copied(StreamLog().then(Checkpoint(solver.state)))
+
+
+def texts(result):
+    """The answers of a result as texts."""
+    return {frozenset(map(str, answer)) for answer in result.answers}

@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from stream_logs import cut
+from stream_logs import copied, cut, texts
 from test_solver import WALK, atoms, play, solver_of
 
 from rosoclingo.oclingo import (
@@ -95,12 +95,54 @@ def test_returns_of_a_cycle_are_closed_with_the_next_cycle():
     assert atoms(late) == ["_return(go,x,3)", "c(3)"]
 
 
+ALWAYS, IF_A, NEVER = (
+    [["a", "r(x,2)", "w(x,2)"], ["r(x,2)", "w(x,2)"]],
+    [[], ["a", "r(x,2)", "w(x,2)"]],
+    [[], ["a"]],
+)
+
+
+@pytest.mark.parametrize(
+    ("update", "now", "later"),
+    [
+        ("r(x,2).", ALWAYS, ALWAYS),
+        ("r(x,2) :- a.", IF_A, IF_A),
+        ("r(x,2) :- a. r(x,2).", ALWAYS, ALWAYS),
+        ("r(x,2). r(x,2) :- a.", ALWAYS, ALWAYS),
+        ("r(x,2) :- y.", NEVER, NEVER),
+        ("#volatile. r(x,2).", ALWAYS, NEVER),
+        ("#volatile : 1. r(x,2).", ALWAYS, NEVER),
+        ("#volatile : 2. r(x,2).", ALWAYS, ALWAYS),
+        ("#volatile. r(x,2). #cumulative. r(x,2) :- a.", ALWAYS, IF_A),
+        ("r(x,2) :- a. #volatile. r(x,2).", ALWAYS, IF_A),
+        ("#assert : z. r(x,2).", ALWAYS, ALWAYS),
+        ("r(x,2). #retract : z.", ALWAYS, ALWAYS),
+        ("#withdraw r(x,2). r(x,2).", ALWAYS, ALWAYS),
+        ("#anew. r(x,2).", ALWAYS, ALWAYS),
+    ],
+)
+@pytest.mark.parametrize("before", ["", "#step 1."])
+def test_what_an_update_may_say_of_an_open_predicate(before, update, now, later):
+    """Whether it was ground up to that step before or comes to it with the update; its log leads there as well."""
+    solver = solver_of("{ a }. #external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.", models=0)
+    if before:
+        play(solver, before)
+    assert sorted(map(sorted, texts(play(solver, f"#step 2. {update}")))) == now
+    reader = ReactiveSolver(solver.program, models=0)
+    reader.restore(copied(solver.log))
+    for one in (solver, reader):
+        assert sorted(map(sorted, texts(one.solve()))) == now
+        assert sorted(map(sorted, texts(play(one, "#step 3.")))) == later
+
+
 def test_the_last_step_that_may_be_grounded():
     solver = solver_of(WALK, horizon_limit=3)
     assert play(solver, "#step 3.").outcome is SolveOutcome.SATISFIABLE
     with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
         play(solver, "#step 4.")
     assert solver.step == 3
+    assert play(solver, "_request(0,3).").outcome is SolveOutcome.SATISFIABLE, "an update without a step stays at it"
+    assert solver.solve().outcome is SolveOutcome.SATISFIABLE
 
 
 def test_what_was_executed_may_be_given_in_any_way():

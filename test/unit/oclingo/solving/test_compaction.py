@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stream_logs import cut
+from stream_logs import copied, cut
 from test_solver_properties import PARTS, UPDATES, without_strangers
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
@@ -13,6 +13,7 @@ from rosoclingo.oclingo.progression.updates import Forget, Literal, Statement
 from rosoclingo.oclingo.solving import compaction
 from rosoclingo.oclingo.solving import grounding as building
 from rosoclingo.oclingo.solving import solver as solver_module
+from rosoclingo.oclingo.solving.stream_log import Taken
 
 WALK = """
 #program base.
@@ -183,6 +184,25 @@ def test_a_state_can_be_restored():
     other.restore(cut(solver))
     text = "#step 13. _request(goal(c,99),14). #endstep."
     assert set(solver.update(parse_update(text)).answers[0]) == set(other.update(parse_update(text)).answers[0])
+
+
+def test_who_reads_the_log_knows_which_steps_were_retired():
+    """Which ones depends on what was searched, so that the writer notes it in the log."""
+    solver, reader = walk(), walk()
+    drive(solver, 9, 2)
+    reader.restore(copied(solver.log))
+    assert reader.state.past == solver.state.past
+    assert reader.state.past.first >= 6
+
+
+def test_nothing_is_retired_by_reading_a_log(monkeypatch):
+    """The log says what was; it would lead elsewhere if readers did more."""
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 100)
+    solver = walk()
+    drive(solver, 8, 1)
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
+    solver.restore(solver.log.then(Taken(parse_update("#step 9. #endstep."), 9)))
+    assert (solver.state.step, solver.state.past) == (9, None)
 
 
 def test_solvers_that_are_not_shortest_forget_nothing():
