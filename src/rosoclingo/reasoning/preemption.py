@@ -30,7 +30,7 @@ class Preemption:
         Suppose that they return ``preempted`` now: then one is wanted if there is a shortest plan that begins with it
         again. Without a plan, or if the program does not know this return, each is.
         """
-        if self._considered == self._feeder.arrivals or not self._execution.under_way:
+        if self._considered == self._feeder.arrivals:
             return ()
         running = tuple(action for action in self._execution.awaited if action not in self._found)
         found = self._ask(planner, self._execution.under_way, running) if running else ()
