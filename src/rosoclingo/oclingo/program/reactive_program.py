@@ -34,6 +34,7 @@ class ReactiveProgram:
         open_signatures: the predicates of ``#external p/n.``
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
+        advises: whether ``#heuristic`` statements tell the solver where to look first.
         warnings: what is odd but usable, as text.
 
     """
@@ -108,8 +109,9 @@ class ReactiveProgram:
         return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])
 
     def arguments(self) -> List[str]:
-        """Return clingo's command line arguments for the constants."""
-        return ["-Wno-atom-undefined"] + [f"-c{name}={value}" for name, value in self.constants.items()]
+        """Return clingo's command line arguments: the constants, and that ``#heuristic`` counts where there is one."""
+        heuristic = ["--heuristic=Domain"] if self.advises else []
+        return ["-Wno-atom-undefined", *heuristic, *(f"-c{name}={value}" for name, value in self.constants.items())]
 
     def may_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
         """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with one of ``atoms``.
@@ -167,10 +169,11 @@ class ReactiveProgram:
             for signature in sorted(self.open_signatures)
             for fact in (False, True)
         }
-        self.optimizes = False
+        self.optimizes = self.advises = False
         for part in self.parts:
             for statement in part.statements:
                 self.optimizes |= statement.ast_type == ASTType.Minimize
+                self.advises |= statement.ast_type == ASTType.Heuristic
                 self.dependencies.add(*rule_edges(statement))
             for statement, one in part.atoms:
                 self.signatures.add(one.signature)

@@ -15,7 +15,7 @@ import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.oclingo.progression.updates import Cumulative, Item, Literal, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Item, Literal, Over, Statement, StreamUpdate
 
 FAILED = Signature("_failed", 3)
 
@@ -40,6 +40,24 @@ def with_failures(update: StreamUpdate, before: Iterable[Statement]) -> StreamUp
     return replace(update, items=tuple(items))
 
 
+def is_foreseen(update: StreamUpdate, before: Iterable[Statement]) -> bool:
+    """Tell whether ``update`` holds nothing but commitments and the returns of what was done with success.
+
+    ``before`` are the statements that hold for ever before it.
+    """
+    statements = [one for _, one in update.sections()]
+    lasting = list(_lasting(update))
+    done = set(_commitments(before)) | set(_commitments(lasting))
+    as_planned = {clingo.Function(RETURN.name, action.arguments) for action in done}
+    plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)
+    return plain and not update.withdrawn and all(one.head in as_planned or is_commitment(one) for one in statements)
+
+
+def is_commitment(statement: Statement) -> bool:
+    """Tell whether ``statement`` demands an action in every plan."""
+    return statement.head is None and len(statement.body) == 1 and _demands_action(statement.body[0])
+
+
 def with_their_failures(facts: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
     """Return ``facts`` and what was told of the returns among them."""
     return facts | {failure_of(fact) for fact in facts if signature_of(fact) == RETURN}
@@ -54,11 +72,7 @@ def _lasting(update: StreamUpdate) -> Iterator[Statement]:
 
 def _commitments(statements: Iterable[Statement]) -> Set[clingo.Symbol]:
     """Return the actions that must be in every plan."""
-    return {
-        one.body[0].atom
-        for one in statements
-        if one.head is None and len(one.body) == 1 and _demands_action(one.body[0])
-    }
+    return {one.body[0].atom for one in statements if is_commitment(one)}
 
 
 def _demands_action(literal: Literal) -> bool:

@@ -49,8 +49,8 @@ def occurrences(statement: AST) -> List[Occurrence]:
     found: List[Occurrence] = []
     if statement.ast_type == ASTType.Rule:
         _from_head(statement.head, found)
-    elif hasattr(statement, "atom"):
-        _from_atom(statement.atom, True, False, found)
+    elif hasattr(statement, "atom"):  # an #external declares its atom, a #heuristic or #project only speaks of it
+        _from_atom(statement.atom, statement.ast_type == ASTType.External, False, found)
     if hasattr(statement, "body"):
         for literal in statement.body:
             _from_body(literal, True, found)

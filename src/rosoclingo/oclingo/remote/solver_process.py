@@ -18,12 +18,21 @@ from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError,
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.remote.child import WorkerLostError, WorkerProcess
-from rosoclingo.oclingo.remote.wire import Message, faults_from_message, program_to_message, result_from_message
+from rosoclingo.oclingo.remote.wire import (
+    Message,
+    faults_from_message,
+    plan_to_message,
+    program_to_message,
+    result_from_message,
+)
 from rosoclingo.oclingo.solving.solver import SolveResult
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, entry_to_message
 
-POLL = 0.02
+POLL = 0.002
 """Seconds of wall time between two looks at the stop request."""
+
+POLL_PREPARING = 0.02
+"""The same while a child takes a program or a log: that is often done in a moment, and would be asked for again."""
 
 GRACE = 1.0
 """Seconds of wall time that a grounding may go on after a stop request before it is dropped between two pieces."""
@@ -107,11 +116,13 @@ class ProcessSolver:
 
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
         reply = self._process.ask(self._place, self._log, update, stopped)
+        result = result_from_message(reply)
         self._log = self._log.then(Taken(update, reply["grounded"]))
+        self._log.plan = result.plan or self._log.plan
         if reply["checkpoint"] is not None:
             self._log = self._log.then(Checkpoint(message=reply["checkpoint"])).cut()
         self._process.has_read(self._place, self._log)
-        return result_from_message(reply)
+        return result
 
 
 class SolverProcess:
@@ -286,7 +297,8 @@ class SolverProcess:
         """Have the child make a solver that reads the whole log."""
         assert self._child is not None
         entries = [entry_to_message(one) for one in log.entries]
-        self._child.send({"do": "rebuild", "coming": coming, **self._about(place, entries)})
+        plan = plan_to_message(log.plan)
+        self._child.send({"do": "rebuild", "coming": coming, "plan": plan, **self._about(place, entries)})
         place.child, place.read = self._child, log
         self._preparing.append(place)
 
@@ -303,7 +315,7 @@ class SolverProcess:
         begin: Optional[float] = None
         dropped = False
         while True:
-            reply = self._child.receive(POLL)
+            reply = self._child.receive(POLL if kills else POLL_PREPARING)
             if reply is not None:
                 return reply
             if begin is None:

@@ -21,6 +21,7 @@ from rosoclingo.oclingo.remote.wire import (
     Message,
     encode,
     faults_to_message,
+    plan_from_message,
     program_from_message,
     result_to_message,
 )
@@ -134,7 +135,9 @@ class Worker:
     def _rebuild(self, command: Message) -> Message:
         """Make a solver that reads a whole log, as far as its state is not known."""
         solver = self._solvers[command["solver"]] = self._make()
-        solver.restore(self._known.longer(StreamLog(), command["log"]))
+        log = self._known.longer(StreamLog(), command["log"])
+        log.plan = log.plan or plan_from_message(command["plan"])
+        solver.restore(log)
         solver.read(_update_of(command["coming"]))
         return {}
 

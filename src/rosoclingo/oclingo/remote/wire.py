@@ -5,11 +5,12 @@ Symbols travel as text, see :mod:`~rosoclingo.oclingo.solving.state_text`.
 
 import json
 from pathlib import Path
-from typing import Iterable, List
+from typing import Iterable, List, Optional
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.solving.last_plan import Plan
 from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.state_text import Message, symbols_from_text, symbols_to_text
 
@@ -57,6 +58,7 @@ def result_to_message(result: SolveResult) -> Message:
         "step": result.step,
         "warnings": result.warnings,
         "permanent": result.permanent,
+        "shortest": result.shortest,
         "statistics": result.statistics,
     }
 
@@ -70,8 +72,23 @@ def result_from_message(message: Message) -> SolveResult:
         step=message["step"],
         warnings=tuple(message["warnings"]),
         permanent=message["permanent"],
+        shortest=message["shortest"],
         statistics=message["statistics"],
     )
+
+
+def plan_to_message(plan: Optional[Plan]) -> Message:
+    """Return ``plan`` for :func:`plan_from_message`."""
+    if plan is None:
+        return {}
+    return {"actions": symbols_to_text(sorted(plan.actions)), "horizon": plan.horizon, "shortest": plan.shortest}
+
+
+def plan_from_message(message: Message) -> Optional[Plan]:
+    """Return the plan that :func:`plan_to_message` took."""
+    if not message:
+        return None
+    return Plan(frozenset(symbols_from_text(message["actions"])), message["horizon"], message["shortest"])
 
 
 def faults_to_message(faults: Iterable[Fault]) -> Message:

@@ -60,6 +60,13 @@ def make_parser() -> argparse.ArgumentParser:
         "shortest at any time, and strings of updates equal those of the program",
     )
     parser.add_argument(
+        "--plan-time",
+        type=_duration,
+        metavar="SECONDS",
+        help="with --shortest: where the shortest plan is not found in that processor time, answer with the best that is "
+        "known; where none is known yet, go on (default: only the shortest will do)",
+    )
+    parser.add_argument(
         "--time-limit",
         type=_seconds,
         metavar="SECONDS",
@@ -99,7 +106,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         program = ReactiveProgram([_source(file) for file in files], constants)
         for text in program.warnings:
             _say(f"warning: {text}")
-        ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest}
+        ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest, "plan_time": options.plan_time}
         with SolverProcess(program, models, horizon_limit=options.imax, **ways) as process:
             process.start()
             return _run(process.solver(), options)
@@ -179,6 +186,8 @@ def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: 
         parser.error("--json needs --stream or --interactive")
     if not serves and (options.port is not None or options.host is not None):
         parser.error("--host and --port are the service's, they don't go with --stream or --interactive")
+    if options.plan_time is not None and not options.shortest:
+        parser.error("--plan-time needs --shortest")
     if "-" in files and (options.stream == "-" or options.interactive):
         parser.error("standard input holds updates: name a program file")
     if files.count("-") > 1:
@@ -225,11 +234,20 @@ def _number(text: str, lowest: int, highest: int) -> int:
     raise argparse.ArgumentTypeError(f"{text!r} is no number from {lowest} to {highest}")
 
 
-def _seconds(text: str) -> float:
+def _duration(text: str) -> float:
+    """Return seconds, which may be none."""
     try:
         value = float(text)
     except ValueError:
-        value = 0.0
-    if not 0.0 < value < 1e9:
+        value = -1.0
+    if not 0.0 <= value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+    return value
+
+
+def _seconds(text: str) -> float:
+    """Return seconds, more than none."""
+    value = _duration(text)
+    if not value:
         raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
     return value

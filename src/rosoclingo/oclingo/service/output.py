@@ -51,7 +51,7 @@ class JsonOutput:
     """Prints a JSON object for each update, on a line of its own.
 
     Its members: ``update`` (text), ``step``, ``horizon``, ``outcome``, ``answers`` (lists of atoms, sorted),
-    ``warnings``, ``permanent``, ``statistics`` (seconds); or ``update`` and ``error``; or ``place`` and ``error``.
+    ``warnings``, ``permanent``, ``shortest``, ``statistics`` (seconds); or ``update`` and ``error``; or ``place`` and ``error``.
     """
 
     def __init__(self, stream: IO[str]) -> None:
@@ -70,6 +70,7 @@ class JsonOutput:
             answers=[sorted(map(str, answer)) for answer in result.answers],
             warnings=list(result.warnings),
             permanent=result.permanent,
+            shortest=result.shortest,
             statistics=result.statistics,
         )
 

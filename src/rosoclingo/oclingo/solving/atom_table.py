@@ -4,7 +4,7 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import Container, ContextManager, Dict, Iterable, Iterator, List, Optional, Set, Tuple
+from typing import Collection, Container, ContextManager, Dict, Iterable, Iterator, List, Optional, Set, Tuple
 
 import clingo
 from clingo.backend import Backend
@@ -199,7 +199,7 @@ class CycleIndex:
         """Note that there may be new atoms."""
         self._index.expire()
 
-    def cycles(self) -> Iterable[int]:
+    def cycles(self) -> Collection[int]:
         """Return the cycles whose atoms, or some of them, have not been popped."""
         for atom, literal in self._index.fresh():
             if atom.arguments[-1].type is clingo.SymbolType.Number:
@@ -209,6 +209,11 @@ class CycleIndex:
     def pop_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:
         """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
         return self._cycles.pop(cycle, []) if cycle in self.cycles() else []
+
+    def between(self, first: int, last: int) -> List[clingo.Symbol]:
+        """Return the atoms of the cycles first..last that have not been popped."""
+        known = self.cycles()
+        return [atom for cycle in range(first, last + 1) if cycle in known for atom, _ in self._cycles[cycle]]
 
 
 class ActionIndex:
@@ -230,6 +235,10 @@ class ActionIndex:
         """Forbid all actions of ``cycle`` but ``executed``, those that come later as well."""
         self._closed[cycle] = set(executed)
         self._forbid(cycle)
+
+    def between(self, first: int, last: int) -> List[clingo.Symbol]:
+        """Return the actions of the cycles first..last that have not been closed."""
+        return self._atoms.between(first, last)
 
     def forbid_late(self) -> None:
         """Forbid actions of cycles that are over which came with the last grounding."""

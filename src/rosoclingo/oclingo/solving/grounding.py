@@ -34,7 +34,7 @@ from rosoclingo.oclingo.solving.atom_table import HOLDS, ActionIndex, AtomIndex,
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
 
-POLL = 0.02
+POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
 
 BASE = -(2**31)
@@ -283,22 +283,38 @@ class Grounding:
         """Whether what has been added can never be satisfied, whatever externals and further steps bring."""
         return bool(self._control.is_conflicting)
 
-    def search(self, models: int, stopped: Callable[[], bool], first: int, last: int) -> Search:
+    def actions(self, first: int, last: int) -> List[clingo.Symbol]:
+        """Return the ``_action_lib`` atoms that are known for the cycles first..last, as far as these are not closed."""
+        return self._actions.between(first, last)
+
+    def search(
+        self,
+        models: int,
+        stopped: Callable[[], bool],
+        first: int,
+        last: int,
+        given: Iterable[Tuple[clingo.Symbol, bool]] = (),
+        conflicts: Optional[int] = None,
+        best: bool = True,
+    ) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
         Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the
-        answers' horizons are free within the range.
+        answers' horizons are free within the range. Only answers are looked for in which the atoms ``given`` are as
+        they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
+        ``best``, or else any.
         """
         self.atoms.end_definitions()
-        assumptions = self._ends.range(first, last)
+        assumptions: List[Any] = [*self._ends.range(first, last), *given]
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
-        best = self.program.optimizes
+        best = best and self.program.optimizes
         options: Any = self._control.configuration.solve
         options.models = str(models)
-        if best:
-            options.opt_mode = "optN"
+        options.solve_limit = "umax,umax" if conflicts is None else f"{conflicts},umax"
+        if self.program.optimizes:
+            options.opt_mode = "optN" if best else "ignore"
 
         def keep(model: clingo.Model) -> None:
             """Take a model for an answer; where there is something to optimize, only one that is proven best."""
@@ -313,7 +329,7 @@ class Grounding:
                     handle.cancel()
             result = handle.get()
         self.satisfied = bool(result.satisfiable)
-        if result.interrupted:
+        if result.interrupted or result.unknown:
             return Search(None)
         return Search(bool(result.satisfiable), tuple(answers), horizons[-1])
 

@@ -1,7 +1,7 @@
 """The search for answers of one update: at which horizons to ask, and when to grow."""
 
 import time
-from typing import Callable, Optional
+from typing import Any, Callable, Optional
 from weakref import WeakKeyDictionary
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -15,6 +15,7 @@ class HorizonSearch:
     Attributes:
         seconds: wall time spent in clingo's search so far.
         permanent: True once nothing can make the program satisfiable again.
+        proven: True once an answer is known to be of the least horizon.
 
     """
 
@@ -27,6 +28,7 @@ class HorizonSearch:
         self._block = block
         self.seconds = 0.0
         self.permanent = False
+        self.proven = False
 
     def run(self, transaction: Transaction) -> Search:
         """Search at the grounded horizons, then grow until there is an answer or no more may be grounded."""
@@ -37,6 +39,7 @@ class HorizonSearch:
             first = transaction.state.horizon + 1
             transaction.grow(self._block)
             found = self._search_block(transaction, first, transaction.state.horizon)
+        self.proven = bool(found.satisfiable) and self._shortest
         return found
 
     def _search_block(self, transaction: Transaction, first: int, last: int) -> Search:
@@ -52,8 +55,7 @@ class HorizonSearch:
         return found
 
     def _search_grounded(self, transaction: Transaction) -> Search:
-        horizon = transaction.state.horizon
-        first = min(transaction.state.settled, horizon)
+        first, horizon = first_horizon(transaction), transaction.state.horizon
         if not self._shortest or first == horizon:
             return self._ask(transaction, horizon, horizon)
         return self._complete(transaction, self._search_range(transaction, first, horizon))
@@ -82,16 +84,22 @@ class HorizonSearch:
             best = found
         return best
 
-    def _ask(self, transaction: Transaction, first: int, last: int) -> Search:
+    def _ask(self, transaction: Transaction, first: int, last: int, **limits: Any) -> Search:
+        """Ask for the horizons first..last; ``limits`` are further arguments of :meth:`Grounding.search`."""
         if self._halt():
             return Search(None)
         grounding = transaction.ready()
-        models = self._models if first == last else 1
+        models = limits.pop("models", self._models if first == last else 1)
         start = time.perf_counter()
-        found = grounding.search(models, self._halt, first, last)
+        found = grounding.search(models, self._halt, first, last, **limits)
         self.seconds += time.perf_counter() - start
         self.permanent = found.satisfiable is False and grounding.conflicting
         return found
+
+
+def first_horizon(transaction: Transaction) -> int:
+    """Return the least horizon that an answer may have."""
+    return min(transaction.state.settled, transaction.state.horizon)
 
 
 _TRIAL_STEPS = 3

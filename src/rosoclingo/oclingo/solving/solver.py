@@ -14,9 +14,12 @@ import clingo
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.return_failures import is_foreseen
 from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, may_idle
+from rosoclingo.oclingo.solving.last_plan import Plan
+from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import Close, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
 from rosoclingo.oclingo.solving.transaction import Transaction
@@ -51,6 +54,7 @@ class SolveResult:
         step: k, the step of the update.
         warnings: what was ignored and why.
         permanent: True where no further step and no external can make the program satisfiable.
+        shortest: True where it is proven that no answer has a lesser horizon.
         statistics: seconds of wall time spent in ``ground`` and ``solve``.
 
     """
@@ -62,6 +66,12 @@ class SolveResult:
     warnings: Tuple[str, ...] = ()
     permanent: bool = False
     statistics: Dict[str, float] = field(default_factory=dict, compare=False)
+    shortest: bool = False
+
+    @property
+    def plan(self) -> Optional[Plan]:
+        """The plan in the last answer, None where there is no answer."""
+        return Plan.of(self.answers[-1], self.horizon, self.shortest) if self.answers else None
 
 
 class StreamSolver(Protocol):
@@ -100,7 +110,7 @@ class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates.
 
     Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
-    hundredths of a second of wall time while clingo searches, and before each step is grounded.
+    milliseconds of wall time while clingo searches, and before each step is grounded.
     """
 
     def __init__(
@@ -111,6 +121,8 @@ class ReactiveSolver:
         shortest: bool = False,
         oclingo_strings: bool = True,
         log_limit: int = LOG_LIMIT,
+        plan_time: Optional[float] = None,
+        clock: Clock = CLOCK,
     ) -> None:
         """Make a solver.
 
@@ -123,12 +135,19 @@ class ReactiveSolver:
                 searched at the last grounded step only.
             oclingo_strings: take strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
             log_limit: after so many entries of the log, or more where the state is large, there is a checkpoint.
+            plan_time: for ``shortest`` solvers: where the shortest plan is not found in so many seconds of processor
+                time, the best that is known is the answer; None for no such limit. Where none is known yet, or none
+                other than ``stopped`` says so, the search goes on.
+            clock: tells the processor time.
 
         """
+        if plan_time is not None and not shortest:
+            raise ValueError("plan_time needs shortest")
         self.program = program
         self.models = models
         self.shortest = shortest
         self._log_limit = log_limit
+        self._plan_time, self._clock = plan_time, clock
         self._hint = 0
         self._setting = Setting(program, horizon_limit, shortest, oclingo_strings)
         self._log = self._read = StreamLog()
@@ -243,6 +262,7 @@ class ReactiveSolver:
             result = self._search(transaction, update, halt)
         log = self._log.then(Taken(update, transaction.state.horizon))
         log.state = transaction.state
+        log.plan = result.plan or log.plan
         self._log = self._read = log.checkpoint() if transaction.compacted or log.is_longer(self._log_limit) else log
         return result
 
@@ -259,8 +279,7 @@ class ReactiveSolver:
         self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]
     ) -> SolveResult:
         start = time.perf_counter()
-        block = BLOCK if self.shortest and may_idle(self.program, halt) else 1
-        search = HorizonSearch(self.models, self.shortest, self._hint, block, halt)
+        search = self._make_search(update, halt)
         found = Search(None)
         if transaction.begin(update, halt):
             found = search.run(transaction)
@@ -274,4 +293,12 @@ class ReactiveSolver:
         horizon = found.horizon if found.satisfiable else state.horizon
         if search.permanent:
             horizon = max(horizon, transaction.last_horizon())
-        return SolveResult(outcome, found.answers, horizon, state.step, warnings, search.permanent, spent)
+        return SolveResult(outcome, found.answers, horizon, state.step, warnings, search.permanent, spent, search.proven)
+
+    def _make_search(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> HorizonSearch:
+        block = BLOCK if self.shortest and may_idle(self.program, halt) else 1
+        if self._plan_time is None:
+            return HorizonSearch(self.models, self.shortest, self._hint, block, halt)
+        foreseen = update is not None and is_foreseen(update, self.state.permanent)
+        limit = TimeLimit(self._plan_time, foreseen, self._clock)
+        return PlanSearch(self.models, self._log.plan, block, halt, limit)

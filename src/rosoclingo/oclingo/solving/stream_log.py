@@ -14,6 +14,7 @@ import clingo
 
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
+from rosoclingo.oclingo.solving.last_plan import Plan
 from rosoclingo.oclingo.solving.state_text import (
     Message,
     state_from_message,
@@ -91,10 +92,11 @@ class StreamLog:
         step: k, the step of the last update.
         horizon: N, the last grounded step.
         over: what concerns steps before it is over.
+        plan: the last plan, where a search may begin; None where none is known. It is no part of the history.
 
     """
 
-    __slots__ = ("_key", "_state", "before", "entry", "horizon", "length", "over", "step")
+    __slots__ = ("_key", "_state", "before", "entry", "horizon", "length", "over", "plan", "step")
 
     def __init__(self, before: Optional["StreamLog"] = None, entry: Optional[Entry] = None) -> None:
         """Make the log ``before`` with one more ``entry``; without arguments that of a stream that begins."""
@@ -105,6 +107,7 @@ class StreamLog:
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
         self.over: int = 0 if before is None else before.over
+        self.plan: Optional[Plan] = None if before is None else before.plan
         if isinstance(entry, Taken):
             self._reach(entry)
         elif isinstance(entry, Over):

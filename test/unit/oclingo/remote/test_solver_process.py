@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from core_journal import Journal
+from plain_walk import program_text
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -27,6 +28,7 @@ from rosoclingo.oclingo.remote import solver_process as process_module
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving import compaction
+from rosoclingo.oclingo.solving.last_plan import Plan, cycle_of
 from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
 from rosoclingo.oclingo.solving.stream_state import Past
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
@@ -133,7 +135,7 @@ def test_a_stop_ends_a_search_and_leaves_the_update_in_force():
         solver = process.solver()
         solver.update(parse_update("#step 1 : 0. #endstep."))
         pid = process.pid
-        result = solver.update(parse_update("#step 1. #endstep."), at_look(5))
+        result = solver.update(parse_update("#step 1. #endstep."), at_look(50))
         assert result.outcome is SolveOutcome.INTERRUPTED
         assert process.pid == pid, "it heeded the stop"
         assert result.horizon == solver.horizon > 1
@@ -147,7 +149,7 @@ def test_a_stop_ends_grounding_and_drops_the_update():
         solver.update(parse_update("#step 1. e(1). #endstep."))
         pid = process.pid
         with pytest.raises(DroppedError, match="did not heed a stop, since it was grounding"):
-            solver.update(parse_update("#step 2. e(2). #endstep."), lambda: True)
+            solver.update(parse_update("#step 2. e(2). #endstep."), at_look(25))
         assert process.pid != pid
         assert (solver.step, solver.horizon) == (1, 1)
         assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
@@ -160,7 +162,7 @@ def test_a_grounding_in_pieces_is_dropped_between_them():
         solver.update(parse_update("#step 60. #endstep."))
         pid = process.pid
         with pytest.raises(DroppedError, match="a stop came while the program was ground anew"):
-            solver.update(parse_update("#step 60. big(1). #endstep."), lambda: True)
+            solver.update(parse_update("#step 60. big(1). #endstep."), at_look(25))
         assert atoms(solver.update(parse_update("#step 60. #endstep."))) == [[]], "the update was dropped as a whole"
         assert atoms(solver.update(parse_update("#step 60. big(1). #endstep."))) == [wanted]
         assert process.pid == pid
@@ -171,7 +173,7 @@ def test_a_short_grounding_comes_to_its_end():
         solver = process.solver()
         solver.update(parse_update("#step 60. #endstep."))
         pid = process.pid
-        assert solver.update(parse_update("#step 60. big(1). #endstep."), lambda: True).step == 60
+        assert solver.update(parse_update("#step 60. big(1). #endstep."), at_look(25)).step == 60
         assert "big(1)" in atoms(solver.update(parse_update("#step 60. #endstep.")))[0]
         assert process.pid == pid
 
@@ -186,7 +188,7 @@ def test_a_process_that_is_lost_is_replaced_by_one_kept_ready():
             lost, spare = process.pid, process.spare_pid
             assert spare is not None
             with pytest.raises(DroppedError):
-                solver.update(parse_update("#step 2. #endstep."), lambda: True)
+                solver.update(parse_update("#step 2. #endstep."), at_look(25))
             assert ended(lost)
             assert (process.pid, process.spare_pid) == (spare, None)
         assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
@@ -219,7 +221,7 @@ def test_stops_at_any_time_cost_no_process_with_our_encodings(files, monkeypatch
 
     def watch():
         """Every other search is left for something that has come, at some time or other."""
-        looks[0] = chance.choice([1, 1, 2, 3, 5, 10**9, 10**9])
+        looks[0] = chance.choice([1, 1, 20, 30, 50, 10**9, 10**9])
 
         def look():
             looks[0] -= 1
@@ -484,3 +486,25 @@ def test_the_memory_of_a_child_is_known():
         assert process._child.memory > 2**20
         child = process._child
     assert child.memory == 0
+
+
+def test_plans_soon_come_from_a_process_as_well():
+    """A time for plans goes to the child, what is proven comes back, and a new child is told the last plan."""
+    program = ReactiveProgram.from_text(program_text())
+    options = {"shortest": True, "oclingo_strings": False}
+    ask = parse_update("#step 1. _request(3,1). _request(-2,1). #endstep.")
+    with SolverProcess(program, plan_time=0.0, **options) as process:
+        solver = process.solver()
+        soon = solver.update(ask)
+        assert not soon.shortest
+        assert solver.log.plan == soon.plan
+        (action,) = (one for one in soon.plan.actions if cycle_of(one) == 1)
+        worse = Plan(soon.plan.later().actions | {action}, soon.horizon + 1)
+        solver.log.plan = worse
+        kill(process)
+        again = solver.update(parse_update(f"#step 2. :- not {action}. fail(1). #endstep."))
+        assert again.plan.since(2).actions == worse.since(2).actions
+    with SolverProcess(program, **options) as process:
+        shortest = process.solver().update(ask)
+        assert shortest.shortest
+        assert shortest.horizon <= soon.horizon

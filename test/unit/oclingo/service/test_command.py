@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from plain_walk import program_text
 from service_helpers import Client
 
 from rosoclingo.oclingo.service.command import main
@@ -287,3 +288,23 @@ def test_the_script_is_this_command():
     assert (code, error) == (0, "")
     for word in ("--stream", "--json", "--interactive", "--port", "--host", "--imax", "--const", "MODELS"):
         assert word in output
+
+
+def test_plans_soon(files, capsys):
+    (files / "walk.lp").write_text(program_text(), encoding="utf-8")
+    (files / "walk.str").write_text("#step 1. _request(3,1). _request(-2,1). #endstep.\n", encoding="utf-8")
+    words = ["walk.lp", "--stream", "walk.str", "--json", "--shortest"]
+    found = []
+    for more in ([], ["--plan-time", "0"], ["--plan-time", "1e6"]):
+        assert main([*words, *more]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    assert [one["outcome"] for one in found] == 3 * ["satisfiable"]
+    assert [one["shortest"] for one in found] == [True, False, True]
+    assert found[0]["horizon"] == found[2]["horizon"] <= found[1]["horizon"]
+
+
+def test_a_time_for_plans_needs_shortest_ones(files, capsys):
+    for words, told in ((["--plan-time", "1"], "--plan-time needs --shortest"), (["--plan-time", "-1"], "no time")):
+        with pytest.raises(SystemExit):
+            main(["program.lp", "--stream", "updates.str", *words])
+        assert told in capsys.readouterr().err

@@ -1,0 +1,210 @@
+"""The search for a plan soon: any plan first, the last one where it still is one, then shorter ones while there is time.
+
+The shortest plan is found by refuting every shorter horizon, which may take for ever. A plan of some horizon is found
+soon: with more steps than are needed it is easy, the more so where ``#heuristic`` says what to do next. So the horizon
+grows by a quarter as long as a few conflicts do not tell (as in Rintanen's algorithms for planning as satisfiability,
+2006), and what is found bounds the horizons to look at from above, as what is refuted does from below.
+"""
+
+import time
+from typing import Callable, Iterator, List, Optional, Tuple
+
+import clingo
+
+from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon
+from rosoclingo.oclingo.solving.last_plan import Plan
+from rosoclingo.oclingo.solving.transaction import Transaction
+
+Clock = Callable[[], float]
+"""Seconds of processor time that this process has used: a loaded machine leaves the plans as they are."""
+
+CLOCK: Clock = time.process_time
+
+CONFLICTS = 100
+"""Conflicts that a question may take, at first.
+
+Where one was not enough the next may take twice as many; but while there is no plan and ``#heuristic`` guides the
+search, only more steps help: with enough of them there are next to no conflicts.
+"""
+
+PIECE = 32
+"""Steps that are grounded between two looks at the stop request."""
+
+PROOF_AGAIN = 0.1
+"""Part of the time that is given to prove once more that a plan that went on as foreseen is the shortest."""
+
+
+class TimeLimit:
+    """The time for one update: ``seconds`` of ``clock`` from now on.
+
+    Where the update is ``foreseen``, as it tells nothing but that things went as planned, a plan that can be kept has
+    had its time before.
+    """
+
+    def __init__(self, seconds: float, foreseen: bool = False, clock: Clock = CLOCK) -> None:
+        self._seconds, self._foreseen, self._clock = seconds, foreseen, clock
+        self._begin = clock()
+
+    def plan_is_kept(self, shortest: bool) -> None:
+        """Note that the last plan, proven to be the ``shortest`` or not, still is one."""
+        if self._foreseen:
+            self._seconds *= PROOF_AGAIN if shortest else 0.0
+
+    def is_over(self) -> bool:
+        """Whether a plan that is known has to do."""
+        return self._clock() - self._begin >= self._seconds
+
+
+class PlanSearch(HorizonSearch):
+    """One update's search for a plan soon."""
+
+    def __init__(
+        self, models: int, plan: Optional[Plan], block: int, halt: Callable[[], bool], time_limit: "TimeLimit"
+    ) -> None:
+        """Prepare to search for ``models`` answers.
+
+        ``plan`` is the last one, ``block`` the number of steps to grow by at least; where it is 1 an answer may not
+        outlive further steps, and each horizon is decided before the next. When the time is over the best plan that is
+        known is the answer; where none is, the search goes on.
+        """
+        super().__init__(models, True, 0, block, halt)
+        self._caller_halts, self._plan, self._time = halt, plan, time_limit
+        self._least = 0  # no answer has a horizon below it
+        self._best: Optional[Search] = None
+        self._old: List[Plan] = []  # what may be left of the last plan
+
+    def run(self, transaction: Transaction) -> Search:
+        """Search until there is a plan, and for a shorter one in the time that is left."""
+        self._least = first_horizon(transaction)
+        if self._keep(transaction):
+            self._time.plan_is_kept(self._plan is not None and self._plan.shortest)
+        found = self._best or self._find(transaction)
+        if self._best is None:
+            return found
+        self._halt = self._is_over
+        self._shorten(transaction)
+        self.proven = self._least >= self._best.horizon
+        return self._all(transaction, self._best)
+
+    # ---- The last plan -----------------------------------------------------------------------------------------------
+
+    def _keep(self, transaction: Transaction) -> bool:
+        """Take the rest of the last plan, as it is or one step later, for the best where it is a plan; tell whether."""
+        if self._plan is None:
+            return False
+        step = transaction.state.step
+        rest = self._plan.since(step)
+        later = self._plan.since(step - 1).later()
+        for plan in (rest, later):
+            found = self._exactly(transaction, plan)
+            if found.satisfiable:
+                self._take(transaction, found)
+                return plan is rest
+        self._old = [plan for plan in (rest, later) if plan.actions]
+        return False
+
+    def _exactly(self, transaction: Transaction, plan: Plan) -> Search:
+        """Ask whether to do what ``plan`` says, and nothing else, is a plan."""
+        last = max(self._least, plan.horizon)
+        if last > transaction.state.horizon:
+            if self._block == 1 or last > transaction.last_horizon(last):
+                return Search(None)
+            transaction.grow_to(last)
+        actions = transaction.ready().actions(transaction.state.step, last + 1)
+        if not plan.actions.issubset(actions):
+            return Search(False)
+        given = [(action, action in plan.actions) for action in actions]
+        return self._look(transaction, max(self._least, min(plan.last_cycle, last)), last, CONFLICTS, given)
+
+    # ---- Any plan ----------------------------------------------------------------------------------------------------
+
+    def _find(self, transaction: Transaction) -> Search:
+        """Let the horizon grow until there is a plan or no more may be grounded."""
+        conflicts = CONFLICTS
+        while True:
+            more = transaction.may_grow()
+            found = self._any(transaction, conflicts if more and self._block > 1 else None)
+            if found.satisfiable:
+                self._take(transaction, found)
+                return found
+            if self._caller_halts() or self.permanent or not more:
+                return found
+            conflicts *= 1 if found.satisfiable is False or transaction.program.advises else 2
+            for _ in self._grow(transaction):
+                if self._caller_halts():
+                    return Search(None)
+
+    def _any(self, transaction: Transaction, conflicts: Optional[int]) -> Search:
+        """Ask for a plan within what is grounded: first one that goes on from an old one."""
+        last = transaction.state.horizon
+        for plan in self._old:
+            found = self._look(transaction, self._least, last, CONFLICTS, [(one, True) for one in plan.actions])
+            if found.satisfiable or self.permanent or self._caller_halts():
+                return found
+        return self._look(transaction, self._least, last, conflicts)
+
+    def _grow(self, transaction: Transaction) -> Iterator[None]:
+        """Ground a quarter more of the steps to come, piece by piece."""
+        state = transaction.state
+        quarter = (state.horizon - state.step) // 4
+        last = transaction.last_horizon(state.horizon + (max(self._block, quarter) if self._block > 1 else 1))
+        while state.horizon < last:
+            yield
+            transaction.grow_to(min(last, state.horizon + PIECE))
+
+    # ---- A shorter one -----------------------------------------------------------------------------------------------
+
+    def _shorten(self, transaction: Transaction) -> None:
+        """Look for shorter plans, and refute the least horizons in turns, until both meet or the time is over."""
+        conflicts = CONFLICTS
+        while self._best is not None and self._least < self._best.horizon and not self._is_over():
+            first, last = self._least, self._best.horizon - 1
+            self._try(transaction, first, last, conflicts)
+            if first < last and self._least == first and self._best.horizon > first:
+                self._try(transaction, first, first, conflicts)
+            if self._least == first and self._best.horizon > last:
+                conflicts *= 2
+
+    def _try(self, transaction: Transaction, first: int, last: int, conflicts: int) -> None:
+        found = self._look(transaction, first, last, conflicts)
+        if found.satisfiable:
+            self._take(transaction, found)
+
+    def _take(self, transaction: Transaction, found: Search) -> None:
+        """Take ``found`` for the best plan; where it idles at its end, the same without these steps if that is one."""
+        self._best = found
+        plan = Plan.of(found.answers[-1], found.horizon).since(transaction.state.step)
+        end = max(self._least, plan.last_cycle)
+        if end < found.horizon:
+            given = [(action, True) for action in plan.actions] or None
+            sooner = self._look(transaction, end, end, CONFLICTS, given)
+            self._best = sooner if sooner.satisfiable else found
+
+    def _all(self, transaction: Transaction, best: Search) -> Search:
+        """Find all answers, or the best, of the plan's horizon where more than any is asked for and there is time."""
+        if self._models == 1 and not transaction.program.optimizes:
+            return best
+        self._halt = self._caller_halts if self._models != 1 else self._is_over
+        found = self._ask(transaction, best.horizon, best.horizon)
+        return found if found.satisfiable else best
+
+    # ---- Questions ---------------------------------------------------------------------------------------------------
+
+    def _look(
+        self,
+        transaction: Transaction,
+        first: int,
+        last: int,
+        conflicts: Optional[int],
+        given: Optional[List[Tuple[clingo.Symbol, bool]]] = None,
+    ) -> Search:
+        """Ask for any answer; what is refuted without anything ``given`` need never be asked again."""
+        found = self._ask(transaction, first, last, models=1, conflicts=conflicts, best=False, given=given or ())
+        if found.satisfiable is False and given is None and first <= self._least:
+            self._least = max(self._least, last + 1)
+        return found
+
+    def _is_over(self) -> bool:
+        """Whether a plan that is known has to do."""
+        return self._caller_halts() or self._time.is_over()

@@ -1,0 +1,78 @@
+"""A robot on a line of numbers, and a plain reading of its stream: every question is solved from scratch."""
+
+from dataclasses import dataclass, field
+from typing import FrozenSet, List, Optional, Set
+
+import clingo
+
+from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom
+from rosoclingo.oclingo.solving.last_plan import cycle_of
+
+BASE = "at(0,0)."
+STEP = """
+{{ _action_lib(move,X,{t}) : X = (P-1;P+1), at(P,{t}-1) }} 1.
+moves({t}) :- _action_lib(move,X,{t}), not fail({t}).
+at(X,{t})  :- _action_lib(move,X,{t}), moves({t}).
+at(X,{t})  :- at(X,{t}-1), not moves({t}).
+wanted(X,{t})  :- _request(X,{t}).
+wanted(X,{t})  :- wanted(X,{t}-1).
+reached(X,{t}) :- wanted(X,{t}), at(X,{t}).
+reached(X,{t}) :- reached(X,{t}-1), not _request(X,{t}).
+"""
+GOAL = ":- wanted(X,{t}), not reached(X,{t}).\n"
+ADVICE = """
+#heuristic _action_lib(move,X,t) : wanted(Y,t), not reached(Y,t-1), at(P,t-1), X = P+1, Y > P. [2,true]
+#heuristic _action_lib(move,X,t) : wanted(Y,t), not reached(Y,t-1), at(P,t-1), X = P-1, Y < P. [1,true]
+"""
+
+
+def program_text(advice: bool = True) -> str:
+    """Return the reactive program, with or without ``#heuristic`` statements."""
+    steps = "#program cumulative(t).\n#external _request/2.\n#external fail(t)." + STEP.format(t="t")
+    return f"#program base. {BASE}\n{steps}{ADVICE if advice else ''}#program volatile(t).\n{GOAL.format(t='t')}"
+
+
+@dataclass
+class Walk:
+    """What has been told and done.
+
+    Attributes:
+        step: the step of the last update.
+        facts: requests and failures.
+        done: the actions that were executed.
+
+    """
+
+    step: int = 0
+    facts: Set[clingo.Symbol] = field(default_factory=set)
+    done: Set[clingo.Symbol] = field(default_factory=set)
+
+    def update(self, wanted: List[int], fails: bool, actions: Set[clingo.Symbol], bound: Optional[int]) -> StreamUpdate:
+        """Go to the next step and return its update: ``actions`` were executed, and failed, and places are wanted."""
+        self.step += 1
+        self.done |= actions
+        told = [parse_atom(f"_request({place},{self.step})") for place in wanted]
+        told += [parse_atom(f"fail({self.step - 1})")] if fails and actions else []
+        self.facts.update(told)
+        return StreamUpdate(self.step, bound, (*map(commitment, actions), *map(fact, told)))
+
+    def allows(self, horizon: int, plan: Optional[FrozenSet[clingo.Symbol]] = None) -> bool:
+        """Tell whether there is an answer of that horizon, with ``plan`` and nothing else from now on if it is given."""
+        text = BASE + "".join(STEP.format(t=step) for step in range(1, horizon + 1)) + GOAL.format(t=horizon)
+        text += "".join(f"{one}.\n" for one in self.facts)
+        actions = self.done | (plan or frozenset())
+        text += "".join(f":- not {one}.\n" for one in actions)
+        closed = horizon if plan is not None else min(self.step - 1, horizon)
+        text += "".join(
+            f":- _action_lib(move,X,{cycle}), X != {own}.\n"
+            for cycle in range(1, closed + 1)
+            for own in [next((one.arguments[1] for one in actions if cycle_of(one) == cycle), "none")]
+        )
+        control = clingo.Control(["-Wnone"])
+        control.add("base", [], text)
+        control.ground([("base", [])])
+        return bool(control.solve().satisfiable)
+
+    def least(self, first: int, last: int) -> Optional[int]:
+        """Return the least horizon in first..last that has an answer."""
+        return next((horizon for horizon in range(first, last + 1) if self.allows(horizon)), None)
