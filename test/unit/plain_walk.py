@@ -57,7 +57,7 @@ class Walk:
         return StreamUpdate(self.step, bound, (*map(commitment, actions), *map(fact, told)))
 
     def allows(self, horizon: int, plan: Optional[FrozenSet[clingo.Symbol]] = None) -> bool:
-        """Tell whether there is an answer of that horizon, with ``plan`` and nothing else from now on if it is given."""
+        """Tell whether there is an answer of that horizon, with ``plan`` and nothing else to come if it is given."""
         text = BASE + "".join(STEP.format(t=step) for step in range(1, horizon + 1)) + GOAL.format(t=horizon)
         text += "".join(f"{one}.\n" for one in self.facts)
         actions = self.done | (plan or frozenset())

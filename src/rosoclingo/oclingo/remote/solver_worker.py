@@ -136,7 +136,7 @@ class Worker:
         """Make a solver that reads a whole log, as far as its state is not known."""
         solver = self._solvers[command["solver"]] = self._make()
         log = self._known.longer(StreamLog(), command["log"])
-        log.plan = log.plan or plan_from_message(command["plan"])
+        log.plan = log.plan or plan_from_message(command.get("plan", {}))
         solver.restore(log)
         solver.read(_update_of(command["coming"]))
         return {}

@@ -63,8 +63,8 @@ def make_parser() -> argparse.ArgumentParser:
         "--plan-time",
         type=_duration,
         metavar="SECONDS",
-        help="with --shortest: where the shortest plan is not found in that processor time, answer with the best that is "
-        "known; where none is known yet, go on (default: only the shortest will do)",
+        help="with --shortest: where the shortest plan is not found in that processor time, answer with the best that "
+        "is known; where none is known yet, go on (default: only the shortest will do)",
     )
     parser.add_argument(
         "--time-limit",

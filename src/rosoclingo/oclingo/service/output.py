@@ -51,7 +51,8 @@ class JsonOutput:
     """Prints a JSON object for each update, on a line of its own.
 
     Its members: ``update`` (text), ``step``, ``horizon``, ``outcome``, ``answers`` (lists of atoms, sorted),
-    ``warnings``, ``permanent``, ``shortest``, ``statistics`` (seconds); or ``update`` and ``error``; or ``place`` and ``error``.
+    ``warnings``, ``permanent``, ``shortest``, ``statistics`` (seconds); or ``update`` and ``error``; or ``place`` and
+    ``error``.
     """
 
     def __init__(self, stream: IO[str]) -> None:

@@ -284,7 +284,7 @@ class Grounding:
         return bool(self._control.is_conflicting)
 
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the ``_action_lib`` atoms that are known for the cycles first..last, as far as these are not closed."""
+        """Return the ``_action_lib`` atoms of the cycles first..last, as far as these have not been closed."""
         return self._actions.between(first, last)
 
     def search(

@@ -1,4 +1,4 @@
-"""The search for a plan soon: any plan first, the last one where it still is one, then shorter ones while there is time.
+"""The search for a plan soon: any plan first, the last one where it still is one, then shorter ones while time lasts.
 
 The shortest plan is found by refuting every shorter horizon, which may take for ever. A plan of some horizon is found
 soon: with more steps than are needed it is easy, the more so where ``#heuristic`` says what to do next. So the horizon

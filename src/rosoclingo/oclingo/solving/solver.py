@@ -6,7 +6,7 @@ whole, and no text from outside can end it.
 
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Protocol, Tuple
 
@@ -136,8 +136,8 @@ class ReactiveSolver:
             oclingo_strings: take strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
             log_limit: after so many entries of the log, or more where the state is large, there is a checkpoint.
             plan_time: for ``shortest`` solvers: where the shortest plan is not found in so many seconds of processor
-                time, the best that is known is the answer; None for no such limit. Where none is known yet, or none
-                other than ``stopped`` says so, the search goes on.
+                time, the best that is known is the answer, and where none is known the search goes on until one is;
+                None for no such limit.
             clock: tells the processor time.
 
         """
@@ -293,7 +293,8 @@ class ReactiveSolver:
         horizon = found.horizon if found.satisfiable else state.horizon
         if search.permanent:
             horizon = max(horizon, transaction.last_horizon())
-        return SolveResult(outcome, found.answers, horizon, state.step, warnings, search.permanent, spent, search.proven)
+        result = SolveResult(outcome, found.answers, horizon, state.step, warnings, search.permanent, spent)
+        return replace(result, shortest=search.proven)
 
     def _make_search(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> HorizonSearch:
         block = BLOCK if self.shortest and may_idle(self.program, halt) else 1

@@ -35,7 +35,7 @@ def actions_from(result, step):
 
 
 def play(solver, news, bound=None):
-    """Play a stream in which the plan is executed, and yield after each update the walk, the result and what was left."""
+    """Play a stream in which the plan is executed; yield the walk, the result and what was left after each update."""
     walk, result, left = Walk(), None, frozenset()
     for wanted, fails in news:
         done = {one for one in left if cycle_of(one) == walk.step}
@@ -96,7 +96,7 @@ def test_what_is_refused_is_refuted_up_to_the_bound(advice, plan_time, bound, ne
 @given(st.booleans(), st.lists(NEWS, min_size=2, max_size=5))
 def test_a_solver_that_reads_the_log_gives_answers_as_well(advice, news):
     solver = solver_of(advice, 0.0, log_limit=2)
-    for walk, result, before in play(solver, news):
+    for walk, result, _ in play(solver, news):
         fresh = solver_of(advice, 0.0)
         fresh.restore(type(solver.log).parse(solver.log.text()))
         assert fresh.log.plan is None, "no part of the history"
