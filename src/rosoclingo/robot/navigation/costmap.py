@@ -167,7 +167,7 @@ class Costmap:
         return self._changed(_window_of(dropped))
 
     def bar(self, x: float, y: float) -> None:
-        """Keep ways, as long as there are others, off a point (m) at which one has turned out to be blocked."""
+        """Keep paths, where there are others, off a point (m) at which one has turned out to be blocked."""
         row, column = self.grid.cell(x, y)
         window = self._widened((row, row + 1, column, column + 1), math.ceil(BAR / self.resolution))
         rows, columns = np.mgrid[window[0] : window[1], window[2] : window[3]]

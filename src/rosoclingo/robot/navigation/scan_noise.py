@@ -1,4 +1,4 @@
-"""How noisy a laser is, told from its scans."""
+"""How noisy a laser is, estimated from its scans."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Compiling everything once, before anybody waits for it, and telling so."""
+"""Compiles everything once, before anybody waits for it, and says so."""
 
 import contextlib
 import fcntl

@@ -1,4 +1,4 @@
-"""What the move_base node tells of a goal on its way, besides the action's own topics."""
+"""What the move_base node publishes of a goal on its way, besides the action's own topics."""
 
 from typing import Any
 
@@ -31,11 +31,11 @@ class Reports:
         self._recovery = rospy.Publisher("~recovery_status", RecoveryStatus, queue_size=5)
 
     def goal(self, pose: Pose2D) -> None:
-        """A goal is driven to."""
+        """Publish the goal that is driven to."""
         self._current_goal.publish(stamped_pose(pose, self._frame))
 
     def recovery(self, behavior: Any, number: int, total: int, pose: Pose2D) -> None:
-        """A recovery behaviour begins, the ``number``-th of ``total`` from 0 on, with the robot at a pose."""
+        """Publish that a recovery behaviour begins, the ``number``-th of ``total`` from 0 on, the robot at a pose."""
         message = RecoveryStatus()
         message.pose_stamped = stamped_pose(pose, self._frame)
         message.current_recovery_number, message.total_number_of_recoveries = number, total
