@@ -10,9 +10,9 @@ from typing import Iterable, List, Optional
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.solving.last_plan import Plan
 from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.state_text import Message, symbols_from_text, symbols_to_text
+from rosoclingo.oclingo.solving.stream_log import Plan
 
 
 def encode(message: Message) -> bytes:

@@ -52,6 +52,13 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="replace the constant NAME of the program by a term; may be repeated",
     )
+    _add_search(parser)
+    _add_modes(parser)
+    return parser
+
+
+def _add_search(parser: argparse.ArgumentParser) -> None:
+    """Add how answers are searched."""
     parser.add_argument("--imax", type=_positive, metavar="N", help="ground no step beyond N (default: no limit)")
     parser.add_argument(
         "--shortest",
@@ -72,6 +79,10 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="SECONDS",
         help="end the search for an update after that time; the update stays in force (default: no limit)",
     )
+
+
+def _add_modes(parser: argparse.ArgumentParser) -> None:
+    """Add where updates come from and where answers go."""
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument(
         "--stream", metavar="FILE", help="play the updates of FILE (- is standard input), print answers as tables"
@@ -88,7 +99,6 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--port", type=_port, metavar="N", help=f"port to listen on, 0 for any free one (default: {DEFAULT_PORT})"
     )
-    return parser
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

@@ -13,7 +13,7 @@ import clingo
 
 from rosoclingo.oclingo.solving.grounding import Search
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon
-from rosoclingo.oclingo.solving.last_plan import Plan
+from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
 
 Clock = Callable[[], float]

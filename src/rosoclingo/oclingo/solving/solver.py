@@ -18,9 +18,8 @@ from rosoclingo.oclingo.program.return_failures import is_foreseen
 from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, may_idle
-from rosoclingo.oclingo.solving.last_plan import Plan
 from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
-from rosoclingo.oclingo.solving.stream_log import Close, StreamLog, Taken
+from rosoclingo.oclingo.solving.stream_log import Close, Plan, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
 from rosoclingo.oclingo.solving.transaction import Transaction
 

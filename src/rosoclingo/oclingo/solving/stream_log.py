@@ -8,13 +8,14 @@ of it: the horizon that an update led to, and, as a checkpoint, which steps are 
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import FrozenSet, List, Optional, Tuple, Union
+from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import clingo
 
+from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.progression.parser import parse_update
+from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
-from rosoclingo.oclingo.solving.last_plan import Plan
 from rosoclingo.oclingo.solving.state_text import (
     Message,
     state_from_message,
@@ -23,6 +24,53 @@ from rosoclingo.oclingo.solving.state_text import (
     symbols_to_text,
 )
 from rosoclingo.oclingo.solving.stream_state import StreamState
+
+
+class Plan(NamedTuple):
+    """The actions of an answer: where a later search begins, never a part of the state.
+
+    Attributes:
+        actions: its ``_action_lib`` atoms.
+        horizon: that of the answer.
+        shortest: whether it was proven that there is no shorter one.
+
+    """
+
+    actions: FrozenSet[clingo.Symbol]
+    horizon: int
+    shortest: bool = False
+
+    @classmethod
+    def of(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
+        """Return the plan in an answer's ``atoms``."""
+        return cls(
+            frozenset(atom for atom in atoms if signature_of(atom) == ACTION and _has_number(atom)), horizon, shortest
+        )
+
+    def since(self, cycle: int) -> "Plan":
+        """Return what is to be done from ``cycle`` on."""
+        return self._replace(actions=frozenset(one for one in self.actions if cycle_of(one) >= cycle))
+
+    def later(self) -> "Plan":
+        """Return the same done one cycle later, as where an action has failed and is tried again."""
+        actions = (
+            clingo.Function(one.name, [*one.arguments[:2], clingo.Number(cycle_of(one) + 1)]) for one in self.actions
+        )
+        return Plan(frozenset(actions), self.horizon + 1)
+
+    @property
+    def last_cycle(self) -> int:
+        """The cycle of the last action; less than any where there is none."""
+        return max(map(cycle_of, self.actions), default=-(2**31))
+
+
+def cycle_of(action: clingo.Symbol) -> int:
+    """Return the cycle of an action."""
+    return int(action.arguments[2].number)
+
+
+def _has_number(action: clingo.Symbol) -> bool:
+    return action.arguments[2].type == clingo.SymbolType.Number
 
 
 @dataclass(frozen=True)

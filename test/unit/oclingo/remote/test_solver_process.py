@@ -28,9 +28,7 @@ from rosoclingo.oclingo.remote import solver_process as process_module
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving import compaction
-from rosoclingo.oclingo.solving.last_plan import Plan, cycle_of
-from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
-from rosoclingo.oclingo.solving.stream_state import Past
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 
 ENCODINGS = Path(__file__).resolve().parents[4] / "encodings"
@@ -409,23 +407,6 @@ def test_a_long_stream_goes_on_from_a_state_not_from_its_start():
         shown = {atom.arguments[1].number for atom in other if atom.name == "at"} - {0}  # which base holds
         assert shown >= set(range(min(shown), 91))
         assert min(shown) <= 90 - compaction.SHOWN_STEPS
-
-
-def test_states_travel_as_messages():
-    program = ReactiveProgram.from_text(RUN + '#program cumulative(t).\n#external e(S,t) : S = ("a b";-1;f(x)).\n')
-    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
-    for text in (
-        '#step 1. _request(2,2). e("a b",1). e(f(x),1) :- not e(-1,1). e(-1,9). #volatile : 9. :- e(-1,1).',
-        "#step 2. #assert : x(1). e(-1,2). #volatile. :- at(5,2). #forget 1.",
-    ):
-        solver.update(parse_update(text + " #endstep."))
-    solver.close_cycle(1, [parse_atom("_action_lib(go,1,1)")])
-    state = solver.state.copy()
-    state.past = Past(2, frozenset([parse_atom("at(0,1)")]), ((1, parse_atom("at(0,1)")),))
-    twin = state_from_message(json.loads(json.dumps(state_to_message(state))))
-    assert twin == state
-    fact = parse_atom("_request(2,2)")
-    assert not any(statement.concerns(frozenset([fact])) for statement in twin.less(frozenset([fact])).permanent)
 
 
 @pytest.mark.slow

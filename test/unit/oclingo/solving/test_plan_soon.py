@@ -9,7 +9,7 @@ from plain_walk import Walk, program_text
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, StreamUpdate, parse_update
 from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.last_plan import cycle_of
+from rosoclingo.oclingo.solving.stream_log import cycle_of
 
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
 FOREVER = float("inf")

@@ -1,5 +1,7 @@
 """The state of a stream: how long statements hold, what a copy shares, and the state without some facts."""
 
+import json
+
 import pytest
 
 from rosoclingo.oclingo import (
@@ -13,10 +15,26 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.oclingo.progression.updates import Assert, Cumulative
+from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
 from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Past, StreamState, Term, lifetime_of
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
+
+RUN = """
+#program base.
+at(0,0).
+#program cumulative(t).
+#external _request/2.
+{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
+at(X,t) :- _action_lib(go,X,t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,X,t).
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
 
 
 @pytest.mark.parametrize(
@@ -109,3 +127,20 @@ def test_the_program_forgets_from_its_first_step_on():
     result = solver.update(parse_update("e(-2). e(-1). e(0). e(1). #endstep."))
     assert [sorted(map(str, answer)) for answer in result.answers] == [["e(1)"]]
     assert [warning.split()[1] for warning in result.warnings] == ["e(-2)", "e(-1)", "e(0)"]
+
+
+def test_states_travel_as_messages():
+    program = ReactiveProgram.from_text(RUN + '#program cumulative(t).\n#external e(S,t) : S = ("a b";-1;f(x)).\n')
+    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
+    for text in (
+        '#step 1. _request(2,2). e("a b",1). e(f(x),1) :- not e(-1,1). e(-1,9). #volatile : 9. :- e(-1,1).',
+        "#step 2. #assert : x(1). e(-1,2). #volatile. :- at(5,2). #forget 1.",
+    ):
+        solver.update(parse_update(text + " #endstep."))
+    solver.close_cycle(1, [parse_atom("_action_lib(go,1,1)")])
+    state = solver.state.copy()
+    state.past = Past(2, frozenset([parse_atom("at(0,1)")]), ((1, parse_atom("at(0,1)")),))
+    twin = state_from_message(json.loads(json.dumps(state_to_message(state))))
+    assert twin == state
+    asked = frozenset([parse_atom("_request(2,2)")])
+    assert not any(statement.concerns(asked) for statement in twin.less(asked).permanent)
