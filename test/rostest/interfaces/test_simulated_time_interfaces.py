@@ -43,7 +43,7 @@ class SimulatedTimeInterfaces(unittest.TestCase):
 
         # time-outs are in simulated time
         core.send("slow", "_action_lib(slow,a,3)")
-        server.accept()
+        handle = server.accept()  # a server forgets goals without a handle after some seconds of simulated time
         self.set_clock(100130)
         server.cancelled().set_canceled()
         self.assertEqual(core.receive(), ["_return(slow,timeout,3)"])
