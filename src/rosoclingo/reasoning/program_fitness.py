@@ -43,14 +43,12 @@ def program_warnings(program: ReactiveProgram) -> List[str]:
 def constant_remarks(program: ReactiveProgram, given: Mapping[str, Symbol]) -> Remarks:
     """What is wrong with values that are given to the program's constants by name."""
     constants, remarks = _constants(program), Remarks([], [])
-    unknown = [name for name in given if name not in constants]
-    mentioned = _mentioned(program) if unknown else ()
-    for name in unknown:
-        if name not in mentioned:
+    mentioned = _mentioned(program) if given.keys() - constants.keys() else ()
+    for name, value in given.items():
+        if name in constants:
+            _compare(name, value, constants[name], remarks)
+        elif name not in mentioned:
             remarks.faults.append(f"the program has no #const {name}; {likely_constant(name, constants)}")
-    for name, constant in constants.items():
-        if name in given:
-            _compare(name, given[name], constant, remarks)
     return remarks
 
 
