@@ -21,7 +21,8 @@ def shortest(program: ReactiveProgram, kind: Callable[..., ReactiveSolver] = Rea
 class Driver:
     """A core with a journal; ``run`` lets it go as far as it goes by itself.
 
-    ``solver`` makes each of its solvers; with ``start`` the core has begun, otherwise it waits for ``begin``.
+    ``solver`` makes each of its solvers; with ``start`` the core has begun, otherwise it waits for ``begin``. The
+    journal keeps so many ``events``.
     """
 
     def __init__(
@@ -33,9 +34,10 @@ class Driver:
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
         start: bool = True,
+        events: int = 10000,
     ) -> None:
         self.program = program or ReactiveProgram.from_text(text)
-        self.journal = Journal()
+        self.journal = Journal(events)
         settings = settings or CoreSettings(horizon_limit=8)
         self.core = Core(self.program, lambda: solver(self.program), self.journal, settings, watch, watch_recovery)
         self.now = 1.0

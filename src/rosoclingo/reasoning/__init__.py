@@ -1,7 +1,7 @@
 """The core: goals, input feeder, action extractor and the cycle that joins them (pure)."""
 
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
-from rosoclingo.reasoning.core import Core, CoreSettings
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
     ActionsPreempted,
@@ -28,6 +28,7 @@ from rosoclingo.reasoning.goals import (
     read_goal,
 )
 from rosoclingo.reasoning.keywords import Action, KeywordError, Return
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt
 
 __all__ = [

@@ -1,9 +1,9 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
-from dataclasses import dataclass
+from contextlib import suppress
 from typing import List, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import (
@@ -22,37 +22,21 @@ from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
+from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import (
     DisturbedError,
     Planner,
     SearchWatch,
     SolverFactory,
     feed_less,
+    steps_for,
     unwatched,
 )
-
-#: So often in a row it may stay open whether there is an answer at all, before everything begins anew.
-PATIENCE = 2
-
-
-@dataclass(frozen=True)
-class CoreSettings:
-    """How far to plan and how long to wait.
-
-    ``horizon_limit``: steps that a plan may reach beyond the current cycle. ``action_timeout``: seconds until an
-    action that has not returned counts as failed with the value ``timeout``; 0 waits for ever. ``preempt``: whether
-    an action under way that a new plan does not want is ended at once. ``goals_at_once``: goals that the program is
-    told of at the same time, since the search for a shortest plan takes ever longer with their number; more of them
-    wait, the oldest first; 0 for no limit.
-    """
-
-    horizon_limit: int = 100
-    action_timeout: float = 600.0
-    preempt: bool = False
-    goals_at_once: int = 8
+from rosoclingo.reasoning.waiting_queue import GoalQueue
 
 
 class Core:
@@ -82,14 +66,15 @@ class Core:
         self._speaks = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
-        self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings.goals_at_once)
+        limits = settings.goals_at_once, settings.overtaking_limit
+        self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, *limits)
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
         self._told = 0  # the cycle whose update was told last
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
+        self._latest = (0, TaskPlan())  # the plan that was used last, and its cycle
         self._waits = 0
-        self._undecided = 0  # so often in a row it was not found out in time whether there is an answer at all
 
     @property
     def cycle(self) -> int:
@@ -100,6 +85,11 @@ class Core:
     def plan(self) -> TaskPlan:
         """The task plan of the latest answer."""
         return TaskPlan() if self._plan is None else self._plan
+
+    @property
+    def queue(self) -> GoalQueue:
+        """Which of the live goals wait for their turn, and how long a search may take for the others."""
+        return self._goals.queue
 
     @property
     def live_goals(self) -> List[Goal]:
@@ -126,6 +116,8 @@ class Core:
     def poll(self, now: float) -> None:
         """Count actions that have not returned in time as failed."""
         self._execution.expire(now, self._settings.action_timeout)
+        self._goals.tick(now)
+        self._feeder.tick(now)
 
     def start(self) -> None:
         """Solve once before any update; an empty plan leaves the core idle in cycle 1."""
@@ -175,17 +167,22 @@ class Core:
         return unseen or bool(self.plan.after(self._step))
 
     def _next_cycle(self, now: float) -> None:
+        goals = self._goals.in_vain()
+        if goals:
+            with suppress(DisturbedError):
+                self._put_off(goals, (), "no plan was found in time")
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
         self._step = self._told + 1
+        self._planner.lookahead = steps_for(len(self._goals.queue.served), self._settings.horizon_limit)
         since = min((goal.request_cycle or self._told for goal in self._goals.fed), default=self._told)
         self._solve(self._feeder.next_update(self._step, self._planner.over(self._step, since - 1)), now)
 
     def _solve(self, batch: Batch, now: float) -> None:
         try:
             try:
-                result: Optional[SolveResult] = self._planner.update(batch.update)
+                result = self._planner.update(batch.update)
             except SolverError as error:
                 result = feed_less(self._planner, batch, error, self._goals.end, self._problem)
         except DisturbedError as disturbance:
@@ -194,8 +191,8 @@ class Core:
                 self._taken(batch)
                 self._tell_update()
             return
-        if result is None:
-            self._give_up()
+        except SolverError as error:
+            self._take_nothing(now if isinstance(error, DroppedError) else None)
             return
         self._taken(batch)
         try:
@@ -209,19 +206,19 @@ class Core:
         self._plan = None
         self._problem(str(disturbance))
 
-    def _give_up(self) -> None:
-        """Go back to a short horizon, and give up the goals; the rest of the update comes with the next one."""
-        self._plan, known = TaskPlan(), self._goals.fed
-        self._goals.end(self._goals.live, Outcome.ABORTED, "is given up: the solver takes no update any more")
-        for goal in known:
-            self._feeder.add_cancellation(goal.identifier)
-        self._feeder.wait()
-        self._planner = self._planner.restarted()
+    def _take_nothing(self, now: Optional[float]) -> None:
+        """Nothing of the update was taken: it comes again, with all goals if that took too long just ``now``."""
+        self._plan, self._planner = TaskPlan(), self._planner.restarted()
+        if now is None:
+            why = "is given up: the solver takes no update any more"
+            self._goals.drop(self._goals.fed, why)
+            self._goals.end(self._goals.live, Outcome.ABORTED, why)
+        self._feeder.wait(now)
 
     def _taken(self, batch: Batch) -> None:
         """Remember the facts of an update that is in force."""
         self._feeder.taken(batch)
-        present = {item.head for item in self._update.items if isinstance(item, Statement)}
+        present = {item.head for item in self._planner.in_force.items if isinstance(item, Statement)}
         for fact in batch.facts:
             if fact.atom not in present:
                 self._execution.forget(fact)
@@ -229,17 +226,14 @@ class Core:
                 self._execution.observations.add_fact(fact)
             if fact.outdated:
                 self._problem(f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}")
-
-    @property
-    def _update(self) -> StreamUpdate:
-        """The update in force."""
-        return self._planner.taken or StreamUpdate(self._step)
+        self._goals.taken(batch.goals, present)
 
     def _tell_update(self) -> None:
         """Tell the update in force, once."""
         if self._told < self._step:
             self._told = self._step
-            self._tell(_sent(self._step, self._update))
+            update = self._planner.in_force
+            self._tell(UpdateSent(self._step, str(update.plain), str(update)))
 
     def _answered(self, result: SolveResult, batch: Batch, now: float, mended: bool = False) -> None:
         self._plan = TaskPlan()
@@ -248,15 +242,19 @@ class Core:
         self._goals.reject_undeclared(batch.goals, result.warnings)
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._tell_update()
-            self._undecided = 0
             self._use(result, now)
-        else:
-            self._tell_plan(result)
+            return
+        self._tell_plan(result)
+        if result.outcome is SolveOutcome.UNSATISFIABLE:
             self._recover(result, batch, now, mended)
+        elif batch.goals or not self._keep_plan(now):
+            self._too_much(batch, self._planner.why_none(result), now)
 
     def _use(self, result: SolveResult, now: float) -> None:
         answer = result.answers[0]
         plan = self._plan = extract_plan(answer)
+        self._latest = self._step, plan
+        self._goals.plan_found()
         statuses = GoalStatuses(answer, self._step)
         for fault in (*plan.faults, *statuses.faults):
             self._problem(fault)
@@ -274,7 +272,7 @@ class Core:
             if self._settings.preempt:
                 self._preemption.begin()
             self._tell(ActionsDispatched(self._step, actions))
-        elif self._waits >= self._settings.horizon_limit and self._later():
+        elif self._waits >= self._planner.lookahead and self._later():
             self._lose_patience()
 
     def _lose_patience(self) -> None:
@@ -289,10 +287,9 @@ class Core:
         question = Question(
             self._step + 1,
             tuple(reversed(goals)),
-            tuple(goal for goal in reversed(goals) if goal in batch.goals),
             self._execution.observations.newest_first,
-            result.outcome is SolveOutcome.UNSATISFIABLE,
             self._watch_recovery,
+            self._settings.horizon_limit,
         )
         try:
             found = recover(self._planner, question)
@@ -301,16 +298,38 @@ class Core:
             elif mended or not self._mend(question, batch, now):
                 self._begin_anew(batch, why, now)
         except UndecidedError:
-            self._undecided += 1
-            if self._undecided < PATIENCE:
-                self._lose(why)
-            else:
-                self._begin_anew(batch, why, now)
+            self._too_much(batch, f"{why}, and it was not found out in time which goals cannot be met", now)
+
+    def _too_much(self, batch: Batch, why: str, now: float) -> None:
+        """Nothing is known in time: the newest goals wait, or the search goes on; the last plan is kept if it can."""
+        self._plan = None
+        fresh = [goal for goal in batch.goals if goal.live and goal.fed]
+        self._put_off(self._goals.too_many(fresh), fresh, why)
+        if fresh and not any(goal.fed for goal in fresh):
+            self._keep_plan(now)
+
+    def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> None:
+        """Take goals out of the program until it is their turn again, but for those in hand."""
+        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, self._told)
+        self._problem(told)
+
+    def _keep_plan(self, now: float) -> bool:
+        """Keep the last plan where it still is one, put off by the cycles in which nothing was done."""
+        cycle, plan = self._latest
+        actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
+        result = self._planner.still(actions) if actions else None
+        if result is None:
+            return False
+        self._tell_update()
+        self._use(result, now)
+        return True
 
     def _mend(self, question: Question, batch: Batch, now: float) -> bool:
         """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
         observations = self._execution.observations
-        found = mend(self._planner, Case(batch, self._update, self._execution.executed, question, self._clock))
+        found = mend(
+            self._planner, Case(batch, self._planner.in_force, self._execution.executed, question, self._clock)
+        )
         if found is None:
             return False
         self._planner = found.planner
@@ -332,12 +351,15 @@ class Core:
         """Nothing else helps: the program forgets what was told and done before, if it has an answer then."""
         try:
             planner, updates, result = self._planner.anew(self._step)
+        except DroppedError:
+            raise UndecidedError from None
         except SolverError:
             self._lose(why)
             return
-        if result.outcome is not SolveOutcome.SATISFIABLE:
-            if result.outcome is SolveOutcome.UNSATISFIABLE:
-                self._problem(f"the program has no answer, whatever is told: {why}")
+        if result.outcome is SolveOutcome.INTERRUPTED:
+            raise UndecidedError
+        if result.outcome is SolveOutcome.UNSATISFIABLE:
+            self._problem(f"the program has no answer, whatever is told: {why}")
             self._lose(why)
             return
         self._problem(f"ERROR: the program has no answer after all that was done and told: {why}; it begins anew")
@@ -350,8 +372,8 @@ class Core:
         self._planner, self._told = planner, self._step
         self._execution.forget_all()
         for update in updates:
-            self._tell(_sent(self._step, update))
-        self._answered(result, Batch(self._update), now)
+            self._tell(UpdateSent(self._step, str(update.plain), str(update)))
+        self._answered(result, Batch(self._planner.in_force), now)
 
     def _adopt(self, found: Recovery, why: str, now: float) -> None:
         self._tell_update()
@@ -376,8 +398,3 @@ class Core:
 
     def _problem(self, message: str, origin: str = "") -> None:
         self._tell(Problem(self.cycle, message, origin))
-
-
-def _sent(cycle: int, update: StreamUpdate) -> UpdateSent:
-    """An update as it is told: what happened, and all that the solver took."""
-    return UpdateSent(cycle, str(update.plain), str(update))

@@ -54,17 +54,19 @@ class Health:
         now: float,
         interfaces: Sequence[str] = (),
         missing: str = "",
+        waiting: int = 0,
     ) -> Report:
         """The present state.
 
         ``awaited`` are the actions under way, ``interfaces`` those that were announced, ``missing`` tells of one that
-        an action waits for in vain.
+        an action waits for in vain, ``waiting`` goals wait for their turn.
         """
         plan = self._plan or PlanMade(cycle, 1, ())
         values = {
             "cycle": cycle,
             "horizon": plan.horizon,
             "open goals": goals,
+            "waiting goals": waiting,
             "awaited actions": ", ".join(awaited),
             "interfaces": ", ".join(interfaces),
             "last solve time": f"{plan.solve:.3f}",

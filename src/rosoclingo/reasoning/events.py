@@ -94,11 +94,15 @@ class GoalRefused(Event):
 
 @dataclass(frozen=True)
 class GoalProgress(Event):
-    """A live goal after an answer: its status, and the plan after the last few actions that are done."""
+    """A live goal after an answer: its status, and the plan after the last few actions that are done.
+
+    ``waits`` tells why a goal that the program has not been told of has to wait; it is told once, without a plan.
+    """
 
     key: str
     state: GoalState
     actions: Tuple[Action, ...]
+    waits: str = ""
 
     @property
     def position(self) -> int:

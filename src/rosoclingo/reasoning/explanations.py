@@ -44,7 +44,7 @@ T = TypeVar("T")
 class UnmetGoal(NamedTuple):
     """``goal`` and the goals ``together`` cannot be met after ``observations``.
 
-    ``sure`` tells that this is so, and would not be with any of them left out.
+    ``sure`` tells that they could be with any of the observations left out; otherwise that was not found out in time.
     """
 
     goal: Goal
@@ -59,7 +59,7 @@ class UnmetGoal(NamedTuple):
         reason = explanations.of(self.goal.identifier) or ("" if seen or others else why)
         perhaps = "" if self.sure else "perhaps "
         parts = [
-            f"{self.goal} {perhaps}cannot be met",
+            f"{self.goal} cannot be met",
             f" together with {others}" if others else "",
             f": {reason}" if reason else "",
             f" {perhaps}since {seen}" if seen else "",

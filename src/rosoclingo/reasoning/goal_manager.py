@@ -1,18 +1,29 @@
 """Clients' goals: checked on arrival, kept while they live, passed to the feeder as requests, ended with a reason."""
 
-from typing import Callable, Iterable, List, Sequence
+from typing import Callable, Container, Iterable, List, Optional, Sequence
+
+from clingo import Symbol
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused
+from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused
 from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
-from rosoclingo.reasoning.input_feeder import InputFeeder
+from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, request
+from rosoclingo.reasoning.waiting_queue import GoalQueue
+
+#: Seconds that a goal rests at first which alone was dropped by the solver; then twice as many, and so on.
+REST = 10.0
+
+#: So often at the most.
+MOST_DOUBLINGS = 6
 
 
 class GoalManager:
     """The goals of all clients. ``tell`` hears of each change, ``cycle`` gives the logical time point.
 
-    At most ``at_once`` goals (0: any number) are with the program at a time; further ones wait for their turn.
+    Attributes:
+        queue: which goals are with the program, and which wait for their turn.
+
     """
 
     def __init__(
@@ -22,14 +33,14 @@ class GoalManager:
         tell: Callable[[Event], None],
         cycle: Callable[[], int],
         at_once: int = 0,
+        overtaking_limit: int = 0,
     ) -> None:
         self._program = program
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
         self._book = GoalBook()
-        self._at_once = at_once
-        self._waiting: List[Goal] = []
+        self.queue = GoalQueue(lambda: self._book.live, at_once, overtaking_limit)
 
     @property
     def live(self) -> List[Goal]:
@@ -50,9 +61,15 @@ class GoalManager:
             self._book.add(goal)
         except GoalError as error:
             self._tell(GoalRefused(self._cycle(), key, text, str(error)))
-        else:
-            self._waiting.append(goal)
-            self._admit()
+            return
+        self.queue.put(goal)
+        self._admit()
+        if self.queue.waits(goal):
+            before = self.queue.first or self.queue.tried
+            size = self.queue.window.size
+            self._tell_wait(
+                goal, f"{size} goals at a time are planned for" if before is None else f"first comes {before}"
+            )
 
     def cancel(self, key: str) -> None:
         """Cancel a goal; without effect on one that has ended or is being cancelled."""
@@ -63,8 +80,13 @@ class GoalManager:
         if goal.fed:
             self._feeder.add_cancellation(goal.identifier)
         else:
-            self._withdraw(goal)
+            self._feeder.withdraw(goal)
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before it was planned for")
+
+    def tick(self, now: float) -> None:
+        """Time passes: goals that have rested may be fed again."""
+        self.queue.now = now
+        self._admit()
 
     def drop(self, goals: Sequence[Goal], why: str) -> None:
         """Abort goals that the program knows, and send it their cancellations."""
@@ -76,7 +98,7 @@ class GoalManager:
         """End those of the goals that have not ended, each with its term and the reason as its message."""
         for goal in goals:
             if goal.live:
-                self._withdraw(goal)
+                self._feeder.withdraw(goal)
                 goal.end(outcome, f"{goal} {why}")
 
     def again(self, goals: Iterable[Goal]) -> None:
@@ -93,18 +115,73 @@ class GoalManager:
             if any(head in warning for warning in warnings):
                 self.end([goal], Outcome.REJECTED, "is unknown to the program: no external is declared for its request")
 
+    # -- goals that are too much for now
+
+    def plan_found(self) -> None:
+        """There is a plan for the goals that are with the program: there may be room for more."""
+        self.queue.found()
+        self._admit()
+
+    def too_many(self, fresh: Sequence[Goal]) -> List[Goal]:
+        """The goals that are to wait since no plan was found in time, if that can be; ``fresh`` ones are just fed."""
+        return self.queue.too_many(fresh)
+
+    def in_vain(self) -> List[Goal]:
+        """The goals to take out since others wait which are more likely to be planned for in time."""
+        return self.queue.in_vain()
+
+    def put_off(self, goals: Sequence[Goal], why: str, told: int) -> None:
+        """Goals that were taken out of the program wait for their turn; updates were told up to that of ``told``."""
+        self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
+        alone = len(goals) == len(self.queue.served)
+        for goal in goals:
+            goal.forget()
+            self.queue.put(goal)
+            self._tell_wait(goal, why)
+        if alone:
+            self.queue.window.restore()
+        else:
+            self.queue.window.shrink(len(self.queue.served))
+        self.queue.go_on()
+        self._admit()
+
+    def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
+        """An update that was for some goals is in force; those whose request is not among its heads were left out."""
+        left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
+        if left:
+            self._left_out(left)
+
+    def _left_out(self, goals: Sequence[Goal]) -> None:
+        """The solver could not take some goals in time: fewer come with another update, one alone after a rest."""
+        others = len(self.queue.served) - len(goals)
+        if len(goals) + others > 1:
+            self.queue.window.shrink(others + len(goals) // 2)
+        else:
+            goals[0].tries += 1
+            goals[0].rests_until = self.queue.now + REST * 2 ** min(goals[0].tries - 1, MOST_DOUBLINGS)
+        for goal in goals:
+            goal.forget()
+            self.queue.put(goal)
+            self._tell_wait(goal, "the solver could not take it in time")
+        self._admit()
+
+    def _tell_wait(self, goal: Goal, why: str) -> None:
+        self._tell(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
+
+    # -- in and out
+
     def _changed(self, goal: Goal, event: GoalEvent) -> None:
         if not goal.live:
+            self.queue.overtake(goal)
+            self.queue.remove(goal)
             self._book.remove(goal)
             self._admit()
         self._tell(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
 
     def _admit(self) -> None:
         """Let goals in that wait, as long as there is room."""
-        while self._waiting and not 0 < self._at_once <= len(self._book.live) - len(self._waiting):
-            self._feeder.add_goal(self._waiting.pop(0))
-
-    def _withdraw(self, goal: Goal) -> None:
-        """Let a goal that the program has not been told of wait no longer."""
-        self._waiting = [other for other in self._waiting if other is not goal]
-        self._feeder.withdraw(goal)
+        goal = self.queue.next()
+        while goal is not None:
+            self.queue.remove(goal)
+            self._feeder.add_goal(goal)
+            goal = self.queue.next()

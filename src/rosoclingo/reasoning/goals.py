@@ -91,8 +91,10 @@ class Goal:
 
     ``key`` is the client's handle (actionlib's goal id), ``term`` the goal as the program sees it, ``identifier`` its
     last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``known`` tells whether
-    the program has said something of it, ``refused`` whether that was that it rejects the goal. ``observer`` is called
-    with the goal and the event after each transition.
+    the program has said something of it, ``refused`` whether that was that it rejects the goal. ``overtaken`` counts
+    the goals that came later and have ended before it, ``tries`` how often no plan was found in time for it alone; it
+    is not fed before the time ``rests_until``. ``observer`` is called with the goal and the event after each
+    transition.
     """
 
     def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
@@ -104,6 +106,9 @@ class Goal:
         self.outcome: Optional[Outcome] = None
         self.known = False
         self.refused = False
+        self.overtaken = 0
+        self.tries = 0
+        self.rests_until = float("-inf")
         self.message = ""
         self._observer = observer
 

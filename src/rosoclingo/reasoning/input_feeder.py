@@ -5,10 +5,13 @@ from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Option
 from clingo import Function, Number, Symbol, SymbolType
 
 from rosoclingo.oclingo import Statement, StreamUpdate, commitment
-from rosoclingo.oclingo.progression.updates import Item, Over
+from rosoclingo.oclingo.progression.updates import Item, Over, Withdraw
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action, cancellation, request
 from rosoclingo.reasoning.observations import Observation
+
+#: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
+PAUSE = 10.0
 
 #: In place of the cycle: as soon as can be.
 NOW = Function("now")
@@ -98,7 +101,9 @@ class InputFeeder:
         self._rejected: List[Union[Goal, Symbol]] = []
         self._facts: Dict[Symbol, Observation] = {}
         self._executed: Tuple[Action, ...] = ()
+        self._withdrawn: FrozenSet[Symbol] = frozenset()
         self._waits: Optional[int] = None  # for more to arrive than has by now
+        self._paused: Optional[float] = None  # since when
         self.arrivals = 0
 
     @property
@@ -119,6 +124,10 @@ class InputFeeder:
     def withdraw(self, goal: Goal) -> None:
         """Forget a goal that was cancelled before it was fed."""
         self._requests = [item for item in self._requests if item is not goal]
+
+    def add_withdrawals(self, requests: FrozenSet[Symbol]) -> None:
+        """Requests were taken out of the program: the next update, if there is one, says so."""
+        self._withdrawn |= requests
 
     def add_cancellation(self, identifier: Symbol) -> None:
         """Take the cancellation of a goal that was fed."""
@@ -156,15 +165,20 @@ class InputFeeder:
             waiting = self._rejected if one in self._rejected else self._requests
             if one in waiting:
                 waiting.remove(one)
-        self._rejected, self._executed, self._waits = [], (), None
+        self._rejected, self._executed, self._waits, self._withdrawn = [], (), None, frozenset()
         for fact in batch.facts:
             self._facts.pop(fact.told or fact.atom, None)
         for goal in batch.goals:
             goal.feed(batch.request_cycle)
 
-    def wait(self) -> None:
-        """Make no update before something else arrives."""
-        self._waits = self.arrivals
+    def wait(self, now: Optional[float] = None) -> None:
+        """The next update is not to be made before something else arrives or, from ``now`` on, some time has passed."""
+        self._waits, self._paused = self.arrivals, now
+
+    def tick(self, now: float) -> None:
+        """Time passes, in seconds of whatever clock."""
+        if self._paused is not None and not 0.0 <= now - self._paused < PAUSE:
+            self._waits = self._paused = None
 
     def preview(self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = ()) -> StreamUpdate:
         """Return what the next update would be, with ``further`` facts."""
@@ -182,6 +196,7 @@ class InputFeeder:
         done = tuple(executed)
         seen = tuple(self._dated(fact, step, over) for fact in facts)
         items: List[Item] = [Over(over)] if over > 0 else []
+        items += [Withdraw(one) for one in sorted(self._withdrawn)]
         items += [commitment(action.atom) for action in done]
         items += [Statement(self._request(item, step)) for item in requests]
         items += [Statement(atom) for atom in dict.fromkeys(one.atom for one in seen)]

@@ -25,17 +25,16 @@ FEW = 3
 class Question(NamedTuple):
     """What is to be recovered from, at ``step``: the cycle that is to start without some of the goals.
 
-    ``goals`` are those that are live and were fed, ``fresh`` those of them that the last update brought; both newest
-    first, as are the ``observations``. ``proven`` tells that it is known that there is no plan; otherwise none was
-    found in time. ``watch`` bounds the time to find the fewest goals, that for the reasons, and that for some goals.
+    It is known that there is no plan for ``goals``, those that are live and were fed. They are newest first, as are the
+    ``observations``. ``watch`` bounds the time to find the fewest goals to give up, and that for the reasons. ``alone``
+    is the number of steps within which a goal is to be met alone.
     """
 
     step: int
     goals: Tuple[Goal, ...]
-    fresh: Tuple[Goal, ...]
     observations: Tuple[Observation, ...]
-    proven: bool
     watch: SearchWatch
+    alone: int
 
 
 class Recovery(NamedTuple):
@@ -57,16 +56,16 @@ class Recovery(NamedTuple):
 
 
 def recover(planner: Planner, question: Question) -> Optional[Recovery]:
-    """Find the goals to give up. None when there is no plan even without any goal; raises UndecidedError.
+    """Find the goals to give up. None when there is no plan even without any goal.
 
-    Where time is over, the fresh goals are given up or else all, but for those that can be met with the ones kept.
+    Raises UndecidedError where it is not known in time which goals cannot be met.
     """
-    undecided = not question.proven and not question.goals
+    undecided = False
     for withhold in (False, True) if question.goals else ():
         attempts = _Attempts(planner, question, withhold)
         everything = attempts.without(question.goals)
         if everything.met:
-            return _fewest(attempts, question, everything) or _few(attempts, question, everything)
+            return _fewest(attempts, question, everything)
         undecided = undecided or everything.result.outcome is SolveOutcome.INTERRUPTED
     if undecided:
         raise UndecidedError
@@ -101,12 +100,17 @@ class _Attempts:
         self._look = self._question.watch()
 
     @property
+    def lookahead(self) -> int:
+        """How many steps a plan may have."""
+        return self._planner.lookahead
+
+    @property
     def over(self) -> bool:
         """Whether the time limit is reached."""
         return self._look() is not None
 
-    def without(self, dropped: Sequence[Goal], unseen: Sequence[Observation] = ()) -> Recovery:
-        """Plan without some goals and observations."""
+    def without(self, dropped: Sequence[Goal], unseen: Sequence[Observation] = (), steps: int = 0) -> Recovery:
+        """Plan without some goals and observations, at least so many ``steps`` ahead."""
         step = self._question.step
         facts: FrozenSet[Symbol] = frozenset().union(*(one.facts for one in unseen))
         gone: FrozenSet[Symbol] = requests_of(dropped) if self._withhold else frozenset()
@@ -115,10 +119,11 @@ class _Attempts:
         update = StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *cancels))
         try:
             fresh = self._planner.restarted(facts | gone)
+            fresh.lookahead = max(fresh.lookahead, steps)
             result = fresh.update(update)
         except SolverError:  # what is left of the goals takes too long, or is refused, as well
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
-        found = Recovery(fresh, update, result, self._withhold, tuple(UnmetGoal(goal, sure=False) for goal in dropped))
+        found = Recovery(fresh, update, result, self._withhold, tuple(map(UnmetGoal, dropped)))
         if found.met:
             self.latest = found
         return found
@@ -130,31 +135,40 @@ class _Attempts:
                 return found
         return self.without([goal for goal in self._question.goals if goal in dropped])
 
-    def met(self, kept: Sequence[Goal], seen: Sequence[Observation]) -> bool:
+    def met(self, kept: Sequence[Goal], seen: Sequence[Observation], steps: int = 0) -> bool:
         """Whether there is a plan for the goals that are kept; raises UndecidedError."""
         question = self._question
         if self.over:
             raise UndecidedError
         dropped = [goal for goal in question.goals if goal not in kept]
-        found = self.without(dropped, [one for one in question.observations if one not in seen])
+        found = self.without(dropped, [one for one in question.observations if one not in seen], steps)
         if found.result.outcome is SolveOutcome.INTERRUPTED:
             raise UndecidedError
         return found.met
 
 
-def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Optional[Recovery]:
-    """Give up as few goals as possible; None where that cannot be found out in time."""
-    if not question.proven:
-        return None
+def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Recovery:
+    """Give up as few goals as possible; raises UndecidedError."""
     known: Dict[FrozenSet[Goal], bool] = {frozenset(question.goals): False, frozenset(): True}
-    try:
-        choice = choose(question.goals, remembering(lambda kept: attempts.met(kept, question.observations), known))
-    except UndecidedError:
-        return None
+    choice = choose(question.goals, remembering(lambda kept: attempts.met(kept, question.observations), known))
     if not choice:
-        return None
+        raise UndecidedError
+    for _, conflict in choice:
+        _confirm(attempts, question, conflict)
     found = attempts.known([goal for goal, _ in choice], everything)
-    return found._replace(unmet=_unmet(attempts, question, choice)) if found.met else None
+    if not found.met:
+        raise UndecidedError
+    return found._replace(unmet=_unmet(attempts, question, choice))
+
+
+def _confirm(attempts: _Attempts, question: Question, conflict: Conflict[Goal]) -> None:
+    """Make sure that goals cannot be met one after the other either; raises UndecidedError where that is not known."""
+    goals = conflict.things
+    steps = question.alone * len(goals)
+    if len(goals) == 1 or (conflict.minimal and steps <= attempts.lookahead):
+        return
+    if not conflict.minimal or attempts.met(goals, question.observations, steps):
+        raise UndecidedError
 
 
 def _unmet(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[UnmetGoal, ...]:
@@ -163,7 +177,7 @@ def _unmet(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tup
     for goal, conflict in reversed(choice):
         seen = _observed(attempts, conflict.things, question.observations)
         others = tuple(other for other in reversed(conflict.things) if other is not goal)
-        unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.things)), conflict.minimal and seen.minimal))
+        unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.things)), seen.minimal))
     return tuple(unmet)
 
 
@@ -178,18 +192,3 @@ def _observed(
         return Conflict((), minimal=False)
     found = find_conflict(observations, lambda seen: attempts.met(goals, seen))
     return found if found.minimal or len(found.things) <= FEW else Conflict((), minimal=False)
-
-
-def _few(attempts: _Attempts, question: Question, everything: Recovery) -> Recovery:
-    """Give up the fresh goals or else all, but for those that can be met with the ones kept, oldest first."""
-    found = attempts.without(question.fresh) if 0 < len(question.fresh) < len(question.goals) else everything
-    found = found if found.met else everything
-    attempts.begin()
-    for one in reversed(found.unmet):
-        fewer = [other.goal for other in found.unmet if other.goal is not one.goal]
-        if fewer and not attempts.over:
-            tried = attempts.without(fewer)
-            if tried.result.outcome is SolveOutcome.INTERRUPTED:
-                return found
-            found = tried if tried.met else found
-    return found

@@ -23,6 +23,7 @@ from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch
+from rosoclingo.reasoning.keywords import Action
 
 #: Makes a solver that nothing was fed to yet.
 SolverFactory = Callable[[], StreamSolver]
@@ -58,6 +59,15 @@ def unwatched() -> Callable[[], Optional[Halt]]:
     return lambda: None
 
 
+def steps_for(goals: int, alone: int) -> int:
+    """How many steps a plan for so many goals may have where one may have ``alone``: a tenth more for each further one.
+
+    A proof that there is no plan has to go through all of them, so it is far fewer than all goals would need one after
+    the other. Goals for which that is too few are not given up: recovery makes sure of that.
+    """
+    return alone + max(0, goals - 1) * -(-alone // 10)
+
+
 class DisturbedError(Exception):
     """The search was left for something that has come; ``kept`` tells whether its update is in force."""
 
@@ -69,10 +79,11 @@ class DisturbedError(Exception):
 class Planner:
     """A reactive solver as the core uses it; its log holds all that plans follow from.
 
-    ``lookahead`` is the greatest number of steps that the horizon may lie beyond the current cycle. Every search may
-    raise DisturbedError, and DroppedError where it could be ended only by dropping the update.
+    Every search may raise DisturbedError, and DroppedError where it could be ended only by dropping the update.
 
     Attributes:
+        lookahead: the greatest number of steps that the horizon may lie beyond the current cycle; planners that are
+            made of this one have the same.
         ended_by: why the last search was ended, empty where it ended by itself.
 
     """
@@ -86,7 +97,7 @@ class Planner:
     ) -> None:
         """Plan from the start or, with ``log``, go on from there."""
         self._make_solver = make_solver
-        self._lookahead = lookahead
+        self.lookahead = lookahead
         self._watch = watch
         self._solver = make_solver()
         if log is not None:
@@ -103,6 +114,11 @@ class Planner:
         """The last update as the solver has it: with its bound, and with what it says of the past."""
         return self.log.update
 
+    @property
+    def in_force(self) -> StreamUpdate:
+        """The last update as the solver has it, an empty one where there is none."""
+        return self.taken or StreamUpdate(self.log.step)
+
     def over(self, step: int, since: int = 0) -> int:
         """What concerns cycles before the one returned comes too late from the update of ``step`` on.
 
@@ -112,7 +128,7 @@ class Planner:
 
     def solve(self) -> SolveResult:
         """Solve before any update."""
-        return self._search(StreamUpdate(1, self._lookahead))
+        return self._search(StreamUpdate(1, self.lookahead))
 
     def update(self, update: StreamUpdate) -> SolveResult:
         """Feed an update, which names its step, and solve; raises SolverError, with nothing changed, when refused.
@@ -120,13 +136,24 @@ class Planner:
         The cycles since the last update are past: only the actions that this one commits to may ever be in a plan at
         them.
         """
-        return self._search(self._whole(update, self._lookahead))
+        return self._search(self._whole(update, self.lookahead))
 
     def take(self, update: StreamUpdate) -> SolveResult:
         """Feed an update without looking ahead; no answer means that none was found, there may be one."""
         result = self._search(self._whole(update, 0))
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
+
+    def still(self, actions: Sequence[Action]) -> Optional[SolveResult]:
+        """The answer of a plan that ends with these actions, and has them all; None where there is none."""
+        step = self.log.step
+        steps = max((action.cycle for action in actions), default=step) - step
+        update = StreamUpdate(step, steps, (Volatile(), *(commitment(action.atom) for action in actions)))
+        try:
+            result = self.restarted()._search(update)
+        except SolverError:
+            return None
+        return result if result.outcome is SolveOutcome.SATISFIABLE else None
 
     def may_begin_with(self, action: Symbol, steps: int) -> bool:
         """Whether a plan of the present cycle and ``steps`` more holds ``action``; True where that takes too long."""
@@ -137,7 +164,7 @@ class Planner:
         """Return why the last search, with that ``result``, gave no plan."""
         if result.outcome is SolveOutcome.INTERRUPTED:
             return "no plan was found before the search was ended" + (f": {self.ended_by}" if self.ended_by else "")
-        return f"there is no plan of at most {self._lookahead} steps"
+        return f"there is no plan of at most {self.lookahead} steps"
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
         """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
@@ -169,7 +196,7 @@ class Planner:
         return None if self.log.last is None else self.log.last.before
 
     def _beside(self, log: StreamLog) -> "Planner":
-        return Planner(self._make_solver, self._lookahead, self._watch, log)
+        return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def _whole(self, update: StreamUpdate, lookahead: int) -> StreamUpdate:
         """The update with its bound, and with what it says of the past as far as that is new."""
@@ -213,21 +240,22 @@ def feed_less(
     error: SolverError,
     end: Callable[[Sequence[Goal], Outcome, str], None],
     problem: Callable[[str], None],
-) -> Optional[SolveResult]:
-    """Feed what can be taken of a batch that came to an ``error``, and search; None where nothing of it is taken.
+) -> SolveResult:
+    """Feed what can be taken of a batch that came to an ``error``, and search; raises SolverError where nothing can.
 
     Of an update that is refused, the new goals are left out, then all but the commitments. One that was dropped since
     its search would not end is first fed without looking ahead: then it is known, whatever the search does. Goals that
-    are not taken ``end``.
+    are refused ``end``; those that are left out since that took too long do not.
     """
 
     def refused(error: SolverError, goals: Sequence[Goal]) -> None:
-        """Report an update that the solver does not take, and end the goals that it was for."""
-        dropped = isinstance(error, DroppedError)
-        why = ": ".join(filter(None, (planner.ended_by if dropped else "", str(error))))
-        problem(f"update {batch.update.step} is {'dropped' if dropped else 'refused by the solver'}: {why}")
-        text = f"is given up without a plan: {why}" if dropped else f"is refused by the solver: {why}"
-        end(goals, Outcome.ABORTED if dropped else Outcome.REJECTED, text)
+        """Report an update that the solver does not take, and end the goals for which it is refused."""
+        if isinstance(error, DroppedError):
+            why = ": ".join(filter(None, (planner.ended_by, str(error))))
+            problem(f"update {batch.update.step} is dropped: {why}")
+        else:
+            problem(f"update {batch.update.step} is refused by the solver: {error}")
+            end(goals, Outcome.REJECTED, f"is refused by the solver: {error}")
 
     if isinstance(error, DroppedError):
         refused(error, ())
@@ -240,5 +268,6 @@ def feed_less(
             try:
                 return take(update)
             except SolverError as again:
-                refused(again, batch.goals if update is batch.update else ())
-    return None
+                error = again
+                refused(error, batch.goals if update is batch.update else ())
+    raise error

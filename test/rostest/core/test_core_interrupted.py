@@ -105,9 +105,11 @@ class CoreInterrupted(unittest.TestCase):
         with core("timed", search_timeout=1.5):
             updates = Updates("timed/rosoclingo")
             goal = Client("timed/rosoclingo").send("do(boom,1)")
-            message = goal.ends_as(GoalStatus.ABORTED)
-            self.assertIn("do(boom,1) is given up without a plan: it took longer than 1.5 s", message)
+            wait_until(lambda: goal.feedback, "word that the goal waits")
+            self.assertEqual(goal.feedback[0].status, "waiting: the solver could not take it in time")
             self.serves("timed", "do(walk,2)", updates)
+            goal.cancel()
+            self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
 
     def test_cancel_ends_grounding_and_search(self):
         with core("cancelled", search_timeout=0, horizon_limit=2):

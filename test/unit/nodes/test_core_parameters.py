@@ -33,10 +33,21 @@ def test_all_parameters(program):
         "search_timeout": 0,
         "recovery_timeout": 2,
         "preempt": True,
-        "goals_at_once": 0,
+        "goals_at_once": 5,
+        "overtaking_limit": 7,
+        "plan": "shortest",
+        "plan_time": 3,
     }
     found = core_parameters(values)
-    assert found == CoreParameters((program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 0), 0.0, 2.0)
+    assert found == CoreParameters(
+        (program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 5, 7), 0.0, 2.0, "shortest", 3.0
+    )
+
+
+def test_the_time_for_a_shorter_plan(program):
+    values = {"program_files": program, "plan_time": 3}
+    assert core_parameters(values).time_to_shorten == 3.0
+    assert core_parameters({**values, "plan": "shortest"}).time_to_shorten is None
 
 
 @pytest.mark.parametrize(
@@ -57,6 +68,9 @@ def test_all_parameters(program):
         ("search_timeout", float("inf"), "must be seconds, 0 for no limit"),
         ("recovery_timeout", -0.1, "must be seconds, 0 for no limit"),
         ("goals_at_once", -1, "must be a whole number from 0 on"),
+        ("overtaking_limit", -1, "must be a whole number from 0 on"),
+        ("plan", "quick", "must be one of soon, shortest"),
+        ("plan_time", -1, "must be seconds"),
         ("preempt", 1, "must be true or false"),
         ("preempt", "true", "must be true or false"),
     ],
@@ -110,8 +124,10 @@ def test_a_constant_with_which_the_program_cannot_be_loaded(tmp_path):
 
 def test_documented_defaults_are_the_real_ones():
     node = Path(module.__file__).with_name("core_node.py").read_text()
-    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false)\)", node))
+    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false|soon)\)", node))
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
     real.update(search_timeout=CoreParameters.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
     real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
+    real.update(overtaking_limit=CoreSettings.overtaking_limit)
+    real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real

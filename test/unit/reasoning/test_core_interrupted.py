@@ -5,6 +5,7 @@ from stream_replay import check_replay
 
 from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveSolver
 from rosoclingo.reasoning import Halt
+from rosoclingo.reasoning.input_feeder import PAUSE
 
 
 class Solver(ReactiveSolver):
@@ -175,18 +176,37 @@ def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
     assert driver.run().states("a") == ["active", "aborted"]
 
 
-def test_a_goal_whose_update_is_dropped_is_aborted_and_nothing_else():
+def test_a_goal_whose_update_is_dropped_waits_and_nothing_else():
     driver = Interrupted().goal("a", "do(walk,1)")
     driver.core.receive("interface", ["_return(walk,failed,1)", "_seen(sun)"])
     driver.core.add_goal("b", "do(run,2)")
     driver.drops = lambda update: "run" in str(update)
     driver.run()
-    assert driver.states("b") == ["active", "aborted"]
-    assert driver.message("b") == "do(run,2) is given up without a plan: ended by the test"
+    assert driver.states("b") == []
+    assert [one.waits for one in driver.feedback("b")] == ["the solver could not take it in time"]
+    assert any("update 2 is dropped: ended by the test" in problem for problem in driver.problems)
     assert driver.awaited == ["_action_lib(walk,1,2)"], "the failure was heard"
     driver.drops = lambda update: False
     assert driver.finish().states("a")[-1] == "succeeded"
+    assert driver.states("b")[-1] == "succeeded"
     assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+
+
+def test_a_goal_that_alone_is_dropped_rests_ever_longer():
+    driver = Interrupted()
+    driver.drops = lambda update: "run" in str(update)
+    driver.goal("a", "do(run,1)")
+    assert driver.awaited == []
+    for rest in (10.0, 20.0, 40.0):
+        told = len(driver.problems)
+        driver.now += rest - 1.0
+        assert len(driver.run().problems) == told
+        driver.now += 1.0
+        assert len(driver.run().problems) > told
+    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
+    driver.drops = lambda update: False
+    driver.now += 80.0
+    assert driver.run().finish().states("a")[-1] == "succeeded"
 
 
 def test_an_update_whose_look_ahead_is_dropped_is_fed_without():
@@ -197,20 +217,21 @@ def test_an_update_whose_look_ahead_is_dropped_is_fed_without():
     driver.goal("b", "do(never,2)")
     assert driver.states("b")[-1] == "aborted"
     assert "_request(cancel(2)" in driver.journal.updates[-1], "the request was in force"
-    assert "no plan was found before the search was ended" in driver.message("b")
+    assert driver.message("b") == "do(never,2) cannot be met: there is no plan of at most 8 steps", "it is proven"
     assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
 
 
-def test_a_solver_that_drops_everything_costs_the_goals_only():
+def test_a_solver_that_drops_everything_costs_time_only():
     driver = Interrupted().goal("a", "do(walk,1)")
     driver.drops = lambda update: True
     driver.succeed()
-    assert driver.states("a")[-1] == "aborted"
-    assert "the solver takes no update any more" in driver.message("a")
     driver.drops = lambda update: False
-    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+    driver.now += PAUSE - 1.0
+    assert driver.run().states("a") == []
+    driver.now += 1.0
+    assert driver.run().states("a")[-1] == "succeeded"
     assert driver.awaited == []
-    assert any("_request(cancel(1)," in text for text in driver.journal.updates), "the program hears of it"
+    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
 
 
 #: Nothing can follow the first of these facts.
@@ -230,14 +251,18 @@ def test_mending_is_left_for_what_comes():
     check_replay(driver.program, driver.journal)
 
 
-def test_nothing_is_stuck_after_searches_without_end():
+def test_nothing_is_given_up_after_searches_without_end():
     driver = Interrupted().goal("a", "do(walk,1)").finish()
     driver.halt = Halt("the test")
-    for key in "bcd":
-        driver.goal(key, f"do(run,{key})")
-        assert driver.states(key)[-1] == "aborted"
-        assert "before the search was ended: the test" in driver.message(key)
+    for key, number in (("b", 2), ("c", 3), ("d", 4)):
+        driver.core.add_goal(key, f"do(run,{number})")
+        for _ in range(20):
+            assert driver.core.advance(driver.now), "the search goes on"
+    assert [driver.states(key) for key in "bcd"] == [[], [], []]
+    assert any("before the search was ended: the test" in problem for problem in driver.problems)
     driver.halt = None
+    driver.run().finish()
+    assert [driver.states(key)[-1] for key in "bcd"] == ["succeeded"] * 3
     assert driver.goal("e", "do(walk,5)").finish().states("e")[-1] == "succeeded"
 
 

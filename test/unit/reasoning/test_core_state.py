@@ -86,13 +86,14 @@ def test_report():
     assert health.report(1, 0, [], 0.0).message == "idle"
     assert health.report(1, 0, [], 0.0).values["horizon"] == "1"
     health.plan_made(PlanMade(4, 7, (), 0.25, 0.5))
-    report = health.report(4, 2, ["_action_lib(a,b,4)"], 0.0)
+    report = health.report(4, 2, ["_action_lib(a,b,4)"], 0.0, waiting=1)
     assert report.level is Level.OK
     assert report.message == "waits for _action_lib(a,b,4)"
     assert report.values == {
         "cycle": "4",
         "horizon": "7",
         "open goals": "2",
+        "waiting goals": "1",
         "awaited actions": "_action_lib(a,b,4)",
         "interfaces": "",
         "last solve time": "0.500",

@@ -65,7 +65,7 @@ TOLD = Observation(parse_term("_shut(d)"), 5)
     ("loss", "text"),
     [
         (UnmetGoal(goal("go(a,3)")), "go(a,3) cannot be met: there is none"),
-        (UnmetGoal(goal("go(a,3)"), sure=False), "go(a,3) perhaps cannot be met: there is none"),
+        (UnmetGoal(goal("go(a,3)"), sure=False), "go(a,3) cannot be met: there is none"),
         (UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"),)), "go(a,3) cannot be met together with go(b,2)"),
         (
             UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"), goal("go(c,1)")), (TOLD,)),
@@ -77,7 +77,7 @@ TOLD = Observation(parse_term("_shut(d)"), 5)
         ),
         (
             UnmetGoal(goal("go(a,3)"), (), (FAILED, TOLD), sure=False),
-            "go(a,3) perhaps cannot be met perhaps since go(office4) returned blocked in cycle 3"
+            "go(a,3) cannot be met perhaps since go(office4) returned blocked in cycle 3"
             " and _shut(d) was told in cycle 5",
         ),
     ],

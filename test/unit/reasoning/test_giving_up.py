@@ -14,6 +14,9 @@ from rosoclingo.reasoning.stream_planner import Halt
 #: The cycle that is to start.
 STEP = 5
 
+#: How many steps a plan may have.
+STEPS = 10
+
 SATISFIABLE, UNSATISFIABLE, INTERRUPTED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED
 
 
@@ -32,7 +35,7 @@ def request(number):
 
 
 class World:
-    """A planner for goals 1, 2, ... and observations a, b, ..., and the question what to do, by default proven.
+    """A planner for goals 1, 2, ... and observations a, b, ..., which has no plan, and the question what to do.
 
     No ``conflicts``, sets of both such as "1 2 a", can be had. ``slow`` are sets of the goals that are left for which
     the search is interrupted, ``refused`` those for which the solver refuses the update. ``ways`` tells, by whether
@@ -43,8 +46,7 @@ class World:
         self.goals = [goal(number) for number in range(1, goals + 1)]
         self.observations = [seen(letter) for letter in observations]
         self.conflicts = [set(one.split()) for one in conflicts]
-        self.fresh = [self.goals[number - 1] for number in others.pop("fresh", ())]
-        self.proven = others.pop("proven", True)
+        self.lookahead, self.steps = STEPS, others.pop("steps", {})
         self.slow = [set(one) for one in others.pop("slow", ())]
         self.refused = [set(one) for one in others.pop("refused", ())]
         self.ways = others.pop("ways", {})
@@ -60,13 +62,13 @@ class World:
 
     @property
     def question(self):
-        newest = [tuple(reversed(things)) for things in (self.goals, self.fresh, self.observations)]
-        return Question(STEP, *newest, self.proven, self.watch)
+        newest = [tuple(reversed(things)) for things in (self.goals, self.observations)]
+        return Question(STEP, *newest, self.watch, STEPS)
 
     def restarted(self, without):
         return Beside(self, without)
 
-    def outcome(self, goals, observations, withheld):
+    def outcome(self, goals, observations, withheld, steps):
         self.left = None if self.left is None else self.left - 1
         self.asked.append(" ".join(sorted(goals | observations)))
         if goals in self.refused:
@@ -77,6 +79,8 @@ class World:
             return INTERRUPTED
         if not goals and withheld in self.ways:
             return self.ways[withheld]
+        if steps >= self.steps.get("".join(sorted(goals)), steps + 1):
+            return SATISFIABLE
         return UNSATISFIABLE if any(one <= goals | observations for one in self.conflicts) else SATISFIABLE
 
 
@@ -84,7 +88,7 @@ class Beside:
     """A planner beside that of the world."""
 
     def __init__(self, world, without):
-        self._world, self._without = world, without
+        self._world, self._without, self.lookahead = world, without, world.lookahead
         world.without.append(without)
 
     def update(self, update):
@@ -98,7 +102,7 @@ class Beside:
             {one.key for one in world.goals} - cancelled - {str(atom.arguments[0].arguments[0]) for atom in withdrawn}
         )
         told = {str(one.atom.arguments[0]) for one in world.observations if one.atom not in self._without}
-        return SolveResult(world.outcome(goals, told, bool(withdrawn)), (), STEP + 3, STEP)
+        return SolveResult(world.outcome(goals, told, bool(withdrawn), self.lookahead), (), STEP + 3, STEP)
 
 
 def lost(world):
@@ -179,43 +183,59 @@ def test_whether_there_is_an_answer_without_the_goals(ways, answer):
 @pytest.mark.parametrize("slow", [True, False])
 @pytest.mark.parametrize("of", [recover, is_answerable])
 def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(slow, of):
-    world = World(2, ways={slow: INTERRUPTED, not slow: UNSATISFIABLE}, proven=slow)
+    world = World(2, ways={slow: INTERRUPTED, not slow: UNSATISFIABLE})
     with pytest.raises(UndecidedError):
         of(world, world.question)
     assert len(world.asked) == 2
-    world = World(2, ways={False: INTERRUPTED, True: SATISFIABLE})
+    world = World(2, conflicts=["1"], ways={False: INTERRUPTED, True: SATISFIABLE})
     assert of(world, world.question)
 
 
-@pytest.mark.parametrize("proven", [True, False])
-def test_without_goals_there_is_nothing_to_give_up(proven):
-    world = World(0, proven=proven)
+def test_without_goals_there_is_nothing_to_give_up():
+    world = World(0)
     assert is_answerable(world, world.question) is False
-    if proven:
-        assert recover(world, world.question) is None
-    else:
-        with pytest.raises(UndecidedError):
-            recover(world, world.question)
+    assert recover(world, world.question) is None
     assert world.asked == []
 
 
-@pytest.mark.parametrize("proven", [True, False])
-def test_with_goals_it_counts_whether_there_is_an_answer_without_them(proven):
-    world = World(2, ways={True: UNSATISFIABLE, False: UNSATISFIABLE}, proven=proven)
+def test_with_goals_it_counts_whether_there_is_an_answer_without_them():
+    world = World(2, ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
     assert recover(world, world.question) is None
 
 
-def test_an_update_that_is_refused_is_a_search_without_result():
-    world = World(2, refused=[""])
+@pytest.mark.parametrize(
+    ("goals", "others"),
+    [
+        (2, {"refused": [""]}),
+        (3, {"conflicts": ["3"], "refused": ["12"]}),
+        (4, {"conflicts": ["1 3"], "time": 2}),
+        (4, {"conflicts": ["1 3"], "slow": ["124"]}),
+        (3, {"conflicts": ["1 2", "1 3"], "late": ["23"]}),  # it takes too long the second time
+        (3, {"conflicts": ["1 3"], "slow": ["23"]}),  # it may be 2 as well
+    ],
+)
+def test_nothing_is_given_up_that_is_not_known_to_be_impossible(goals, others):
+    world = World(goals, **others)
     with pytest.raises(UndecidedError):
         recover(world, world.question)
-    world = World(3, conflicts=["3"], refused=["12"], fresh=[3])
-    assert lost(world) == ["3?", "2?"], "neither the fewest nor without the fresh one"
+
+
+def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
+    """Within the steps of both, that is; and a single goal has no more than its own."""
+    for steps, met in ((2 * STEPS, True), (2 * STEPS + 1, False)):
+        world = World(3, conflicts=["1 3"], steps={"13": steps})
+        if met:
+            with pytest.raises(UndecidedError):
+                recover(world, world.question)
+        else:
+            assert lost(world) == ["3 1"]
+    assert lost(World(3, conflicts=["3"], steps={"3": STEPS + 1})) == ["3"]
 
 
 def test_no_search_is_made_twice():
     for conflicts in (["1 2"], ["1 3"], ["1", "2", "3"], ["1 2", "2 3"]):
         world = World(3, conflicts=conflicts)
+        world.lookahead = 3 * STEPS
         lost(world)
         assert len(world.asked) == len(set(world.asked)), world.asked
 
@@ -232,37 +252,8 @@ def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
 
 
 @pytest.mark.parametrize(
-    ("others", "losses"),
-    [
-        ({}, ["3?"]),  # those that can be met with the ones kept, oldest first
-        ({"fresh": [3, 4]}, ["3?"]),
-        ({"fresh": [4]}, ["3?"]),  # there is no plan without the fresh one, so without any
-        ({"fresh": [1, 2, 3, 4]}, ["3?"]),
-        ({"fresh": [3, 4], "time": 0}, ["4?", "3?"]),
-        ({"fresh": [3], "time": 0}, ["3?"]),
-        ({"fresh": [4], "time": 0}, ["4?", "3?", "2?", "1?"]),
-        ({"time": 1}, ["4?", "3?", "2?"]),
-        ({"time": 2}, ["4?", "3?"]),
-        ({"slow": ["12"]}, ["4?", "3?", "2?"]),  # what comes after takes no less time
-        ({"slow": ["1"]}, ["4?", "3?", "2?", "1?"]),
-        ({"fresh": [3, 4], "slow": ["124"]}, ["4?", "3?"]),
-    ],
-)
-def test_where_it_is_not_known_that_there_is_no_plan_some_goals_are_kept(others, losses):
-    world = World(4, conflicts=["1 3"], proven=False, **others)
-    assert lost(world) == losses
-    assert "1 2 3 4" not in world.asked, "it took too long before"
-    assert world.asked.count("") == 1
-    world = World(1, proven=False)
-    assert lost(world) == ["1?"]
-    assert world.asked == [""]
-
-
-@pytest.mark.parametrize(
     ("observations", "time", "losses"),
     [
-        ("abcd", 2, ["4?", "3?"]),
-        ("abcd", 3, ["4?"]),  # the fewest are not known, but those that were kept were tried
         ("abcd", 6, ["4? b c d"]),
         ("abcde", 6, ["4?"]),  # too many that may not matter
         ("abcd", 7, ["4 b c"]),  # the time for the reasons begins when the goals are known
@@ -276,12 +267,9 @@ def test_time_for_the_fewest_goals_and_time_for_the_reasons(observations, time, 
 
 def test_a_reason_that_is_not_found_out_is_not_sure():
     assert lost(World(3, "a", conflicts=["1 3 a"], slow_without={"a": "13"})) == ["3? 1"]
-    assert lost(World(3, conflicts=["1 3"], slow=["23"])) == ["3? 1 2"], "it may be 2 as well"
 
 
 def test_a_choice_is_planned_again_if_need_be():
     world = World(3, conflicts=["1 2", "1 3"])
     assert lost(world) == ["1 3"]
     assert text(world.updates[-1]) == "#step 5. _request(cancel(1),5). #end step."
-    world = World(3, conflicts=["1 2", "1 3"], late=["23"])
-    assert lost(world) == ["3?", "2?"], "it takes too long the second time"

@@ -60,7 +60,7 @@ class World:
             *facts,
         )
         goals = tuple(reversed(self.goals))
-        question = Question(STEP + 1, goals, (), tuple(reversed(self.old)), True, self.watch)
+        question = Question(STEP + 1, goals, tuple(reversed(self.old)), self.watch, 7)
         batch = Batch(StreamUpdate(STEP), facts=tuple(self.new))
         clock = Clock(lambda name, arity: {"_kind": None, "_next": 1}.get(name, 0))
         return Case(batch, StreamUpdate(STEP, 7, items), tuple(self.done), question, clock)
@@ -92,6 +92,7 @@ class Beside:
 
     def __init__(self, world, told, undone):
         self.world, self.told, self.undone, self.outcome = world, told, undone, None
+        self.lookahead = 7
 
     def result(self, goals):
         self.outcome = self.world.outcome(self.told | goals)

@@ -119,7 +119,7 @@ def test_time_is_over():
     driver.facts("_return(enter,failed,1)").finish()
     for key in "abc":
         assert driver.states(key)[-1] in ("aborted", "succeeded")
-    assert driver.message("a") == "reach(hall,1) perhaps cannot be met: there is no plan of at most 8 steps"
+    assert driver.message("a") == "reach(hall,1) cannot be met: there is no plan of at most 8 steps"
 
 
 def test_the_same_in_a_solver_process():

@@ -49,14 +49,23 @@ class CoreNode:
         ~constants (map, default {}): values of the program's ``#const`` names; numbers where the program has numbers.
         ~labels (map, default {}): named locations, or a list of their names; each is given to the program's base part
             as ``label(Name).``
-        ~horizon_limit (int, default 100): steps that a plan may reach beyond the current cycle.
-        ~goals_at_once (int, default 8): goals that the program is told of at the same time; further ones wait, pending,
-            the oldest first. 0 for no limit.
-        ~search_timeout (float, default 10.0): seconds of wall time for one search, 0 for no limit.
+        ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
+            further goal adds a tenth.
+        ~plan (str, default soon): ``soon``: each plan is the shortest if that is found within ``~plan_time``, else the
+            best that is known by then; ``shortest``: the shortest, as in the paper, whatever it takes.
+        ~plan_time (float, default 1.0): seconds of the solver's processor time in which it looks for a shorter plan
+            than the first one that it has found; 0 takes the first.
+        ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the
+            oldest first. 0 for no limit: as many as a plan is found for in ``~search_timeout``.
+        ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it; then no newer one
+            is fed until it has ended. 0 for no limit.
+        ~search_timeout (float, default 10.0): seconds of wall time that one search may go on before goals wait, the
+            newest first. 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
             failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
         ~recovery_timeout (float, default 5.0): seconds of wall time in which to look for the fewest goals to give up,
-            and again for the reasons, when there is no plan; 0 for no limit. The check under way still ends.
+            and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit. The check under way
+            still ends.
         ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
@@ -87,7 +96,8 @@ class CoreNode:
         program, odd = load_program(self._parameters)
         for warning in odd:
             rospy.logwarn("%s: %s", rospy.get_name(), warning)
-        self._solvers = SolverProcess(program, shortest=True, oclingo_strings=False, spare=True)
+        plan_time = self._parameters.time_to_shorten
+        self._solvers = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self._core = Core(
             program,
             self._solvers.solver,
@@ -179,24 +189,37 @@ class CoreNode:
 
     def _watch_search(self) -> Callable[[], Optional[Halt]]:
         """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
-        start, limit = time.monotonic(), self._parameters.search_timeout
+        start, too_long = time.monotonic(), self._watch_time(self._parameters.search_timeout)
 
         def look() -> Optional[Halt]:
             """Return why the search is to end now, None while it may go on."""
             self._health.tick()
-            elapsed = time.monotonic() - start
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
-            if self._cancels and elapsed >= CANCEL_GRACE:
+            if self._cancels and time.monotonic() - start >= CANCEL_GRACE:
                 return Halt("a goal was cancelled", disturbed=True)
-            return Halt(f"it took longer than {limit:g} s") if 0 < limit <= elapsed else None
+            return too_long()
 
         return look
 
     def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
         """Be content with what was found of goals to give up after some time."""
-        start, limit = time.monotonic(), self._parameters.recovery_timeout
-        return lambda: Halt(f"it took longer than {limit:g} s") if 0 < limit <= time.monotonic() - start else None
+        return self._watch_time(self._parameters.recovery_timeout)
+
+    def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
+        """End what takes longer than some seconds, 0 for never, or as long as the core has the patience for."""
+        queue = self._core.queue
+        start, limit = time.monotonic(), seconds * queue.patience
+
+        def look() -> Optional[Halt]:
+            """Return why to end it now, None while it may go on."""
+            if not 0 < limit <= time.monotonic() - start:
+                return None
+            if not queue.unhurried:
+                return Halt(f"it took longer than {limit:g} s")
+            return Halt("something has come", disturbed=True) if self._worker.waiting else None
+
+        return look
 
     def _shut_down(self) -> None:
         self._ending = True
@@ -226,6 +249,6 @@ class CoreNode:
             if one.new:
                 self._health.problem(Problem(self._core.cycle, one.text, one.action.interface_name))
         awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
-        goals, names = len(self._core.live_goals), self._register.names
-        report = health.report(self._core.cycle, goals, awaited, now, names, text)
+        goals, waiting = len(self._core.live_goals), len(self._core.queue.waiting)
+        report = health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
         return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")

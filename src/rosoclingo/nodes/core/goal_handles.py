@@ -40,7 +40,8 @@ class GoalHandles:
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback."""
         plan = [str(action.atom) for action in event.actions]
-        feedback = ROSoClingoFeedback(event.cycle, plan, event.position, event.state.value)
+        status = f"waiting: {event.waits}" if event.waits else event.state.value
+        feedback = ROSoClingoFeedback(event.cycle, plan, event.position, status)
         self._handles[event.key].publish_feedback(feedback)
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:

@@ -11,10 +11,16 @@ from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.program_fitness import constant_remarks, program_warnings
 
+#: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
+PLANS = ("soon", "shortest")
+
 
 @dataclass(frozen=True)
 class CoreParameters:
-    """The parameters of the core node. ``search_timeout`` and ``recovery_timeout`` are in seconds of wall time."""
+    """The parameters of the core node.
+
+    ``search_timeout`` and ``recovery_timeout`` are in seconds of wall time, ``plan_time`` in seconds of processor time.
+    """
 
     program_files: Tuple[str, ...]
     constants: Dict[str, str]
@@ -22,6 +28,13 @@ class CoreParameters:
     settings: CoreSettings
     search_timeout: float = 10.0
     recovery_timeout: float = 5.0
+    plan: str = PLANS[0]
+    plan_time: float = 1.0
+
+    @property
+    def time_to_shorten(self) -> Optional[float]:
+        """The solver's time for a shorter plan than the first; None where each plan is to be shortest."""
+        return None if self.plan == "shortest" else self.plan_time
 
 
 def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:
@@ -33,6 +46,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         action_timeout=given.at("action_timeout").number(defaults.action_timeout, low=0.0, wanted=limit),
         preempt=given.at("preempt").flag(defaults.preempt),
         goals_at_once=given.at("goals_at_once").whole(defaults.goals_at_once, low=0),
+        overtaking_limit=given.at("overtaking_limit").whole(defaults.overtaking_limit, low=0),
     )
     found = CoreParameters(
         program_files=_files(given.at("program_files")),
@@ -41,6 +55,8 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         settings=settings,
         search_timeout=given.at("search_timeout").number(CoreParameters.search_timeout, low=0.0, wanted=limit),
         recovery_timeout=given.at("recovery_timeout").number(CoreParameters.recovery_timeout, low=0.0, wanted=limit),
+        plan=given.at("plan").choice(PLANS, CoreParameters.plan),
+        plan_time=given.at("plan_time").number(CoreParameters.plan_time, low=0.0, wanted="seconds"),
     )
     given.check()
     return found

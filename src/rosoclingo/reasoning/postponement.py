@@ -1,0 +1,84 @@
+"""Which goals can be taken out of the program as if it had never been told of them: those that nothing was done for."""
+
+from typing import List, Optional, Sequence, Tuple
+
+from rosoclingo.oclingo import SolveOutcome, SolverError, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import Item, Withdraw
+from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.input_feeder import requests_of
+from rosoclingo.reasoning.keywords import cancellation
+from rosoclingo.reasoning.stream_planner import Planner
+
+
+def put_off(
+    planner: Planner, manager: GoalManager, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str, told: int
+) -> Tuple[Planner, str]:
+    """Take those of the ``chosen`` goals that are not in hand out of the program; what was too much: ``why``.
+
+    Where they all are, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up
+    to that of this cycle. Returns the planner that goes on, and in words what was done. May raise DisturbedError, with
+    nothing done.
+    """
+    fed = manager.fed
+    others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
+    gone = _postponable(planner, chosen, fed, fresh) or _postponable(planner, others, fed, fresh)
+    if not gone:
+        manager.queue.stay(chosen)
+        return planner, f"{why}: the search goes on"
+    planner = planner.restarted(requests_of(gone))
+    manager.put_off(gone, f"{len(fed)} goals were too much: {why}", told)
+    return planner, f"{why}: {len(gone)} of {len(fed)} goals wait"
+
+
+def _postponable(planner: Planner, chosen: Sequence[Goal], fed: Sequence[Goal], fresh: Sequence[Goal]) -> List[Goal]:
+    """Return those of the ``chosen`` ones of all ``fed`` goals that are not in hand; ``fresh`` ones cannot be.
+
+    A goal is in hand unless it makes no difference whether it is withdrawn, as if it had never been told, or cancelled:
+    with all other goals cancelled there is a plan of the same length. What was picked up for a goal has to be
+    brought back when that is cancelled; and without its request it could never have been picked up.
+    """
+    new = [goal for goal in chosen if goal in fresh]
+    old = [goal for goal in chosen if goal not in fresh and (goal.request_cycle or 0) > planner.log.over]
+    return [goal for goal in chosen if goal in [*new, *_Trial(planner, fed, fresh).untouched(old)]] if old else new
+
+
+class _Trial:
+    """Plans beside the stream in which each goal is withdrawn or cancelled."""
+
+    def __init__(self, planner: Planner, fed: Sequence[Goal], fresh: Sequence[Goal]) -> None:
+        self._planner = planner
+        self._old = [goal for goal in fed if goal not in fresh]
+        self._fresh = [goal for goal in fed if goal in fresh]
+        self._steps = planner.lookahead
+
+    def untouched(self, goals: Sequence[Goal]) -> List[Goal]:
+        """The goals that can be withdrawn."""
+        steps = self._plan(())
+        if steps is None:
+            return []
+        self._steps = steps
+        return self._among([], goals)
+
+    def _among(self, found: List[Goal], goals: Sequence[Goal]) -> List[Goal]:
+        """Those of the goals that can be withdrawn together with the ones found."""
+        if not goals or self._plan([*found, *goals]) is not None:
+            return list(goals)
+        if len(goals) == 1:
+            return []
+        half = len(goals) // 2
+        some = self._among(found, goals[:half])
+        return [*some, *self._among([*found, *some], goals[half:])]
+
+    def _plan(self, withdrawn: Sequence[Goal]) -> Optional[int]:
+        """How many steps a plan has with some goals withdrawn and the others cancelled; None where none was found."""
+        gone, step = requests_of([*self._fresh, *withdrawn]), self._planner.log.step + 1
+        cancels = [Statement(cancellation(one.identifier, step)) for one in self._old if one not in withdrawn]
+        items: List[Item] = [*map(Withdraw, sorted(gone)), *cancels]
+        beside = self._planner.restarted(gone)
+        beside.lookahead = self._steps
+        try:
+            result = beside.update(StreamUpdate(step, items=tuple(items)))
+        except SolverError:
+            return None
+        return result.horizon - step if result.outcome is SolveOutcome.SATISFIABLE else None

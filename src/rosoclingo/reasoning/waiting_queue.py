@@ -1,0 +1,196 @@
+"""The goals that wait to be fed: who is next, and who has to wait again when there is no plan for all in time.
+
+The oldest goal comes first. As a plan may put one off as long as new ones come, no goal is overtaken without end: once
+so many that came later have ended, no newer goal is fed until it has ended itself. A goal for which alone there is no
+plan in time lets the others go before it, and then has more time.
+"""
+
+from typing import Callable, List, Optional, Sequence, Set
+
+from rosoclingo.reasoning.goals import Goal
+
+#: A goal that was in vain may have so many times the usual time for a search, a power of two.
+MOST_PATIENCE = 8
+
+#: Plans that have to be found in time with all the goals that there is room for, before there is room for more.
+PLANS = 8
+
+
+class GoalWindow:
+    """The room for goals, sought as TCP seeks its window (Jacobson 1988): fewer at once after a loss, then slowly more.
+
+    There is room for any number, or for ``most``, until a search takes too long. From then on there is room for those
+    that were kept, and after each ``PLANS`` plans for all of them for a quarter more.
+    """
+
+    def __init__(self, most: int = 0) -> None:
+        self._most = most
+        self._size: Optional[int] = None
+        self._plans = 0
+        self._before: Optional[int] = None  # the size when a plan was last found in time
+        self._lost = False  # none was found since then
+
+    @property
+    def size(self) -> Optional[int]:
+        """How many goals there is room for, None for any number."""
+        return min((one for one in (self._size, self._most) if one), default=None)
+
+    def has_room(self, goals: int) -> bool:
+        """Whether there is room for one more beside so many ``goals``."""
+        return self.size is None or goals < self.size
+
+    def found(self, goals: int) -> None:
+        """A plan for so many goals was found in time."""
+        self._lost = False
+        if self._size is not None and goals >= self._size:
+            self._plans += 1
+            if self._plans >= PLANS:
+                self._resize(self._size + max(1, self._size // 4))
+
+    def shrink(self, kept: int) -> None:
+        """No plan was found in time; so many goals are kept."""
+        self._before = self._before if self._lost else self._size
+        self._lost = True
+        self._resize(max(1, kept))
+
+    def restore(self) -> None:
+        """It was a single goal that took too long, which says nothing of how many others there is room for."""
+        self._resize(self._before if self._lost else self._size)
+        self._lost = False
+
+    def _resize(self, size: Optional[int]) -> None:
+        self._size, self._plans = size, 0
+
+
+class GoalQueue:
+    """Knows which of the ``live`` goals, oldest first, wait; all others are with the program, or on their way to it.
+
+    At most ``at_once`` goals (0: any number) are with the program at a time. So many goals as ``overtaking_limit`` says
+    may come later than a goal and end before it, 0 for any number.
+
+    Attributes:
+        now: the time in seconds of whatever clock.
+        window: how many goals there is room for.
+        stuck: how often in a row no plan was found in time, and no goal could be taken out.
+
+    """
+
+    def __init__(self, live: Callable[[], List[Goal]], at_once: int = 0, overtaking_limit: int = 0) -> None:
+        self._live = live
+        self._limit = overtaking_limit
+        self._waiting: Set[Goal] = set()
+        self.window = GoalWindow(at_once)
+        self.stuck = 0
+        self._held: Set[Goal] = set()  # what could not be taken out
+        self.now = 0.0
+
+    @property
+    def waiting(self) -> List[Goal]:
+        """The goals that wait, oldest first."""
+        return [goal for goal in self._live() if goal in self._waiting]
+
+    @property
+    def served(self) -> List[Goal]:
+        """The goals that do not wait, oldest first."""
+        return [goal for goal in self._live() if goal not in self._waiting]
+
+    def waits(self, goal: Goal) -> bool:
+        """Whether a goal waits."""
+        return goal in self._waiting
+
+    def put(self, goal: Goal) -> None:
+        """A live goal waits."""
+        self._waiting.add(goal)
+
+    def remove(self, goal: Goal) -> None:
+        """A goal waits no longer."""
+        self._waiting.discard(goal)
+
+    def overtake(self, goal: Goal) -> None:
+        """A live goal ends: the older ones are overtaken, if it had its turn."""
+        if goal not in self._waiting:
+            live = self._live()
+            for other in live[: live.index(goal)]:
+                other.overtaken += 1
+
+    @property
+    def first(self) -> Optional[Goal]:
+        """The goal that comes first, since it has been overtaken too often."""
+        due = (goal for goal in self._live() if goal.overtaken >= self._limit and goal.rests_until <= self.now)
+        return next((goal for goal in due if not goal.cancelling), None) if self._limit else None
+
+    def next(self) -> Optional[Goal]:
+        """The goal whose turn it is to be fed, None where there is none."""
+        if not self._waiting or not self.window.has_room(len(self.served)) or self.tried is not None:
+            return None
+        first, ready = self.first, self._ready
+        fit = (goal for goal in ready if not goal.tries or goal is first)
+        alone = min(ready, key=lambda goal: goal.tries) if ready and not self.served else None
+        return next(fit, alone)
+
+    @property
+    def tried(self) -> Optional[Goal]:
+        """A goal with the program for which alone no plan was found in time: no other one joins it."""
+        return next((goal for goal in self._movable if goal.tries), None)
+
+    @property
+    def _ready(self) -> List[Goal]:
+        """The waiting goals that may be fed, oldest first: none that is newer than the goal that comes first."""
+        live, first = self._live(), self.first
+        older = live if first is None else live[: live.index(first) + 1]
+        return [goal for goal in older if goal in self._waiting and goal.rests_until <= self.now]
+
+    def in_vain(self) -> List[Goal]:
+        """The goals with the program, if each of them was in vain already and one waits that was less often."""
+        goals, first = self._movable, self.first
+        least = min((goal.tries for goal in goals), default=0)
+        rivals = any(goal.tries < least for goal in self._ready)
+        return goals if rivals and first not in goals and not self._held.issuperset(goals) else []
+
+    def too_many(self, fresh: Sequence[Goal]) -> List[Goal]:
+        """The goals that are to wait since no plan was found in time for all: the newest, at least half of them.
+
+        Where ``fresh`` goals, which are new to the program, are less than half, only as many: there was a plan for the
+        others. A single goal is to wait where another one can have its turn.
+        """
+        goals = self._movable
+        if len(goals) > 1:
+            new = sum(goal in fresh for goal in goals)
+            return goals[max(len(goals) // 2, len(goals) - new if new else 0) :]
+        for goal in goals:
+            goal.tries += 1
+            goal.overtaken = 0
+        return self.in_vain()
+
+    @property
+    def _movable(self) -> List[Goal]:
+        return [goal for goal in self.served if not goal.cancelling]
+
+    def found(self) -> None:
+        """There is a plan for all goals that are with the program."""
+        served = self.served
+        for goal in served:
+            goal.tries = 0
+        self.go_on()
+        self.window.found(len(served))
+
+    def stay(self, goals: Sequence[Goal]) -> None:
+        """No goal can be taken out, nor can these, which are in hand: the next search has more time."""
+        self.stuck += 1
+        self._held.update(goals)
+
+    def go_on(self) -> None:
+        """There is something else to plan for."""
+        self.stuck = 0
+        self._held.clear()
+
+    @property
+    def patience(self) -> int:
+        """How many times the usual time a search may take."""
+        tries = min((goal.tries for goal in self._movable), default=0)
+        return int(min(2 ** max(tries, self.stuck), MOST_PATIENCE))
+
+    @property
+    def unhurried(self) -> bool:
+        """Whether a search may even go on until something arrives, since there is nothing else to plan for."""
+        return self.patience > 1 and not self.in_vain() and (self.stuck > 0 or not self._ready)

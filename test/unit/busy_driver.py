@@ -1,0 +1,98 @@
+"""Drives a core whose searches take too long with more than so many goals, or by chance."""
+
+from random import Random
+
+from core_driver import Driver, shortest
+
+from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.oclingo.progression.updates import Volatile
+from rosoclingo.reasoning import CoreSettings, Halt
+
+#: Errands do(What,Id), one a cycle, the oldest first but far ones last; never cannot be done. Known while open.
+ERRANDS = """
+#external _request/2. #external _return/3.
+#program cumulative(t).
+open(W,I,t) :- _request(do(W,I),t+1).
+open(W,I,t) :- open(W,I,t-1), not done(I,t-1), not _request(cancel(I),t).
+{ _action_lib(W,I,t) : open(W,I,t), W != never } 1.
+:- _action_lib(walk,I,t), open(walk,J,t), J < I.
+:- _action_lib(far,I,t), open(walk,J,t).
+failed(I,t) :- _action_lib(W,I,t), _return(W,V,t), V != I.
+done(I,t) :- _action_lib(W,I,t), not failed(I,t).
+_status(I,accepted,t) :- open(W,I,t).
+_status(I,succeeded,t) :- done(I,t-1).
+_status(I,canceled,t) :- _request(cancel(I),t).
+#program volatile(t).
+:- open(W,I,t), not done(I,t).
+#program base.
+#show _action_lib/3. #show _status/3.
+"""
+
+
+class BusySolver(ReactiveSolver):
+    """Searches for as long as ``ends`` says for an update: its search is ended at once where that is True."""
+
+    ends = staticmethod(lambda update: False)
+
+    def update(self, update, stopped=None):
+        """Take the update; it is in force, whether or not there is time for a search."""
+        if self.ends(update) and not stopped():
+            raise AssertionError("nobody ends the search")
+        return super().update(update, stopped)
+
+
+class BusyDriver(Driver):
+    """A driver of a core that plans in time for ``most`` goals and no more, and now and then for none at all.
+
+    Whether the last plan is still one is seen at once. ``heavy`` are goals for which alone there is never time, unless
+    the core has the patience for it that they are listed with.
+    """
+
+    def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, heavy=None):
+        self.most, self.heavy, self.chance, self.random = most, heavy or {}, chance, Random(1)
+        self.searches, self.cut = [], False
+        settings = settings or CoreSettings(horizon_limit=30)
+        super().__init__(text, settings, program, self.make_solver, lambda: self.look, start=False, events=10**6)
+        self.begin()
+
+    def make_solver(self, program):
+        """A solver that asks this driver."""
+        solver = shortest(program, BusySolver)
+        solver.ends = self.ends
+        return solver
+
+    def look(self):
+        """End the search if it is too much."""
+        return Halt("the test") if self.cut else None
+
+    def ends(self, update):
+        """Whether the search is too much: by the goals with the program that the update does not take out of it."""
+        text = str(update)
+        goals = [goal for goal in self.core.queue.served if not self.left_out(goal, text)]
+        self.searches.append(len(goals))
+        patience = self.core.queue.patience
+        weight = max((self.heavy.get(goal.key, 1) for goal in goals), default=1)
+        much = len(goals) > self.most * patience or weight > patience or self.random.random() < self.chance
+        self.cut = much and bool(goals) and not any(isinstance(item, Volatile) for item in update.items)
+        return self.cut
+
+    @staticmethod
+    def left_out(goal, text):
+        """Whether an update cancels a goal or withdraws its request."""
+        return f"_request(cancel({goal.identifier})," in text or f"#withdraw _request({goal.term}," in text
+
+    def run(self):
+        """Advance until the core waits."""
+        for _ in range(2000):
+            self.core.poll(self.now)
+            if not self.core.advance(self.now):
+                return self
+        raise AssertionError("the core does not come to rest")
+
+    def waits(self, key):
+        """Why a goal had to wait, each time that it had."""
+        return [one.waits for one in self.feedback(key) if one.waits]
+
+    def order(self):
+        """The keys of all goals in the order in which they ended."""
+        return [one.key for one in self.journal.events if getattr(one, "outcome", None) is not None]

@@ -1,0 +1,221 @@
+"""Goals that are too much for now wait: none is given up since a search took long, and none is overtaken for ever."""
+
+from random import Random
+
+import pytest
+from busy_driver import BusyDriver
+from office_world import OFFICES, World, mailbot
+
+from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
+
+
+def ask(driver, *numbers, what="walk"):
+    for number in numbers:
+        driver.core.add_goal(f"g{number}", f"do({what},{number})")
+    return driver
+
+
+def told(driver, number):
+    return any(f"_request(do(walk,{number})," in update for update in driver.journal.updates)
+
+
+def ends(driver):
+    return {one.key: one.outcome for one in driver.journal.of(GoalChanged) if one.outcome is not None}
+
+
+def test_the_newest_goals_wait_and_are_told_so_once():
+    driver = ask(BusyDriver(most=3), *range(1, 9)).run()
+    assert driver.awaited, "there is a plan"
+    assert [goal.key for goal in driver.core.queue.waiting] == [f"g{number}" for number in range(3, 9)]
+    assert driver.waits("g8") == ["8 goals were too much: no plan was found before the search was ended: the test"]
+    assert driver.waits("g3") == ["4 goals were too much: no plan was found before the search was ended: the test"]
+    assert driver.waits("g2") == []
+    assert "no plan was found before the search was ended: the test: 4 of 8 goals wait" in driver.problems
+    assert not told(driver, 5), "an update in force has no request of a goal that waits"
+    assert "#withdraw _request(do(walk,3),2)." in driver.journal.stream, "one that was in force is withdrawn"
+    driver.finish()
+    assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 9)}
+    assert driver.order() == [f"g{number}" for number in (1, 2, 3, 4, 5, 6, 7, 8)]
+    assert len(driver.waits("g8")) == 1
+
+
+def test_a_new_goal_that_is_too_much_waits_and_the_plan_goes_on():
+    driver = ask(BusyDriver(most=4), 1, 2, 3, 4).run()
+    plan = [str(action.atom) for action in driver.core.plan.actions]
+    ask(driver, 5).succeed()
+    assert driver.awaited == plan[1:2], "the last plan is kept, without another search"
+    assert driver.waits("g5") == ["5 goals were too much: no plan was found before the search was ended: the test"]
+    driver.finish()
+    assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 6)}
+
+
+def test_the_last_plan_is_kept_where_it_still_is_one():
+    driver = ask(BusyDriver(most=3), 1, 2, 3).run()
+    plan = [str(action.atom) for action in driver.core.plan.actions]
+    driver.most = 2
+    driver.succeed()
+    assert driver.core.queue.waiting == []
+    assert [str(action.atom) for action in driver.core.plan.actions] == plan
+    driver.most = 1
+    driver.fail("failed")
+    assert [goal.key for goal in driver.core.queue.waiting] == ["g3"], "after a failure it is none"
+    assert driver.awaited[0].startswith("_action_lib(walk,2,")
+    driver.finish()
+    assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 4)}
+
+
+def test_there_is_slowly_room_for_more_goals_again():
+    driver = ask(BusyDriver(most=3), *range(1, 60)).run()
+    assert len(driver.core.queue.served) == 3
+    driver.most = 100
+    sizes = []
+    for _ in range(40):
+        driver.succeed()
+        sizes.append(len(driver.core.queue.served))
+    assert sizes == sorted(sizes)
+    assert {sizes.count(size) for size in (4, 5, 6)} == {8}, "every eighth plan one more"
+    driver.finish()
+    assert len(ends(driver)) == 59
+
+
+def test_the_number_at_once_is_a_limit_as_well():
+    driver = ask(BusyDriver(settings=CoreSettings(goals_at_once=2), most=9), 1, 2, 3).run()
+    assert driver.waits("g3") == ["2 goals at a time are planned for"]
+    assert not told(driver, 3)
+    driver.finish()
+    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
+
+
+def test_a_goal_that_waits_is_cancelled_at_once():
+    driver = ask(BusyDriver(most=2), 1, 2, 3, 4).run()
+    assert [goal.key for goal in driver.core.queue.waiting] == ["g3", "g4"]
+    driver.cancel("g4")
+    assert driver.states("g4") == ["recalling", "recalled"]
+    driver.finish()
+    assert not told(driver, 4)
+    assert [driver.states(f"g{number}")[-1] for number in (1, 2, 3)] == ["succeeded"] * 3
+
+
+def test_a_goal_that_was_active_stays_so_while_it_waits_and_is_cancelled_at_once():
+    driver = ask(BusyDriver(most=4), 1, 2, 3, 4).run()
+    driver.succeed()
+    assert driver.states("g4") == ["active"]
+    driver.most = 1
+    driver.fail("failed")
+    assert "g4" in [goal.key for goal in driver.core.queue.waiting]
+    assert driver.states("g4") == ["active"]
+    assert "#withdraw _request(do(walk,4),2)." in driver.journal.stream, "the record says so"
+    driver.cancel("g4")
+    assert driver.states("g4") == ["active", "preempting", "preempted"]
+    driver.finish()
+    assert [driver.states(f"g{number}")[-1] for number in (1, 2, 3)] == ["succeeded"] * 3
+
+
+def test_what_is_impossible_ends_with_its_proof_though_other_searches_are_cut():
+    driver = ask(BusyDriver(most=2), 1, 2)
+    ask(driver, 3, what="never")
+    ask(driver, 4, 5).run().finish()
+    found = ends(driver)
+    assert found.pop("g3") is Outcome.ABORTED
+    assert driver.message("g3").startswith("do(never,3) cannot be met: there is no plan of at most")
+    assert found == {f"g{number}": Outcome.SUCCEEDED for number in (1, 2, 4, 5)}
+
+
+def test_a_goal_that_alone_is_too_much_lets_others_go_first_and_then_has_more_time():
+    driver = BusyDriver(most=9, heavy={"g1": 4})
+    ask(driver, 1, 2, 3).run().finish()
+    assert driver.order() == ["g2", "g3", "g1"]
+    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
+    assert driver.core.queue.patience == 1, "after a plan the usual time is enough"
+
+
+def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
+    driver = BusyDriver(most=9, heavy={"g1": 1000})
+    queue = driver.core.queue
+    ask(driver, 1)
+    driver.core.advance(1.0)
+    assert (queue.patience, queue.unhurried) == (2, True)
+    ask(driver, 2)
+    assert not queue.unhurried
+    assert driver.waits("g2") == ["first comes do(walk,1)"]
+    driver.core.advance(1.0)
+    assert driver.awaited == ["_action_lib(walk,2,2)"]
+    assert [goal.key for goal in queue.waiting] == ["g1"]
+    for _ in range(9):
+        driver.core.receive("interface", [f"_return(walk,2,{driver.core.cycle})"])
+        driver.core.advance(1.0)
+    assert queue.patience == 8
+    driver.heavy.clear()
+    driver.run().finish()
+    assert driver.states("g1")[-1] == "succeeded"
+
+
+def stream(limit):
+    """How errands end of which the far one is done last, and a new one comes each time that one is done."""
+    driver = BusyDriver(settings=CoreSettings(horizon_limit=40, overtaking_limit=limit), most=99)
+    driver.core.add_goal("far", "do(far,0)")
+    for near in range(1, 31):
+        ask(driver, near)
+        if near > 1:
+            driver.run().succeed()
+    return driver
+
+
+@pytest.mark.parametrize("limit", [3, 10])
+def test_a_far_goal_is_not_overtaken_for_ever(limit):
+    driver = stream(limit)
+    order = driver.order()
+    assert "far" in order
+    assert limit <= order.index("far") <= limit + 1, "those that were with the program by then"
+    waited = [near for near in range(1, 31) if driver.waits(f"g{near}") == ["first comes do(far,0)"]]
+    assert waited
+    assert order.index("far") < min(order.index(f"g{near}") for near in waited if f"g{near}" in order)
+    driver.finish()
+    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
+
+
+def test_without_a_limit_it_is():
+    assert "far" not in stream(0).order()
+
+
+@pytest.mark.slow
+def test_a_thousand_goals_with_failures_and_searches_that_are_cut():
+    """Each errand can be done; whatever fails is tried again, whatever is too much waits."""
+    driver, draw, asked = BusyDriver(most=5, chance=0.1), Random(7), 0
+    for _ in range(20_000):
+        while asked < 1000 and len(driver.core.live_goals) < 20:
+            asked += draw.choice([1, 1, 1, 10])
+            ask(driver, asked)
+        driver.run()
+        if not driver.core.awaited:
+            break
+        driver.fail("failed") if draw.random() < 0.1 else driver.succeed()
+    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
+    assert driver.core.live_goals == []
+    assert max(driver.searches) > 5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_packages_are_delivered_whatever_search_is_cut(seed):
+    """The world is modelled apart from the program; what was picked up for a goal that waits is not forgotten."""
+    driver = BusyDriver(program=mailbot(), settings=CoreSettings(horizon_limit=60), most=4, chance=0.15)
+    world, draw, wanted = World(), Random(seed), {}
+    for _ in range(400):
+        while len(wanted) < 14 and len(driver.core.live_goals) < 7:
+            start, end = draw.sample(OFFICES, 2)
+            number = str(len(wanted) + 1)
+            wanted[number], world.places[number] = end, start
+            driver.core.add_goal(f"g{number}", f"goal({start},{end},{number})")
+        driver.run()
+        if not driver.core.awaited:
+            break
+        for action in driver.core.awaited:
+            fails = draw.random() < 0.1
+            if not fails:
+                world.do(action)
+            value = "failed" if fails else action.parameter
+            driver.core.receive("world", [f"_return({action.interface},{value},{action.cycle})"])
+    assert {number: world.places[number] for number in wanted} == wanted
+    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
+    assert any(driver.waits(f"g{number}") for number in wanted)
