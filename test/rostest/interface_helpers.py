@@ -72,8 +72,14 @@ class Server:
         self._server.start()
 
     def take(self):
-        """The next goal's handle."""
-        return self._goals.get(timeout=PATIENCE)
+        """The next goal's handle.
+
+        rospy counts a connection at its reading end first: what is published before the writing end does is lost.
+        """
+        handle = self._goals.get(timeout=PATIENCE)
+        for publisher in (self._server.status_pub, self._server.result_pub):
+            wait_until(lambda one=publisher: one.get_num_connections() > 0, "a client to listen")
+        return handle
 
     def accept(self):
         """The next goal's handle, accepted."""
