@@ -128,7 +128,7 @@ class PlanSearch(HorizonSearch):
             if found.satisfiable:
                 self._take(transaction, found)
                 return found
-            if self._caller_halts() or self.permanent or not more:
+            if self.permanent or not more:
                 return found
             conflicts *= 1 if found.satisfiable is False or transaction.program.advises else 2
             for _ in self._grow(transaction):
@@ -140,7 +140,7 @@ class PlanSearch(HorizonSearch):
         last = transaction.state.horizon
         for plan in self._old:
             found = self._look(transaction, self._least, last, CONFLICTS, [(one, True) for one in plan.actions])
-            if found.satisfiable or self.permanent or self._caller_halts():
+            if found.satisfiable or self.permanent:
                 return found
         return self._look(transaction, self._least, last, conflicts)
 

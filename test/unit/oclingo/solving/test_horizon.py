@@ -47,6 +47,12 @@ def test_no_horizon_before_the_settled_step():
     assert search(grounding, 1, 2).satisfiable is False
 
 
+def test_before_the_first_step_no_volatile_rule_holds():
+    grounding = Grounding(ReactiveProgram.from_text(ENDS), (), set(), shortest=True)
+    grounding.ground_to(3)
+    assert sorted("".join(map(str, answer)) for answer in search(grounding, 0, 2).answers) == ["", "end(1)", "end(2)"]
+
+
 def cycles(answers):
     return {atom.arguments[2].number for answer in answers for atom in answer if atom.name == "_action_lib"}
 

@@ -49,9 +49,10 @@ class World:
 
 def run(world, models=1, shortest=True, hint=0, block=1):
     search = HorizonSearch(models, shortest, hint, block, world.halt)
-    assert search.seconds == 0.0
+    assert (search.seconds, search.proven) == (0.0, False)
     found = search.run(world)
     assert 0.0 <= search.seconds < 100.0
+    assert search.proven is (shortest and found.satisfiable is True), "the least horizon, where that was looked for"
     return found, search
 
 

@@ -1,0 +1,261 @@
+"""Which questions the search for a plan soon asks, in which order, and when it has to do with the plan it knows."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.plan_search import PlanSearch, TimeLimit
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+
+FOREVER = float("inf")
+
+
+def actions(*cycles):
+    return frozenset(parse_atom(f"_action_lib(go,x,{cycle})") for cycle in cycles)
+
+
+def plan(horizon, *cycles, shortest=False):
+    return Plan(actions(*cycles), horizon, shortest)
+
+
+class World:
+    """Plans by their horizons, told by the cycles in which they act; grounded up to ``horizon``, at most to ``most``.
+
+    A search of several horizons finds the plan of the last one. ``hard`` tells how many conflicts it takes to refute a
+    horizon where nothing is given; from horizon ``dead`` on nothing makes the program satisfiable any more. After
+    ``halts`` questions it is to end; where they are ``cut`` the last one is left without an answer. What was asked is
+    noted as text: 2..5/100 all 0 for these horizons, so many conflicts and all answers, with + and - for the cycles
+    whose actions are given as true and as false; and >7 for the steps that were grounded.
+    """
+
+    def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **others):
+        self.plans, self.most, self.hard, self.asked = plans, most, hard or {}, []
+        self.state = SimpleNamespace(step=step, settled=step, horizon=horizon)
+        self.program = SimpleNamespace(optimizes=others.get("optimizes", False), advises=others.get("advises", False))
+        self.dead, self.halts = others.get("dead"), others.get("halts")
+        self.cut = others.get("cut", False)
+        self.conflicting, self.questions = False, 0
+
+    def halt(self):
+        return self.halts is not None and self.questions >= self.halts
+
+    def time(self):
+        """Each question takes a second."""
+        return 1000.0 + self.questions
+
+    def may_grow(self):
+        return self.state.horizon < self.most
+
+    def last_horizon(self, most):
+        return min(most, self.most)
+
+    def grow_to(self, horizon):
+        assert self.state.horizon < horizon <= self.most
+        self.asked.append(f">{horizon}")
+        self.state.horizon = horizon
+
+    def ready(self):
+        return self
+
+    def actions(self, first, last):
+        assert first == self.state.step
+        return sorted(actions(*range(first, min(last, self.state.horizon) + 1)))
+
+    def search(self, models, halt, first, last, given=(), conflicts=None, best=True):
+        assert self.state.settled <= first <= last <= self.state.horizon
+        assert best or models == 1
+        marks = "".join(sorted("-+"[value] + str(cycle_of(one)) for one, value in given))
+        limits = ("" if conflicts is None else f"/{conflicts}") + (f" all {models}" if best else "")
+        self.asked.append(f"{first}..{last}{marks}{limits}")
+        self.questions += 1
+        if self.cut and halt():
+            return Search(None)
+        found = [one for one in range(first, last + 1) if one in self.plans and self._agrees(one, given)]
+        if found:
+            return Search(True, (actions(*self.plans[found[-1]]),), found[-1])
+        needed = 0 if given else max(self.hard.get(one, 0) for one in range(first, last + 1))
+        if conflicts is not None and needed > conflicts:
+            return Search(None)
+        self.conflicting = self.dead is not None and last >= self.dead
+        return Search(False)
+
+    def _agrees(self, horizon, given):
+        return all((cycle_of(one) in self.plans[horizon]) == value for one, value in given)
+
+
+def run(world, last=None, seconds=FOREVER, block=8, models=1, foreseen=False):
+    search = PlanSearch(models, last, block, world.halt, TimeLimit(seconds, foreseen, world.time))
+    found = search.run(world)
+    return found.satisfiable and found.horizon, search.proven, " ".join(world.asked)
+
+
+@pytest.mark.parametrize(
+    ("world", "horizon", "asked"),
+    [
+        (World({1: []}), 1, "1..1/100"),
+        (World({3: [1, 2, 3]}), 3, "1..1/100 >9 2..9/100"),
+        (World({60: [60]}, horizon=41), 60, "1..41/100 >51 42..51/100 >63 52..63/100"),
+        (World({52: [52]}, step=2, horizon=42), 52, "2..42/100 >52 43..52/100"),
+        (World({251: [251]}, horizon=201, most=300), 251, "1..201/100 >233 >251 202..251/100"),
+        (World({12: [12]}, most=12), 12, "1..1/100 >9 2..9/100 >12 10..12"),
+        (World({20: [20]}, hard={9: 150}), 20, "1..1/100 >9 2..9/100 >17 2..17/200 >25 18..25/200"),
+        (World({3: []}, horizon=3), 3, "1..3/100 1..1/100"),
+        (World({20: [20]}, hard={9: 150}, advises=True, most=20), 20, "1..1/100 >9 2..9/100 >17 2..17/100 >20 2..20"),
+        (World({9: [1, 3]}), 9, "1..1/100 >9 2..9/100 3..3+1+3/100"),
+        (World({9: [1, 3], 3: [1, 3]}), 3, "1..1/100 >9 2..9/100 3..3+1+3/100"),
+        (World({9: [], 2: []}), 2, "1..1/100 >9 2..9/100 2..2/100"),
+    ],
+)
+def test_any_plan_is_found_by_more_steps(world, horizon, asked):
+    """A quarter more of those to come, or a block; where a plan idles at its end that is left out, if it can be."""
+    assert run(world, seconds=0)[::2] == (horizon, asked)
+
+
+@pytest.mark.parametrize(
+    ("world", "settings", "asked"),
+    [
+        (World({}, most=12), {}, "1..1/100 >9 2..9/100 >12 10..12"),
+        (World({}, most=9, hard={9: 150}), {}, "1..1/100 >9 2..9"),
+        (World({50: [50]}, dead=9), {}, "1..1/100 >9 2..9/100"),
+        (World({50: [50]}, horizon=2, dead=2), {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
+    ],
+)
+def test_without_a_plan_all_horizons_are_refuted(world, settings, asked):
+    assert run(world, **settings) == (False, False, asked)
+
+
+def test_where_an_answer_may_not_outlive_further_steps_each_horizon_is_decided_before_the_next():
+    assert run(World({13: [13]}, horizon=11, hard={12: 150}), block=1) == (13, True, "1..11 >12 12..12 >13 13..13")
+    last = plan(4, 1, 2, 3, 4)
+    world = World({4: [2, 3, 4]}, step=2, horizon=3)
+    assert run(world, last, block=1) == (4, True, "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3 >4 4..4+2+3+4/100")
+
+
+def test_steps_are_added_in_blocks():
+    world = World({5: [5]}, hard={2: 150})
+    assert run(world, seconds=0, block=2) == (5, False, "1..1/100 >3 2..3/100 >5 2..5/200")
+
+
+LONG = {9: [9], 7: [7], 3: [3]}
+
+
+@pytest.mark.parametrize(
+    ("seconds", "horizon", "shortest", "asked"),
+    [
+        (1, 9, False, "1..9/100"),
+        (2, 7, False, "1..9/100 1..8/100"),
+        (3, 7, False, "1..9/100 1..8/100 1..1/100"),
+        (4, 3, False, "1..9/100 1..8/100 1..1/100 2..6/100"),
+        (5, 3, True, "1..9/100 1..8/100 1..1/100 2..6/100 2..2/100"),
+    ],
+)
+def test_shorter_ones_are_looked_for_while_time_lasts(seconds, horizon, shortest, asked):
+    assert run(World(LONG, horizon=9), seconds=seconds) == (horizon, shortest, asked)
+
+
+@pytest.mark.parametrize(
+    ("plans", "hard", "asked"),
+    [
+        ({9: [9], 1: [1]}, {}, "1..8/100"),
+        ({9: [9], 7: [7]}, {3: 150}, "1..8/100 1..1/100 2..6/100 2..2/100 3..6/100 3..3/100 3..6/200"),
+        ({9: [9], 7: [7]}, {1: 150}, "1..8/100 1..1/100 1..6/100 1..1/100 1..6/200"),
+        ({9: [9], 8: [8]}, {1: 150}, "1..8/100 1..1/100 1..7/100 1..1/100 1..7/200"),
+        (
+            {9: [9], 4: [4]},
+            {1: 150, 2: 350},
+            "1..8/100 1..1/100 1..3/100 1..1/100 1..3/200 1..1/200 2..3/200 2..2/200 2..3/400",
+        ),
+        ({9: []}, {1: 150}, "1..1/100 1..8/100 1..1/100 1..8/200"),
+        ({9: []}, {2: 150}, "1..1/100 2..8/100 2..2/100 2..8/200"),
+    ],
+)
+def test_what_is_hard_may_take_twice_as_many_conflicts_the_next_time(plans, hard, asked):
+    horizon, shortest, questions = run(World(plans, horizon=9, hard=hard))
+    assert (horizon, shortest) == (min(plans), True)
+    assert questions == f"1..9/100 {asked}"
+
+
+@pytest.mark.parametrize("cut", [False, True])
+@pytest.mark.parametrize(
+    ("world", "last", "halts"),
+    [
+        ({"plans": {9: [9]}}, None, 0),
+        ({"plans": {9: [9]}}, None, 1),
+        ({"plans": {}}, None, 2),
+        ({"plans": {}, "horizon": 201, "most": 300}, None, 1),
+        ({"plans": {}, "step": 2, "horizon": 4, "most": 4}, plan(3, 1, 2, 3), 1),
+        ({"plans": {}, "step": 2, "horizon": 4, "most": 4}, plan(3, 1, 2, 3), 2),
+        ({"plans": {}, "step": 2, "horizon": 4, "most": 4}, plan(3, 1, 2, 3), 3),
+        ({"plans": {}, "step": 2, "horizon": 4, "most": 4}, plan(3, 1, 2, 3), 4),
+    ],
+)
+def test_what_was_stopped_without_a_plan_tells_nothing(world, last, halts, cut):
+    """However much of it was refuted, as long as there are horizons that were not."""
+    world = World(**world, halts=halts, cut=cut)
+    satisfiable, shortest, _ = run(world, last)
+    assert (satisfiable, shortest, world.questions) == (None, False, halts)
+    assert world.state.horizon <= 201
+
+
+@pytest.mark.parametrize(
+    ("halts", "cut", "horizon", "shortest"),
+    [(2, True, 9, False), (2, False, 7, False), (4, True, 7, False), (5, True, 3, False), (5, False, 3, True)],
+)
+def test_what_was_stopped_with_a_plan_has_the_best(halts, cut, horizon, shortest):
+    world = World(LONG, horizon=9, halts=halts, cut=cut)
+    assert run(world)[:2] == (horizon, shortest)
+    assert world.questions == halts
+
+
+@pytest.mark.parametrize(
+    ("world", "settings", "asked"),
+    [
+        (World({9: [9]}, step=9, horizon=9), {"models": 0}, "9..9/100 9..9 all 0"),
+        (World({9: [9]}, horizon=9), {"models": 0}, "1..9/100 1..8/100 9..9 all 0"),
+        (World({9: [9]}, horizon=9), {"models": 2, "seconds": 0}, "1..9/100 9..9 all 2"),
+        (World({9: [9]}, horizon=9, optimizes=True), {}, "1..9/100 1..8/100 9..9 all 1"),
+        (World({9: [9]}, horizon=9, optimizes=True), {"seconds": 1}, "1..9/100"),
+        (World({9: [9]}, horizon=9, halts=1), {"models": 0}, "1..9/100"),
+    ],
+)
+def test_all_answers_or_the_best_are_those_of_the_plans_horizon(world, settings, asked):
+    assert run(world, **settings)[::2] == (9, asked)
+
+
+@pytest.mark.parametrize(
+    ("world", "last", "horizon", "asked"),
+    [
+        (World({3: [1, 2, 3]}, step=2, horizon=5), plan(3, 1, 2, 3), 3, "3..3+2+3-4/100"),
+        (World({4: [2, 3, 4]}, step=2, horizon=3), plan(4, 1, 2, 3, 4), 4, ">4 4..4+2+3+4/100"),
+        (World({3: [2, 3]}, step=2, horizon=5), plan(4, 1, 2, 3), 3, "3..4+2+3-4-5/100"),
+        (World({2: []}, step=2, horizon=3), plan(3, 1), 2, "2..3-2-3/100"),
+        (World({7: []}, step=7, horizon=7), plan(3, 1), 7, "7..7-7/100"),
+        (World({5: [3, 4, 5]}, step=3, horizon=4), plan(4, 1, 2, 3, 4), 5, "4..4+3+4/100 >5 5..5+3+4+5/100"),
+        (World({4: [2, 4]}, step=2, horizon=4), plan(2, 1, 2), 4, "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
+        (World({4: [3, 4]}, step=3, horizon=4), plan(3, 2, 3), 4, "3..3+3-4/100 4..4+3+4/100"),
+        (World({3: [2, 3]}, step=2, horizon=3), plan(2, 1, 2, 9), 3, "2..3+2+9/100 2..3+10+2+3/100 2..3/100"),
+        (World({3: [3]}, step=2, horizon=3, most=3), plan(4, 1, 2, 3, 4), 3, "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3"),
+        (World({3: [3]}, step=2, horizon=3), plan(1, 1), 3, "2..2-2-3/100 2..2+2-3/100 2..3+2/100 2..3/100"),
+        (World({2: [2]}, step=2, horizon=3), plan(1, 1), 2, "2..2-2-3/100 2..2+2-3/100"),
+    ],
+)
+def test_the_rest_of_the_last_plan_comes_first(world, last, horizon, asked):
+    """As it is, or one step later, without anything else; then with more actions; then any plan."""
+    assert run(world, last, seconds=0)[::2] == (horizon, asked)
+
+
+@pytest.mark.parametrize(
+    ("shortest", "foreseen", "least"), [(False, True, 9), (True, True, 7), (False, False, 3), (True, False, 3)]
+)
+def test_a_plan_that_goes_on_as_foreseen_has_had_its_time(shortest, foreseen, least):
+    """Where it was the shortest, that is tried to prove again for a tenth of the time."""
+    world = World({9: [9], 7: [7], 3: [3]}, horizon=9)
+    assert run(world, plan(9, 9, shortest=shortest), seconds=20, foreseen=foreseen)[0] == least
+
+
+@pytest.mark.parametrize("last", [None, plan(5, 5), plan(8, 8), plan(3, 2, shortest=True)])
+def test_what_is_no_longer_a_plan_leaves_the_time_as_it_is(last):
+    world = World({9: [9], 7: [7], 3: [3]}, horizon=9)
+    assert run(world, last, seconds=20, foreseen=True)[0] == 3
