@@ -91,7 +91,7 @@ class _Statements:
         """Tell whether retired steps may have decided of ``head``, and by that of the rules that define it."""
         literal, last = self._fixed.literals.get(head), self._fixed.first - 1
         if literal is not None:
-            return head in self._past or (literal in self._fixed.steps and literal not in self._fixed.base)
+            return literal in self._fixed.steps and literal not in self._fixed.base
         # clingo lets go of the names of what is false for good
         return self._program.may_see([head], self._program.first_step, last)
 

@@ -112,6 +112,7 @@ def test_a_search_ends_when_it_is_stopped():
 def test_what_was_not_searched_is_not_known_to_have_an_answer():
     program = ReactiveProgram.from_text("{ a }. #program cumulative(t). #program volatile(t).")
     grounding = Grounding(program, (), set())
+    assert not grounding.satisfied
     grounding.ground_to(1)
     assert not grounding.satisfied
     (rule,) = [one for _, one in parse_update("#step 1. :- a. #endstep.").sections()]

@@ -261,6 +261,33 @@ def test_a_rule_for_what_no_step_sees_keeps_none():
     assert first(retire("{ x }. #external door. " + EXTERNALS, "note :- x.", "door :- x.", ":- note.")) == 6
 
 
+@pytest.mark.parametrize(
+    ("step", "rules", "reached"),
+    [
+        ("s(t) :- door.", ["door :- x.", ":- x."], 2),
+        ("", ["", "", "", "", "e(5) :- x."], 5),
+        ("", ["", "", "sees(a,3) :- c(1), x."], 6),
+    ],
+)
+def test_a_rule_for_what_is_not_of_the_steps_that_are_over_keeps_none(step, rules, reached):
+    text = EXTERNALS.replace("#program volatile", step + " #program volatile")
+    assert first(retire("{ x }. #external door. #external sees/2. " + text, *rules)) == reached
+
+
+@pytest.mark.parametrize("body", ["c(1)", "c(1), x"])
+def test_what_was_forgotten_is_false_when_its_name_is_gone(monkeypatch, body):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 4)
+    retiring = retire("{ x }. " + EXTERNALS, "", f"e(2) :- {body}.", "#forget 1..2.", steps=6)
+    assert first(retiring) == 5
+    assert retiring.state.permanent == []
+
+
+def test_what_no_rule_has_brought_yet_may_come():
+    retiring = retire("{ x }. " + EXTERNALS, ":- new, x. :- other.", "new :- not c(1).", "#forget 1..1.")
+    assert first(retiring) == 6
+    assert sorted(map(str, retiring.state.permanent)) == [":- other.", ":- x."]
+
+
 def test_what_an_open_predicate_has_been_forced_to_be_stays_so():
     text = "{ x }. #external sees/2. #program cumulative(t). d(t) :- sees(a,t). #program volatile(t)."
     assert first(retire(text, "sees(a,1) :- x.", ":- d(1).")) is None
