@@ -309,7 +309,6 @@ class Grounding:
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
-        best = best and self.program.optimizes
         options: Any = self._control.configuration.solve
         options.models = str(models)
         options.solve_limit = "umax,umax" if conflicts is None else f"{conflicts},umax"
@@ -386,7 +385,7 @@ def build_grounding(
         grounding.close_cycle(cycle, executed)
     given = set(open_atoms) & facts
     for statement in state.permanent:
-        if statement.body or statement.head not in given:
+        if statement.head not in given:  # a rule for what is given as a fact says no more
             grounding.atoms.add(statement, None)
     for entry in state.lapsing:
         grounding.add(entry.statement, entry.lifetime)

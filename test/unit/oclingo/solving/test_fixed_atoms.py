@@ -70,6 +70,24 @@ def test_where_rules_do_not_tell_all_nothing_is_decided(text, first):
     assert undecided(f"#iinit {first}. {text}", (first, 2, 3), 4, start=first) == first
 
 
+def test_of_a_contradiction_nothing_is_told():
+    grounding = Grounding(ReactiveProgram.from_text("{ a ; b }. b :- a. :- a, b. :- not a. " + FACTS), (), set(), True)
+    grounding.ground_to(3)
+    fixed = look(grounding, 1, 3)
+    assert (fixed.first, fixed.values, fixed.literals) == (1, {}, {})
+
+
+def test_what_is_told_is_what_was_fixed_when_it_was_looked_at():
+    text = "{ a }. " + FACTS.replace("p(t).", "p(t). :- a, t = 3. :- s(t+1). { s(t+1) }.")
+    grounding = Grounding(ReactiveProgram.from_text(text), (), set(), shortest=True)
+    grounding.ground_to(2)
+    fixed = look(grounding, 1, 2)
+    first, values = fixed.first, dict(fixed.values)
+    grounding.ground_to(3)
+    assert grounding.search(1, lambda: False, 3, 3).satisfiable
+    assert (fixed.first, fixed.values) == (first, values)
+
+
 @pytest.mark.parametrize("offset", range(-3, 4))
 @pytest.mark.parametrize("name", ["t", "T"])
 def test_the_ends_of_horizons_keep_no_step_open(name, offset):

@@ -5,7 +5,7 @@ from stream_logs import cut
 from test_solver import atoms, play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
-from rosoclingo.oclingo.solving.grounding import Grounding, _block_ends
+from rosoclingo.oclingo.solving.grounding import Grounding, Search, _block_ends
 from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
@@ -94,6 +94,19 @@ def test_rules_for_open_predicates_are_restored_as_rules_and_facts_as_facts():
     assert set(solver.solve().answers) == expected
 
 
+def test_steps_that_are_ground_anew_one_by_one_see_nothing_of_later_ones():
+    solver = solver_of("#cumulative t. p(t). q(t) :- p(t+1). #volatile t.")
+    play(solver, "#step 4.")
+    solver.restore(cut(solver))
+    assert atoms(play(solver, "#step 5.")) == ["p(1)", "p(2)", "p(3)", "p(4)", "p(5)"]
+
+
+@pytest.mark.parametrize("window", [0, -3])
+def test_a_volatile_rule_of_no_steps_holds_at_none(window):
+    solver = solver_of(f"#cumulative t. p(t). #volatile t : {window}. :- p(t). #volatile t.")
+    assert [atoms(play(solver, f"#step {step}.")) for step in (1, 2)] == [["p(1)"], ["p(1)", "p(2)"]]
+
+
 HOLES = """
 #program cumulative(t).
 1 { in(P,H,t) : H = 1..11 } 1 :- P = 1..12.
@@ -107,6 +120,12 @@ def test_a_search_ends_when_it_is_stopped():
     grounding.ground_to(1)
     assert grounding.search(1, lambda: True, 1, 1).satisfiable is None
     assert not grounding.satisfied
+
+
+def test_a_search_that_is_stopped_among_many_answers_has_none():
+    grounding = Grounding(ReactiveProgram.from_text("{ a(1..40) }. #cumulative t. #volatile t."), (), set())
+    grounding.ground_to(1)
+    assert grounding.search(0, lambda: True, 1, 1) == Search(None)
 
 
 def test_what_was_not_searched_is_not_known_to_have_an_answer():
