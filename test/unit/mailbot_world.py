@@ -253,7 +253,7 @@ class Mailbot:
             if place and place[0] != "stuck":
                 told[identifier] = "canceled" if self._is_cut_off(identifier) else "accepted"
         for identifier, (end, since) in self.ends.items():
-            if self.cycle < since + TOLD:
+            if self.cycle < (since // TOLD + 2) * TOLD:
                 told[identifier] = end
         assert found == told
 

@@ -1,0 +1,193 @@
+"""The heuristic of delivery: plans for many requests are found at once, no answer changes, few rules are ground."""
+
+import clingo
+import pytest
+from clingo.backend import Observer
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mailbot_world import ENCODINGS, fewest_steps, neighbours, program
+
+from rosoclingo.oclingo import ReactiveProgram
+
+LIMIT = 50  # conflicts in which a plan has to be found
+ANSWERS = settings(max_examples=max(1, settings.default.max_examples // 4))
+
+ROW = tuple((number, number + 1) for number in range(1, 20))
+STAR = tuple((1, number) for number in range(2, 21))
+RING = tuple((number, number % 8 + 1) for number in range(1, 9))
+TWO_RINGS = (*RING, *((a + 8, b + 8) for a, b in RING), (5, 17), (17, 9), (3, 18), (12, 19), (19, 20))
+THETA = (*((number, number + 1) for number in range(1, 12)), (1, 12), (4, 10))
+MESH = tuple((a, a + step) for a in range(1, 16) for step in (1, 4) if step == 4 and a < 13 or step == 1 and a % 4)
+
+
+class Count(Observer):
+    """Counts what is ground."""
+
+    def __init__(self):
+        self.statements = 0
+
+    def rule(self, choice, head, body):
+        self.statements += 1
+
+    def heuristic(self, atom, type_, bias, priority, condition):
+        self.statements += 1
+
+
+def mailbot(corridors, capacity=3):
+    """The mailbot on a floor, the robot in office 1."""
+    return program(max(max(pair) for pair in corridors), corridors, 1, capacity)
+
+
+def without_heuristic(whole):
+    """The same program without what heuristic.lp says."""
+    bare = ReactiveProgram(whole.sources, {name: str(value) for name, value in whole.constants.items()})
+    for part in bare.parts:
+        part.statements = [one for one in part.statements if "heuristic.lp" not in one.location.begin.filename]
+    return bare
+
+
+def errands(number, offices):
+    """So many requests between offices, always the same."""
+    pairs = ((7 * one % offices + 1, (3 * one + one // 5 + 2) % offices + 1) for one in range(number))
+    return [(a, b if b != a else b % offices + 1) for a, b in pairs]
+
+
+def ground(program, requests, horizon, heuristic="Domain", facts="", observer=None):
+    """Return a control with all steps up to the horizon, at which a plan has to end, and what was ground for each."""
+    control = clingo.Control([*program.arguments(), f"--heuristic={heuristic}"], logger=lambda code, text: None)
+    control.register_observer(observer or Count())
+    program.load_into(control)
+    told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
+    control.add("told", [], " ".join(told) + facts)
+    control.ground([("base", []), ("told", [])])
+    counts = []
+    for step in range(1, horizon + 1):
+        before = observer and observer.statements
+        control.ground([("cumulative", [clingo.Number(step)]), ("volatile", [clingo.Number(step)])])
+        counts.append(observer and observer.statements - before)
+    control.assign_external(clingo.parse_term(f"__oclingo_volatile(1,{horizon})"), True)
+    return control, counts
+
+
+def plan(control, conflicts=LIMIT):
+    """Return the actions of the first plan in their order, None where so many conflicts are too few for one."""
+    control.configuration.solve.solve_limit = f"{conflicts},umax"
+    with control.solve(yield_=True) as handle:
+        model = handle.model()
+        return model and actions(model)
+
+
+def actions(model):
+    found = [one for one in model.symbols(shown=True) if one.name == "_action_lib"]
+    return tuple(sorted(found, key=lambda one: one.arguments[2]))
+
+
+def nearest_first(corridors, requests, capacity=3):
+    """Return how long it takes to go to the nearest place of use always."""
+    graph, office, steps, load, waits = neighbours(corridors), 1, 0, [], list(requests)
+    while load or waits:
+        if any(end == office for _, end in load):
+            load.remove(next(one for one in load if one[1] == office))
+        elif len(load) < capacity and any(start == office for start, _ in waits):
+            load.append(waits.pop([start for start, _ in waits].index(office)))
+        else:
+            targets = {end for _, end in load} | ({start for start, _ in waits} if len(load) < capacity else set())
+            office = first_step(graph, office, targets)
+        steps += 1
+    return steps
+
+
+def first_step(graph, office, targets):
+    """Return where to go first from an office to the nearest of some others."""
+    queue = [(one, one) for one in sorted(graph[office])]
+    for first, here in queue:
+        if here in targets:
+            return first
+        queue += [(first, one) for one in sorted(graph[here])]
+    raise AssertionError("no way")
+
+
+@pytest.mark.parametrize(
+    "corridors, number", [(ROW[:3], 20), (ROW, 8), (STAR, 8), (TWO_RINGS, 8), (THETA, 10), (MESH, 8)]
+)
+def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, number):
+    offices = max(max(pair) for pair in corridors)
+    requests = errands(number, offices)
+    longest = 3 * nearest_first(corridors, requests) // 2
+    control, _ = ground(mailbot(corridors), requests, longest)
+    found = plan(control)
+    assert found is not None
+    assert sum(one.arguments[0].name == "deliver" for one in found) == number
+
+
+@pytest.mark.parametrize("offices, number", [(4, 20), (20, 8)])
+def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, number):
+    requests = errands(number, offices)
+    fewest = nearest_first(ROW[: offices - 1], requests)
+    control, _ = ground(mailbot(ROW[: offices - 1]), requests, fewest)
+    assert len(plan(control)) < fewest
+
+
+def test_without_a_heuristic_so_few_conflicts_do_not_do():
+    requests = errands(20, 4)
+    control, _ = ground(mailbot(ROW[:3]), requests, nearest_first(ROW[:3], requests), heuristic="Vsids")
+    assert plan(control) is None
+
+
+@pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
+def test_with_a_way_shut_a_plan_is_found_soon(way):
+    requests = errands(8, 12)
+    horizon = 3 * nearest_first(THETA, requests) // 2
+    control, _ = ground(mailbot(THETA), requests, horizon, facts="_blocked(o{},o{},1).".format(*way))
+    found = plan(control, conflicts=300)
+    assert found is not None
+
+
+@pytest.mark.slow
+@ANSWERS
+@given(st.data())
+def test_it_changes_no_answer(data):
+    """All the shortest plans of small floors, with it and without it."""
+    count = data.draw(st.integers(2, 5))
+    corridors = {(data.draw(st.integers(1, number - 1)), number) for number in range(2, count + 1)}
+    corridors |= {(1, count)} if count > 2 and data.draw(st.booleans()) else set()
+    office = st.integers(1, count)
+    requests = data.draw(st.lists(st.tuples(office, office), min_size=1, max_size=2))
+    whole = mailbot(tuple(sorted(corridors)), data.draw(st.integers(1, 2)))
+    packages = tuple(("waits", f"o{a}", f"o{b}") for a, b in requests)
+    graph = neighbours([(f"o{a}", f"o{b}") for a, b in corridors])
+    fewest = fewest_steps(graph, int(str(whole.constants["capacity"])), "o1", packages)
+    programs = (whole, without_heuristic(whole))
+    assert all_plans(programs[0], requests, fewest - 1) == set()
+    plans = [all_plans(one, requests, fewest) for one in programs]
+    assert plans[0] == plans[1] != (set(),)
+
+
+def all_plans(program, requests, horizon):
+    if horizon == 0:
+        return set()
+    control, _ = ground(program, requests, horizon)
+    control.configuration.solve.models = "0"
+    with control.solve(yield_=True) as handle:
+        return {actions(model) for model in handle}
+
+
+@pytest.mark.parametrize("corridors", [ROW, STAR])
+def test_the_rules_of_a_step_are_no_more_than_places_and_requests(corridors):
+    def cost(offices, number):
+        """What the heuristic adds to each of the steps."""
+        whole = mailbot(corridors[: offices - 1])
+        requests = errands(number, offices)
+        counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without_heuristic(whole))]
+        return [more - less for more, less in zip(*counts)]
+
+    small, large = cost(8, 4), cost(20, 10)
+    assert max(small) <= 16 * (8 + 4)
+    assert max(large) <= 16 * (20 + 10)
+    assert large[-1] == large[-2]
+
+
+def test_what_a_domain_adds_is_heeded_in_the_house_too():
+    house = ReactiveProgram.from_files([ENCODINGS / "house.lp", ENCODINGS / "home.lp"])
+    kinds = {str(one.ast_type) for part in house.parts for one in part.statements}
+    assert any("Heuristic" in kind for kind in kinds)
