@@ -373,7 +373,9 @@ def test_an_office_without_a_way_to_it_is_rejected(tmp_path: Path):
     assert [str(one) for one in found] == ['_status(1,rejected(("no way leads to ",attic)),1)']
 
 
-@pytest.mark.parametrize("absent", [["search.lp"], ["search.lp", "faults.lp"]])
+@pytest.mark.parametrize(
+    "absent", [["search.lp"], ["heuristic.lp"], ["faults.lp"], ["search.lp", "heuristic.lp", "floor.lp"]]
+)
 def test_bounds_change_no_plan_and_neither_do_failures_that_never_came(absent, tmp_path: Path):
     """Without these files there are exactly the same shortest plans: the other rules are whole."""
     shutil.copytree(ENCODINGS, tmp_path, dirs_exist_ok=True)
