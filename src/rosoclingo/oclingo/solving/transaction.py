@@ -192,8 +192,6 @@ class Transaction:
                 continue
             if self.program.is_open_signature(head):
                 fresh[head] = fresh.get(head, False) or (not statement.body and isinstance(section, Cumulative))
-        if not fresh:
-            return
         self.state.open_atoms.extend(fresh)
         if self.grounding is not None:
             new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]

@@ -95,6 +95,72 @@ def test_returns_of_a_cycle_are_closed_with_the_next_cycle():
     assert atoms(late) == ["_return(go,x,3)", "c(3)"]
 
 
+def test_what_holds_up_to_a_horizon_that_is_past_is_not_taken(external):
+    play(external, "#step 3.")
+    for window, taken in ((1, []), (2, []), (3, ["c(1)", "e(1)"])):
+        result = play(external, f"#step 1. :- a. #volatile : {window}. e(1).")
+        assert (atoms(result), result.warnings) == (taken, ())
+
+
+@pytest.mark.parametrize("shortest", [False, True])
+def test_what_is_told_while_there_is_no_answer_for_good_counts_once_that_is_withdrawn(shortest):
+    text = "{ a }. #cumulative t. #external e(t). { m(t) }. c(t) :- e(t). :- e(1). #volatile t. :- a. :- m(t)."
+    solver = solver_of(text, shortest=shortest)
+    assert play(solver, "#step 1 : 0. e(1).").permanent
+    result = play(solver, "#step 3 : 0. e(3). m(3).")
+    assert (result.outcome, result.warnings) == (SolveOutcome.UNSATISFIABLE, (IGNORED.format("m(3)"),))
+    assert {"c(3)", "e(3)"} <= set(atoms(play(solver, "#step 3 : 0. #withdraw e(1).")))
+
+
+def test_what_its_own_step_has_not_declared_will_not_come():
+    solver = solver_of("#cumulative t. #external e(t) : t != 2. #volatile t.")
+    assert play(solver, "#step 2. e(2).").warnings == (IGNORED.format("e(2)"),)
+    assert play(solver, "#step 2. e(3).").warnings == ()
+    assert atoms(play(solver, "#step 3.")) == ["e(3)"]
+
+
+LOOP = ["f(1) :- d(1).", "e(1) :- f(1).", "g(1) :- d(1)."]
+
+
+@pytest.mark.parametrize("rules", [LOOP, LOOP[::-1], [LOOP[1], LOOP[0], LOOP[2]]])
+def test_rules_of_one_update_that_close_a_loop_with_one_of_the_program_support_nothing(rules):
+    solver = solver_of(
+        "#cumulative t. #external e(t). #external f(t). #external g(t). d(t) :- e(t). #volatile t.", models=0
+    )
+    play(solver, "#step 1.")
+    result = play(solver, " ".join(rules))
+    assert (texts(result), result.warnings) == ({frozenset()}, ())
+
+
+@pytest.mark.parametrize("shortest", [False, True])
+def test_what_a_step_forgets_are_externals_that_nothing_defines(shortest):
+    text = "{ a }. #cumulative t. #external e(t). #external f(t). #volatile t : 3. :- a, t = 1."
+    solver = solver_of(text, shortest=shortest, models=0)
+    assert texts(play(solver, "#step 1. #volatile : 2. e(1). #forget 1.")) == {frozenset(["e(1)"])}
+    assert texts(play(solver, "#step 2.")) == {frozenset(["e(1)"])}
+    assert texts(play(solver, "#step 3.")) == {frozenset()}
+    assert texts(play(solver, "#step 4.")) == {frozenset(), frozenset(["a"])}
+    result = play(solver, "e(1). f(1).")
+    assert [warning.split()[1] for warning in result.warnings] == ["f(1)"]
+
+
+def test_what_a_log_withdraws_was_never_told(external):
+    play(external, "#step 1. :- a. e(1).")
+    play(external, "#step 2. e(2).")
+    external.restore(external.log.less(frozenset([parse_atom("e(1)")])))
+    assert atoms(external.solve()) == ["c(2)", "e(2)"]
+
+
+def test_readers_ground_no_more_of_an_update_that_was_stopped(external):
+    looks = iter([False] * 3)
+    update = parse_update("#step 9. e(9). #endstep.")
+    assert external.update(update, lambda: next(looks, True)).outcome is SolveOutcome.INTERRUPTED
+    reader = ReactiveSolver(external.program)
+    reader.restore(copied(external.log))
+    assert reader.state.horizon == external.horizon < 9
+    assert {"c(9)", "e(9)"} <= set(atoms(play(reader, "#step 9.")))
+
+
 ALWAYS, IF_A, NEVER = (
     [["a", "r(x,2)", "w(x,2)"], ["r(x,2)", "w(x,2)"]],
     [[], ["a", "r(x,2)", "w(x,2)"]],

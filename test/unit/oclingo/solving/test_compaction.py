@@ -167,6 +167,15 @@ def test_facts_for_what_is_over_come_too_late():
     assert parse_atom("blocked(11)") in result.answers[0]
 
 
+def test_what_comes_too_late_does_so_for_who_reads_the_log():
+    solver, reader = walk(), walk()
+    drive(solver, 10, 2)
+    solver.update(parse_update("#step 10. blocked(10). #endstep."))
+    reader.restore(copied(solver.log))
+    result = reader.update(parse_update("#step 11. _request(goal(b,3),4). #endstep."))
+    assert [line.split(":")[0] for line in result.warnings] == ["Head _request(goal(b,3),4) comes too late"]
+
+
 def test_what_may_concern_later_steps_is_never_too_late():
     solver = walk()
     drive(solver, 10, 2)
@@ -203,6 +212,15 @@ def test_nothing_is_retired_by_reading_a_log(monkeypatch):
     monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
     solver.restore(solver.log.then(Taken(parse_update("#step 9. #endstep."), 9)))
     assert (solver.state.step, solver.state.past) == (9, None)
+
+
+def test_few_steps_are_retired_along_with_another_grounding(monkeypatch):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 100)
+    solver = walk()
+    drive(solver, 8, 1)
+    assert solver.state.past is None
+    solver.update(parse_update("#step 8. sees(x,3). #endstep."))
+    assert solver.state.past is not None, "steps that could have seen it are ground anew"
 
 
 def test_solvers_that_are_not_shortest_forget_nothing():
