@@ -106,6 +106,20 @@ class ProcessSolver:
         result = self._search(update, stopped)
         return replace(result, warnings=update.warnings + result.warnings)
 
+    def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
+        """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do."""
+        if self._log.plan is None or self._log.plan.shortest:
+            return None
+        try:
+            reply = self._process.improve(self._place, self._log, stopped)
+        except NotReadyError:
+            return None
+        if not reply:
+            return None
+        result = result_from_message(reply)
+        self._log.plan = result.plan
+        return result
+
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to those in ``executed``; the child hears of it with the next search."""
         self._log = self._log.then(Close(cycle, frozenset(executed)))
@@ -215,21 +229,30 @@ class SolverProcess:
     def ask(self, place: Place, log: StreamLog, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> Message:
         """Have the solver at ``place`` read ``log``, take ``update`` and search; return the child's reply."""
         text = None if update is None else str(update)
+        reply = self._have(place, log, {"do": "update", "update": text}, stopped)
+        self._have_spare()
+        return reply
+
+    def improve(self, place: Place, log: StreamLog, stopped: Optional[Stopped]) -> Message:
+        """Have the solver at ``place`` read ``log`` and shorten its plan; return the child's reply, empty for none."""
+        return self._have(place, log, {"do": "improve", "plan": plan_to_message(log.plan)}, stopped)
+
+    def _have(self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped]) -> Message:
+        """Have the solver at ``place`` read what is new in ``log`` and do a ``command``; return the child's reply."""
 
         def ask() -> Message:
-            """Tell the child what its solver has not read of the log yet, and the update."""
-            self._prepare(stopped, place, log, text)
+            """Tell the child what its solver has not read of the log yet, and the command."""
+            self._prepare(stopped, place, log, command.get("update"))
             assert self._child is not None
             assert place.read is not None
             unread = [entry_to_message(one) for one in log.since(place.read) or ()]
-            self._child.send({"do": "update", "update": text, **self._about(place, unread)})
+            self._child.send({**command, **self._about(place, unread)})
             return self._wait(stopped)
 
         reply = self._guarded(ask, place, log)
         place.read = log
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
-        self._have_spare()
         return reply
 
     def has_read(self, place: Place, log: StreamLog) -> None:

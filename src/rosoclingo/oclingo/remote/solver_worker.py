@@ -109,6 +109,7 @@ class Worker:
             "load": self._load,
             "rebuild": self._rebuild,
             "update": self._update,
+            "improve": self._improve,
         }
 
     def run(self, answer: Callable[[Message], None]) -> None:
@@ -156,6 +157,14 @@ class Worker:
                 self._known.keep(log.before)
         self._known.keep(log)
         return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
+
+    def _improve(self, command: Message) -> Message:
+        """Have a solver read what is new in its log, and shorten the plan."""
+        solver = self._solvers[command["solver"]]
+        solver.restore(self._known.longer(solver.log, command["log"]))
+        solver.log.plan = plan_from_message(command["plan"])
+        result = solver.improve(self._commands.interrupted)
+        return {} if result is None else result_to_message(result)
 
 
 def _update_of(text: Optional[str]) -> Optional[StreamUpdate]:

@@ -17,7 +17,8 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_failures import is_foreseen
 from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
-from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, may_idle
+from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
+from rosoclingo.oclingo.solving.improvement import Improvement
 from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import Close, Plan, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
@@ -91,6 +92,9 @@ class StreamSolver(Protocol):
     def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
         """Take ``update`` and search for answers until there is one, the bound is reached or ``stopped`` says so."""
 
+    def improve(self, stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
+        """Look for a shorter plan until there is one, ``stopped`` says so or nothing is left to try."""
+
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to those in ``executed``."""
 
@@ -151,6 +155,7 @@ class ReactiveSolver:
         self._setting = Setting(program, horizon_limit, shortest, oclingo_strings)
         self._log = self._read = StreamLog()
         self._grounding: Optional[Grounding] = None  # fits the state after what was read of the log
+        self._improvement: Optional[Improvement] = None
         self._stop = False
 
     @property
@@ -197,6 +202,39 @@ class ReactiveSolver:
         ground anew, which ``stopped`` does not end: where it says so, DroppedError is raised.
         """
         return self._run(update, stopped, dropped)
+
+    def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
+        """Look for a shorter plan than the last one, with what is done up to the present step left as it is.
+
+        It is an answer of the last update, which the next update begins with. Returns it as soon as it is found: there
+        may be a still shorter one. Returns None where ``stopped`` says so, or nothing is left to try: that is so until
+        there is another update. Only for ``shortest`` solvers of one answer, and programs that do not optimize.
+        """
+        self._stop = False
+        plan = self._log.plan
+        if plan is None or plan.shortest or not self.shortest or self.models != 1 or self.program.optimizes:
+            return None
+        self.read()
+        if self._grounding is None or self.state.cyclic:
+            return None
+        transaction = Transaction(self._setting, self.state.copy(), self._grounding)
+        with self._taking(transaction):
+            start = time.perf_counter()
+            found = self._shorten(plan, transaction, lambda: self._stop or (stopped is not None and stopped()))
+            spent = {"solve": time.perf_counter() - start, "ground": 0.0}
+        if found is None:
+            return None
+        step = self.state.step
+        result = SolveResult(SolveOutcome.SATISFIABLE, found.answers, found.horizon, step, statistics=spent)
+        self._log.plan = result.plan
+        return result
+
+    def _shorten(self, plan: Plan, transaction: Transaction, halt: Callable[[], bool]) -> Optional[Search]:
+        """Go on with what is tried to shorten ``plan``."""
+        place = transaction.state.step, first_horizon(transaction)
+        if self._improvement is None or not self._improvement.goes_on(plan, *place):
+            self._improvement = Improvement(plan, *place)
+        return self._improvement.run(transaction.ready(), halt)
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.

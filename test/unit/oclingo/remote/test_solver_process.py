@@ -469,6 +469,26 @@ def test_the_memory_of_a_child_is_known():
     assert child.memory == 0
 
 
+def test_plans_are_shortened_in_a_process_as_well():
+    """A child that has read the log anew shortens the plan that the caller goes by; a stop ends that."""
+    program = ReactiveProgram.from_text(program_text())
+    with SolverProcess(program, shortest=True, oclingo_strings=False, plan_time=0.0) as process:
+        solver = process.solver()
+        assert solver.improve() is None
+        solver.update(parse_update("#step 1. _request(3,1). #endstep."))
+        (action,) = (one for one in solver.log.plan.actions if cycle_of(one) == 1)
+        worse = Plan(solver.log.plan.later().actions | {action}, solver.log.plan.horizon + 1)
+        solver.log.plan = worse
+        kill(process)
+        assert solver.improve(lambda: True) is None
+        assert solver.log.plan == worse
+        while (result := solver.improve()) is not None:
+            assert result.plan == solver.log.plan
+        assert solver.log.plan.horizon == 3
+        assert action in solver.log.plan.actions
+        assert solver.update(parse_update(f"#step 2. :- not {action}. #endstep.")).horizon == 3
+
+
 def test_plans_soon_come_from_a_process_as_well():
     """A time for plans goes to the child, what is proven comes back, and a new child is told the last plan."""
     program = ReactiveProgram.from_text(program_text())

@@ -1,0 +1,147 @@
+"""Shorter plans by large neighbourhoods: most of a plan stays, a part of it is free.
+
+Two kinds of parts are free in turns. Of a *window* of steps, what lies before it stays and what lies behind it is done
+one step earlier (Shaw's large neighbourhood search, 1998). At a *detour* the plan is left: at one step anything is done
+but what is planned, and all behind that is free (as in the limited discrepancy search of Harvey and Ginsberg, 1995);
+with ``#heuristic`` the rest is then what these statements advise. Where a round over the plan brings nothing, the next
+has larger windows and more conflicts.
+"""
+
+from random import Random
+from typing import Callable, Iterator, List, NamedTuple, Optional, Tuple
+
+import clingo
+
+from rosoclingo.oclingo.solving.grounding import Grounding, Search
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+
+SIZE = 16
+"""Steps of a window, at first; half as many more in each further round."""
+
+CONFLICTS = 100
+"""Conflicts that a question may take, at first; twice as many in each further round."""
+
+MOST_CONFLICTS = 20_000
+"""Where so many conflicts a question bring nothing for the whole plan, nothing is left to try."""
+
+Given = List[Tuple[clingo.Symbol, bool]]
+
+
+class Part(NamedTuple):
+    """The free part of a plan.
+
+    Attributes:
+        first: its first step.
+        last: its last one, None where all is free to the end.
+        otherwise: whether something else is to be done at the first step than what is planned.
+
+    """
+
+    first: int
+    last: Optional[int] = None
+    otherwise: bool = False
+
+    def given(self, plan: Plan) -> Given:
+        """Return what is assumed of the actions of ``plan``: those behind the part are done one step earlier."""
+        return [one for action in plan.actions for one in self._assumed(action)]
+
+    def _assumed(self, action: clingo.Symbol) -> Given:
+        cycle = cycle_of(action)
+        if cycle < self.first:
+            return [(action, True)]
+        if self.last is not None and cycle > self.last:
+            return [(_earlier(action), True)]
+        return [(action, False)] if self.otherwise and cycle == self.first else []
+
+
+class Improvement:
+    """What is tried to shorten one plan; it goes on with what it comes to as long as it is of use.
+
+    Attributes:
+        exhausted: True once nothing is left to try.
+
+    """
+
+    def __init__(self, plan: Plan, step: int, first: int) -> None:
+        """Shorten ``plan`` behind ``step``, the present one; no answer may have a horizon before ``first``."""
+        self._plan, self._step, self._first = plan, step, first
+        self._size, self._conflicts = SIZE, CONFLICTS
+        self._random = Random(0)
+        self._shortened = False  # in this round
+        self._parts = self._rounds()
+        self.exhausted = False
+
+    def goes_on(self, plan: Plan, step: int, first: int) -> bool:
+        """Go on at a later ``step``, if ``plan`` is the one to be shortened; tell whether it is."""
+        same = plan.horizon == self._plan.horizon and plan.since(step).actions == self._plan.since(step).actions
+        if same:
+            self._plan, self._step, self._first = plan, step, first
+        return same
+
+    def run(self, grounding: Grounding, halt: Callable[[], bool]) -> Optional[Search]:
+        """Return a shorter plan as soon as one is found; None where ``halt`` came first, or nothing is left to try."""
+        present = self._present(grounding)
+        while not halt():
+            part = next(self._parts, None)
+            if part is None:
+                self.exhausted = True
+                break
+            given = part.given(self._plan.since(self._step + 1))
+            found = self._ask(grounding, halt, min(self._plan.horizon - 1, grounding.horizon), [*present, *given])
+            if found.satisfiable:
+                return self._take(grounding, halt, present, found)
+            if found.satisfiable is False and part == Part(self._step + 1):
+                self._parts = iter(())  # there is none
+        return None
+
+    def _present(self, grounding: Grounding) -> Given:
+        """Return what is committed or running: nothing else, and nothing less, is done up to the present step."""
+        cycles = [self._step, *map(cycle_of, self._plan.actions)]
+        open_actions = grounding.actions(min(cycles), self._step)
+        return [(action, action in self._plan.actions) for action in open_actions]
+
+    def _ask(self, grounding: Grounding, halt: Callable[[], bool], last: int, given: Given) -> Search:
+        return grounding.search(1, halt, self._first, last, given, self._conflicts, best=False)
+
+    def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
+        """Take ``found`` for the plan; where it idles at its end, the same without these steps if that is one."""
+        plan = Plan.of(found.answers[-1], found.horizon).since(self._step + 1)
+        end = max(self._first, self._step, plan.last_cycle)
+        if end < found.horizon:
+            sooner = self._ask(grounding, halt, end, [*present, *Part(end + 1).given(plan)])
+            found = sooner if sooner.satisfiable else found
+        self._plan = Plan.of(found.answers[-1], found.horizon)
+        self._shortened = True
+        return found
+
+    # ---- Which parts -------------------------------------------------------------------------------------------------
+
+    def _rounds(self) -> Iterator[Part]:
+        """Yield parts until a round over all of the plan has brought nothing, however hard it was tried."""
+        while self._length > 0:
+            whole = self._size >= self._length
+            self._shortened = False
+            yield from self._round()
+            if not self._shortened:
+                if whole and self._conflicts >= MOST_CONFLICTS:
+                    return
+                self._size, self._conflicts = self._size * 3 // 2, min(self._conflicts * 2, MOST_CONFLICTS)
+
+    def _round(self) -> Iterator[Part]:
+        """Yield windows from the present to the end, which overlap by half, and a detour after each."""
+        first = self._step + 1
+        while first <= self._plan.horizon and self._length > 0:
+            last = first + self._size - 1
+            yield Part(first, last if last < self._plan.horizon else None)
+            if self._length > 0:
+                yield Part(self._random.randint(self._step + 1, self._plan.horizon), otherwise=True)
+            first = max(self._step + 1, first + self._size // 2)
+
+    @property
+    def _length(self) -> int:
+        """How many steps of the plan lie behind the present."""
+        return self._plan.horizon - max(self._step, self._first)
+
+
+def _earlier(action: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) - 1)])

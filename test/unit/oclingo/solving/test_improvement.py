@@ -1,0 +1,114 @@
+"""Shorter plans: what is committed or running stays as it is, and a stop at any moment leaves a plan."""
+
+from itertools import count
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_walk import Walk, program_text
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamUpdate, parse_update
+from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+
+PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
+
+#: What comes with each step: places that are wanted, and whether the action before has failed.
+NEWS = st.tuples(st.lists(st.integers(-4, 5), max_size=3), st.booleans())
+
+
+def solver_of(advice=True, **options):
+    return ReactiveSolver(PROGRAMS[advice], shortest=True, oclingo_strings=False, plan_time=0.0, **options)
+
+
+def stop_after(looks):
+    """A stop that comes with the so many-th look, None for never."""
+    numbers = count()
+    return lambda: looks is not None and next(numbers) >= looks
+
+
+def at(plan, first, last):
+    return {one for one in plan.actions if first <= cycle_of(one) <= last}
+
+
+def worse(plan, step, idle):
+    """The same plan with so many idle steps behind the present one: what comes later comes as much later."""
+    later = Plan(frozenset(plan.actions - at(plan, 0, step)), plan.horizon)
+    for _ in range(idle):
+        later = later.later()
+    return Plan(later.actions | at(plan, 0, step), plan.horizon + idle)
+
+
+@settings(max_examples=40)
+@given(st.booleans(), st.lists(NEWS, min_size=1, max_size=4), st.integers(0, 3), st.none() | st.integers(0, 30))
+def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news, idle, looks):
+    walk, solver, done = Walk(), solver_of(advice), set()
+    for wanted, fails in news:
+        update = walk.update(wanted, fails, done, None)
+        if walk.step > 1:
+            solver.close_cycle(walk.step - 1, done)
+        solver.update(update)
+        plan = solver.log.plan = worse(solver.log.plan, walk.step, idle)
+        entries = solver.log.entries
+        while True:
+            result = solver.improve(stop_after(looks))
+            if result is None:
+                break
+            better = result.plan
+            assert better == solver.log.plan
+            assert better.horizon < plan.horizon
+            assert at(better, 0, walk.step) == at(plan, 0, walk.step)
+            assert walk.allows(result.horizon, frozenset(at(better, walk.step, result.horizon)))
+            plan = better
+        assert solver.log.plan == plan
+        assert solver.log.entries == entries
+        done = at(plan, walk.step, walk.step)
+        if looks is None:
+            next_step = Walk(walk.step + 1, walk.facts, walk.done | done)
+            assert next_step.least(walk.step, plan.horizon) == plan.horizon
+
+
+def test_nothing_is_tried_where_there_is_nothing_to_shorten():
+    solver = solver_of()
+    asked = []
+    assert solver.improve(lambda: asked.append(1)) is None
+    solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
+    while solver.improve() is not None:
+        pass
+    asked.clear()
+    assert solver.improve(lambda: asked.append(1)) is None
+    assert len(asked) <= 1
+    assert ReactiveSolver(PROGRAMS[True]).improve() is None
+
+
+def test_the_next_update_goes_on_from_the_better_plan():
+    solver = solver_of()
+    solver.update(parse_update("#step 1. _request(3,1). #endstep."))
+    solver.log.plan = worse(solver.log.plan, 1, 1)
+    better = solver.improve().plan
+    (action,) = at(better, 1, 1)
+    result = solver.update(StreamUpdate(2, items=parse_update(f"#step 2. :- not {action}. #endstep.").items))
+    assert result.plan.since(2).actions == better.since(2).actions
+    assert result.horizon == 3
+
+
+@pytest.mark.parametrize("looks", [0, 1, 5])
+def test_no_question_is_asked_after_a_stop(looks, monkeypatch):
+    solver = solver_of()
+    solver.update(parse_update("#step 1. _request(5,1). _request(-4,1). #endstep."))
+    plan = solver.log.plan = worse(solver.log.plan, 1, 2)
+    stop, stopped, search = stop_after(looks), [], Grounding.search
+
+    def look():
+        stopped.append(stop())
+        return stopped[-1]
+
+    def asked(grounding, models, stopped_now, *arguments, **limits):
+        assert True not in stopped
+        return search(grounding, models, stopped_now, *arguments, **limits)
+
+    monkeypatch.setattr(Grounding, "search", asked)
+    while (result := solver.improve(look)) is not None:
+        plan = result.plan
+    assert True in stopped
+    assert solver.log.plan == plan
