@@ -9,7 +9,7 @@ from typing import Collection, Container, ContextManager, Dict, Iterable, Iterat
 import clingo
 from clingo.backend import Backend
 
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 
 OPEN, HOLDS, RELEASED = clingo.TruthValue.False_, clingo.TruthValue.True_, clingo.TruthValue.Release
@@ -57,10 +57,10 @@ class AtomTable:
     """
 
     def __init__(
-        self, control: clingo.Control, session: BackendSession, declared: Container[int], heads: Container[Signature]
+        self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
     ) -> None:
-        """Take the control, its session, the literals of declared externals, and the predicates that rules define."""
-        self._control, self._session, self._declared, self._heads = control, session, declared, heads
+        """Take the control, its session, the literals of declared externals, and those of them that rules define."""
+        self._control, self._session, self._declared, self._defined = control, session, declared, defined
         self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
         self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
         self._closed: Set[clingo.Symbol] = set()
@@ -83,11 +83,10 @@ class AtomTable:
             return True
         if atom in self._closed:
             return False
+        # clingo's own ``is_external`` is no help: it is True for what a rule makes equivalent to an external, and lost
+        # once the program can never be satisfied
         known = self._control.symbolic_atoms[atom]
-        if known is None:
-            return False
-        # clingo itself no longer keeps track of externals once the program can never be satisfied
-        return bool(known.is_external) or (known.literal in self._declared and signature_of(atom) not in self._heads)
+        return known is not None and known.literal in self._declared and known.literal not in self._defined
 
     def is_closed(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""

@@ -6,7 +6,8 @@ from typing import Dict, List, Optional, Set
 import clingo
 from clingo.propagator import PropagateInit, Propagator, PropagatorCheckMode
 
-from rosoclingo.oclingo.solving.grounding import BASE, Grounding, StepRecorder
+from rosoclingo.oclingo.solving.grounding import BASE, Grounding
+from rosoclingo.oclingo.solving.observers import StepRecorder
 
 
 class FixedAtoms(Propagator):

@@ -22,7 +22,6 @@ from typing import (
 )
 
 import clingo
-from clingo.backend import Observer
 from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError
@@ -32,6 +31,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_table import HOLDS, ActionIndex, AtomIndex, AtomTable, BackendSession, CycleIndex
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
+from rosoclingo.oclingo.solving.observers import Externals, Heads, StepRecorder
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
 
 POLL = 0.002
@@ -47,76 +47,6 @@ class Search(NamedTuple):
     satisfiable: Optional[bool]
     answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
     horizon: int = 0
-
-
-class _Externals(Observer):
-    """Notes which externals clingo declares."""
-
-    def __init__(self) -> None:
-        self.fresh: Set[int] = set()
-
-    def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """Record an external."""
-        self.fresh.add(atom)
-
-
-class StepRecorder(Observer):
-    """Records the literals in the ground rules of each block of steps that are grounded at once.
-
-    Attributes:
-        blocks: first step of a block -> its steps.
-        heads: first step of a block -> atoms that its rules define.
-        atoms: first step of a block -> all atoms of its rules, and its externals.
-        names: the literals of the atoms that base has; clingo lets go of the names of those that are false for good.
-        opaque: True once something was grounded whose meaning is not in rules alone.
-
-    """
-
-    def __init__(self) -> None:
-        self._block: Optional[int] = None
-        self.names: Dict[clingo.Symbol, int] = {}
-        self.blocks: Dict[int, range] = {}
-        self.heads: Dict[int, Set[int]] = {}
-        self.atoms: Dict[int, Set[int]] = {}
-        self.opaque = False
-
-    def begin(self, steps: range) -> None:
-        """Take what comes as the rules of ``steps``."""
-        self._block = steps[0]
-        self.blocks[steps[0]] = steps
-
-    def end(self) -> None:
-        """Take what comes as nobody's."""
-        self._block = None
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Record a rule of some step."""
-        if self._block is not None:
-            self._note(self._block, head, body)
-
-    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """Record a rule with a weighted body of some step."""
-        if self._block is not None:
-            self._note(self._block, head, [literal for literal, _ in body])
-
-    def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """Record an external of some step."""
-        if self._block is not None:
-            self._note(self._block, (), (atom,))
-
-    def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
-        """Record that there are edges: those of all steps make one graph."""
-        self.opaque = True
-
-    def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
-        """Record that there are theory atoms, which may mean anything."""
-        self.opaque = True
-
-    def _note(self, block: int, head: Sequence[int], body: Sequence[int]) -> None:
-        self.heads.setdefault(block, set()).update(head)
-        atoms = self.atoms.setdefault(block, set())
-        atoms.update(head)
-        atoms.update(map(abs, body))
 
 
 class Grounding:
@@ -151,12 +81,15 @@ class Grounding:
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
         self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
-        self.atoms = AtomTable(self._control, self._session, self._declared, program.head_signatures)
+        self._heads = Heads()
+        self.atoms = AtomTable(self._control, self._session, self._declared, self._heads.externals)
         self._actions = ActionIndex(self._control, self._session, ACTION, program.first_step if shortest else None)
         self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures - {BEYOND})
-        self._observer = _Externals()
+        self._observer = Externals()
         self._control.register_observer(self._observer)
+        if program.external_signatures & program.head_signatures:  # else no rule defines an external
+            self._control.register_observer(self._heads)
         self.recorder = StepRecorder()
         if shortest:
             self._control.register_observer(self.recorder)
@@ -199,6 +132,7 @@ class Grounding:
         for literal in self._observer.fresh:
             self._declared.setdefault(literal, step)
         self._observer.fresh.clear()
+        self._heads.sort(self._declared)
         self._externals.expire()
         self._returns.expire()
         self._actions.expire()

@@ -45,6 +45,27 @@ def test_a_definition_for_the_moment_and_one_for_good_in_one_update(external, up
     assert atoms(result) == ["c(1)", "e(1)"]
 
 
+@pytest.mark.parametrize("shortest", [True, False])
+def test_what_a_step_defines_no_update_may_define(shortest):
+    solver = solver_of("#external door. #cumulative t. #external e(t). door :- e(t), t = 1.", shortest=shortest)
+    play(solver, "#step 1.")
+    assert play(solver, "#step 2. door. e(2).").warnings == (IGNORED.format("door"),)
+
+
+def test_externals_are_known_when_nothing_can_be_satisfied_any_more():
+    solver = solver_of("#external door. #cumulative t. #external e(t). c(t) :- e(t). :- e(1). #volatile t.")
+    result = play(solver, "#step 1 : 0. e(1).")
+    assert result.outcome is SolveOutcome.UNSATISFIABLE
+    result = play(solver, "#step 2 : 0. e(2). door. c(2).")
+    assert (result.outcome, result.warnings) == (SolveOutcome.UNSATISFIABLE, (IGNORED.format("c(2)"),))
+
+
+def test_what_is_told_and_its_opposite_cannot_both_be():
+    solver = solver_of("{ -p(1..2) }. #external e. #cumulative t. #volatile t.", models=0)
+    found = play(solver, "#step 1. p(1). p(2) :- e.")
+    assert set(found.answers) == {frozenset(map(parse_atom, held)) for held in (["p(1)"], ["p(1)", "-p(2)"])}
+
+
 def test_a_body_may_mention_what_a_later_update_defines(external):
     assert atoms(play(external, "#step 1. e(1) :- fresh(x). :- a.")) == []
     assert atoms(play(external, "#step 2.")) == []
