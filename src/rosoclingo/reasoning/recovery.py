@@ -1,7 +1,7 @@
 """What to give up when the solver finds no plan: as few goals as possible, the newest first, and why each of them.
 
 Goals are given up in the next update, by the program's own means, ``_request(cancel(Id),C)``; so the stream that was
-sent stays a true record. What would be without a goal or an observation is found out on fresh solvers beside it.
+sent stays a true record. What would be without a goal or an observation is found out on a solver beside it.
 """
 
 from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
@@ -10,6 +10,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.reasoning.conflicts import Choice, Conflict, UndecidedError, choose, find_conflict, remembering
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
@@ -63,10 +64,13 @@ def recover(planner: Planner, question: Question) -> Optional[Recovery]:
     undecided = False
     for withhold in (False, True) if question.goals else ():
         attempts = _Attempts(planner, question, withhold)
-        everything = attempts.without(question.goals)
-        if everything.met:
-            return _fewest(attempts, question, everything)
-        undecided = undecided or everything.result.outcome is SolveOutcome.INTERRUPTED
+        try:
+            helps = attempts.can_have((), question.observations)
+        except UndecidedError:
+            undecided = True
+            continue
+        if helps:
+            return _fewest(attempts, question)
     if undecided:
         raise UndecidedError
     return None
@@ -86,13 +90,17 @@ def is_answerable(planner: Planner, question: Question) -> bool:
 
 
 class _Attempts:
-    """Plans without some goals, which are cancelled or withheld, and as if some observations had not been made."""
+    """What would be without some goals, which are cancelled or withheld, and had some observations not been made.
+
+    One grounding tells, in which the facts that make the difference are in doubt.
+    """
 
     def __init__(self, planner: Planner, question: Question, withhold: bool) -> None:
         self._planner = planner
         self._question = question
         self._withhold = withhold
-        self.latest: Optional[Recovery] = None
+        self._beside: Optional[Planner] = None
+        self._refuted: List[_Refuted] = []
         self.begin()
 
     def begin(self) -> None:
@@ -104,50 +112,75 @@ class _Attempts:
         """How many steps a plan may have."""
         return self._planner.lookahead
 
-    @property
-    def over(self) -> bool:
-        """Whether the time limit is reached."""
-        return self._look() is not None
-
-    def without(self, dropped: Sequence[Goal], unseen: Sequence[Observation] = (), steps: int = 0) -> Recovery:
-        """Plan without some goals and observations, at least so many ``steps`` ahead."""
+    def without(self, dropped: Sequence[Goal]) -> Recovery:
+        """Plan without some goals."""
         step = self._question.step
-        facts: FrozenSet[Symbol] = frozenset().union(*(one.facts for one in unseen))
         gone: FrozenSet[Symbol] = requests_of(dropped) if self._withhold else frozenset()
-        oldest_first: Iterable[Goal] = () if self._withhold else reversed(dropped)
-        cancels = (Statement(cancellation(one.identifier, step)) for one in oldest_first)
-        update = StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *cancels))
+        update = StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *map(Statement, self._cancels(dropped))))
         try:
-            fresh = self._planner.restarted(facts | gone)
-            fresh.lookahead = max(fresh.lookahead, steps)
+            fresh = self._planner.restarted(gone)
             result = fresh.update(update)
         except SolverError:  # what is left of the goals takes too long, or is refused, as well
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
-        found = Recovery(fresh, update, result, self._withhold, tuple(map(UnmetGoal, dropped)))
-        if found.met:
-            self.latest = found
-        return found
-
-    def known(self, dropped: Sequence[Goal], everything: Recovery) -> Recovery:
-        """As ``without``, unless that has been planned just now, or ``everything`` is dropped."""
-        for found in (everything, self.latest):
-            if found is not None and {one.goal for one in found.unmet} == set(dropped):
-                return found
-        return self.without([goal for goal in self._question.goals if goal in dropped])
+        return Recovery(fresh, update, result, self._withhold, tuple(map(UnmetGoal, dropped)))
 
     def met(self, kept: Sequence[Goal], seen: Sequence[Observation], steps: int = 0) -> bool:
-        """Whether there is a plan for the goals that are kept; raises UndecidedError."""
+        """As ``can_have``, while there is time."""
+        if self._look() is not None:
+            raise UndecidedError
+        return self.can_have(kept, seen, steps)
+
+    def can_have(self, kept: Sequence[Goal], seen: Sequence[Observation], steps: int = 0) -> bool:
+        """Whether there is a plan, of so many ``steps`` at least, for the goals kept; raises UndecidedError."""
         question = self._question
-        if self.over:
-            raise UndecidedError
+        untold = _facts_of(one for one in question.observations if one not in seen)
         dropped = [goal for goal in question.goals if goal not in kept]
-        found = self.without(dropped, [one for one in question.observations if one not in seen], steps)
-        if found.result.outcome is SolveOutcome.INTERRUPTED:
+        untold |= requests_of(dropped) if self._withhold else frozenset(self._cancels(kept))
+        steps = max(steps, self.lookahead)
+        if any(one.tells_of(untold, steps) for one in self._refuted):
+            return False
+        verdict = self._ask(untold, steps)
+        if verdict.satisfiable is None:
             raise UndecidedError
-        return found.met
+        if not verdict.satisfiable:
+            self._refuted.append(_Refuted(verdict.core, verdict.core & untold, steps))
+        return verdict.satisfiable
+
+    def _ask(self, untold: FrozenSet[Symbol], steps: int) -> Verdict:
+        goals = self._question.goals
+        cancels = self._cancels(goals)
+        doubted = _facts_of(self._question.observations)
+        doubted |= requests_of(goals) if self._withhold else frozenset(cancels)
+        update = StreamUpdate(self._question.step, items=tuple(map(Statement, cancels)))
+        try:
+            self._beside = self._beside or self._planner.restarted()
+            return self._beside.inquire(update, doubted, untold, steps)
+        except SolverError:  # takes too long, or is refused
+            return Verdict(None)
+
+    def _cancels(self, goals: Sequence[Goal]) -> List[Symbol]:
+        """The cancellations of the goals, of the oldest first; none where goals are withheld."""
+        oldest_first: Iterable[Goal] = () if self._withhold else reversed(goals)
+        return [cancellation(one.identifier, self._question.step) for one in oldest_first]
 
 
-def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Recovery:
+class _Refuted(NamedTuple):
+    """There is no plan of at most so many ``steps`` where of the facts in ``core`` just these are ``untold``."""
+
+    core: FrozenSet[Symbol]
+    untold: FrozenSet[Symbol]
+    steps: int
+
+    def tells_of(self, untold: FrozenSet[Symbol], steps: int) -> bool:
+        """Whether there is none for this reason where these facts are untold."""
+        return steps <= self.steps and self.core & untold == self.untold
+
+
+def _facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:
+    return frozenset().union(*(one.facts for one in observations))
+
+
+def _fewest(attempts: _Attempts, question: Question) -> Recovery:
     """Give up as few goals as possible; raises UndecidedError."""
     known: Dict[FrozenSet[Goal], bool] = {frozenset(question.goals): False, frozenset(): True}
     choice = choose(question.goals, remembering(lambda kept: attempts.met(kept, question.observations), known))
@@ -155,7 +188,8 @@ def _fewest(attempts: _Attempts, question: Question, everything: Recovery) -> Re
         raise UndecidedError
     for _, conflict in choice:
         _confirm(attempts, question, conflict)
-    found = attempts.known([goal for goal, _ in choice], everything)
+    given_up = [goal for goal, _ in choice]
+    found = attempts.without([goal for goal in question.goals if goal in given_up])
     if not found.met:
         raise UndecidedError
     return found._replace(unmet=_unmet(attempts, question, choice))

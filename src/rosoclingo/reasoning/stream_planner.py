@@ -4,7 +4,7 @@ All that a solver takes is in its log; planners beside one another read the same
 """
 
 from dataclasses import replace
-from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from clingo import Symbol
 
@@ -20,10 +20,13 @@ from rosoclingo.oclingo import (
     commitment,
 )
 from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
+from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.keywords import Action
+
+T = TypeVar("T")
 
 #: Makes a solver that nothing was fed to yet.
 SolverFactory = Callable[[], StreamSolver]
@@ -155,17 +158,23 @@ class Planner:
             return None
         return result if result.outcome is SolveOutcome.SATISFIABLE else None
 
+    def inquire(
+        self, update: StreamUpdate, doubted: FrozenSet[Symbol], untold: FrozenSet[Symbol], steps: int
+    ) -> Verdict:
+        """Whether there would be a plan of so many ``steps`` after ``update``, had the facts ``untold`` not been told.
+
+        Nothing is taken. The ``untold`` are among those ``doubted``; as long as only they and the steps change, the
+        program is ground once.
+        """
+        whole = self._whole(update, steps)
+        verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, doubted, untold, stopped))
+        self._note(halt if verdict.satisfiable is None else None)
+        return verdict
+
     def may_begin_with(self, action: Symbol, steps: int) -> bool:
         """Whether a plan of the present cycle and ``steps`` more holds ``action``; True where that takes too long."""
         update = StreamUpdate(self._solver.step, steps, (Volatile(), commitment(action)))
         return self._search(update).outcome is not SolveOutcome.UNSATISFIABLE
-
-    def improve(self, stopped: Callable[[], bool]) -> Optional[SolveResult]:
-        """A shorter plan, with past and present as they are; None where ``stopped`` came first or none is to be had."""
-        try:
-            return self._solver.improve(stopped)
-        except SolverError:  # its log is as it was, the next update goes on from there
-            return None
 
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with that ``result``, gave no plan."""
@@ -215,6 +224,12 @@ class Planner:
         return replace(update, bound=lookahead, items=items)
 
     def _search(self, update: StreamUpdate) -> SolveResult:
+        result, halt = self._watched(lambda stopped: self._solver.update(update, stopped))
+        self._note(halt if result.outcome is SolveOutcome.INTERRUPTED else None)
+        return result
+
+    def _watched(self, ask: Callable[[Callable[[], bool]], T]) -> Tuple[T, Optional[Halt]]:
+        """Ask the solver, and tell why it was stopped, if it was."""
         while True:
             look, halt = self._watch(), None
 
@@ -225,8 +240,7 @@ class Planner:
                 return halt is not None
 
             try:
-                result = self._solver.update(update, stopped)
-                break
+                return ask(stopped), halt
             except NotReadyError:  # the search's time has not begun
                 continue
             except DroppedError:
@@ -234,11 +248,12 @@ class Planner:
                 if halt and halt.disturbed:
                     raise DisturbedError(halt.why, kept=False) from None
                 raise
-        interrupted = result.outcome is SolveOutcome.INTERRUPTED
-        self.ended_by = halt.why if halt and interrupted else ""
-        if halt and halt.disturbed and interrupted:
+
+    def _note(self, halt: Optional[Halt]) -> None:
+        """Note why the search has come to nothing, if it has."""
+        self.ended_by = halt.why if halt else ""
+        if halt and halt.disturbed:
             raise DisturbedError(halt.why, kept=True)
-        return result
 
 
 def feed_less(

@@ -30,7 +30,12 @@ class Statement:
 
     def concerns(self, atoms: FrozenSet[clingo.Symbol]) -> bool:
         """Whether this defines one of ``atoms``, or is the commitment to one."""
-        return self.body[0].atom in atoms if self.is_commitment else self.head in atoms
+        return self.subject in atoms
+
+    @property
+    def subject(self) -> Optional[clingo.Symbol]:
+        """The atom that this defines or, as a commitment, demands."""
+        return self.body[0].atom if self.is_commitment else self.head
 
     @property
     def is_commitment(self) -> bool:

@@ -10,7 +10,7 @@ import weakref
 from collections import deque
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Callable, Deque, Iterable, Iterator, List, Optional, Type
+from typing import Any, Callable, Deque, FrozenSet, Iterable, Iterator, List, Optional, Type
 
 import clingo
 
@@ -18,13 +18,17 @@ from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError,
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.remote.child import WorkerLostError, WorkerProcess
+from rosoclingo.oclingo.remote.place import Place
 from rosoclingo.oclingo.remote.wire import (
     Message,
     faults_from_message,
     plan_to_message,
     program_to_message,
+    question_to_message,
     result_from_message,
+    verdict_from_message,
 )
+from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.solver import SolveResult
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, entry_to_message
 
@@ -44,22 +48,6 @@ GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
 
 Stopped = Callable[[], bool]
-
-
-class Place:
-    """A solver's place in a child; it lives as long as it is referred to.
-
-    Attributes:
-        number: what the child knows it by.
-        child: the child that has such a solver, None where none has it.
-        read: the log that the child's solver has read, or will have.
-
-    """
-
-    def __init__(self, number: int) -> None:
-        self.number = number
-        self.child: Optional[WorkerProcess] = None
-        self.read: Optional[StreamLog] = None
 
 
 class ProcessSolver:
@@ -119,6 +107,17 @@ class ProcessSolver:
         result = result_from_message(reply)
         self._log.plan = result.plan
         return result
+
+    def inquire(
+        self,
+        update: StreamUpdate,
+        doubted: FrozenSet[clingo.Symbol],
+        untold: FrozenSet[clingo.Symbol],
+        stopped: Optional[Stopped] = None,
+    ) -> Verdict:
+        """Tell whether ``update`` would have an answer, had ``untold`` never been told; raises as updates do."""
+        question = question_to_message(update, doubted, untold)
+        return verdict_from_message(self._process.have(self._place, self._log, question, stopped))
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to those in ``executed``; the child hears of it with the next search."""
@@ -229,15 +228,15 @@ class SolverProcess:
     def ask(self, place: Place, log: StreamLog, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> Message:
         """Have the solver at ``place`` read ``log``, take ``update`` and search; return the child's reply."""
         text = None if update is None else str(update)
-        reply = self._have(place, log, {"do": "update", "update": text}, stopped)
+        reply = self.have(place, log, {"do": "update", "update": text}, stopped)
         self._have_spare()
         return reply
 
     def improve(self, place: Place, log: StreamLog, stopped: Optional[Stopped]) -> Message:
         """Have the solver at ``place`` read ``log`` and shorten its plan; return the child's reply, empty for none."""
-        return self._have(place, log, {"do": "improve", "plan": plan_to_message(log.plan)}, stopped)
+        return self.have(place, log, {"do": "improve", "plan": plan_to_message(log.plan)}, stopped)
 
-    def _have(self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped]) -> Message:
+    def have(self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped]) -> Message:
         """Have the solver at ``place`` read what is new in ``log`` and do a ``command``; return the child's reply."""
 
         def ask() -> Message:

@@ -24,8 +24,10 @@ from rosoclingo.oclingo.remote.wire import (
     plan_from_message,
     program_from_message,
     result_to_message,
+    verdict_to_message,
 )
 from rosoclingo.oclingo.solving.solver import ReactiveSolver
+from rosoclingo.oclingo.solving.state_text import symbols_from_text
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_from_message, key_after
 
 _CHUNK = 1 << 20
@@ -110,6 +112,7 @@ class Worker:
             "rebuild": self._rebuild,
             "update": self._update,
             "improve": self._improve,
+            "inquire": self._inquire,
         }
 
     def run(self, answer: Callable[[Message], None]) -> None:
@@ -165,6 +168,16 @@ class Worker:
         solver.log.plan = plan_from_message(command["plan"])
         result = solver.improve(self._commands.interrupted)
         return {} if result is None else result_to_message(result)
+
+    def _inquire(self, command: Message) -> Message:
+        """Have a solver read what is new in its log, and tell what would be, had some facts not been told."""
+        solver = self._solvers[command["solver"]]
+        solver.restore(self._known.longer(solver.log, command["log"]))
+        doubted, untold = (symbols_from_text(command[key]) for key in ("doubted", "untold"))
+        update = parse_update(command["update"])
+        return verdict_to_message(
+            solver.inquire(update, doubted, untold, self._commands.interrupted, self._commands.dropped)
+        )
 
 
 def _update_of(text: Optional[str]) -> Optional[StreamUpdate]:

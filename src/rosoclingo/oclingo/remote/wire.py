@@ -5,11 +5,15 @@ Symbols travel as text, see :mod:`~rosoclingo.oclingo.solving.state_text`.
 
 import json
 from pathlib import Path
-from typing import Iterable, List, Optional
+from typing import FrozenSet, Iterable, List, Optional
+
+import clingo
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.state_text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.oclingo.solving.stream_log import Plan
@@ -75,6 +79,24 @@ def result_from_message(message: Message) -> SolveResult:
         shortest=message["shortest"],
         statistics=message["statistics"],
     )
+
+
+def question_to_message(
+    update: StreamUpdate, doubted: FrozenSet[clingo.Symbol], untold: FrozenSet[clingo.Symbol]
+) -> Message:
+    """Return the command to ask :meth:`~rosoclingo.oclingo.solving.solver.ReactiveSolver.inquire` this."""
+    facts = {"doubted": symbols_to_text(sorted(doubted)), "untold": symbols_to_text(sorted(untold))}
+    return {"do": "inquire", "update": str(update), **facts}
+
+
+def verdict_to_message(verdict: Verdict) -> Message:
+    """Return ``verdict`` for :func:`verdict_from_message`."""
+    return {"satisfiable": verdict.satisfiable, "core": symbols_to_text(sorted(verdict.core))}
+
+
+def verdict_from_message(message: Message) -> Verdict:
+    """Return the verdict that :func:`verdict_to_message` took."""
+    return Verdict(message["satisfiable"], symbols_from_text(message["core"]))
 
 
 def plan_to_message(plan: Optional[Plan]) -> Message:

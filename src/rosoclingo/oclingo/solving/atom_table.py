@@ -4,7 +4,7 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import Collection, Container, ContextManager, Dict, Iterable, Iterator, List, Optional, Set, Tuple
+from typing import Collection, Container, ContextManager, Dict, Iterable, Iterator, List, Mapping, Optional, Set, Tuple
 
 import clingo
 from clingo.backend import Backend
@@ -42,6 +42,14 @@ class BackendSession:
         literal = self.backend.add_atom()
         self.backend.add_external(literal, value)
         return literal
+
+    def conjunction(self, literal: int, other: Optional[int]) -> int:
+        """Return a literal that holds where ``literal`` and, if there is one, the ``other`` do."""
+        if other is None:
+            return literal
+        both = self.backend.add_atom()
+        self.backend.add_rule([both], [literal, other])
+        return both
 
     def release(self, literal: int) -> None:
         """Make an external false for good."""
@@ -219,10 +227,19 @@ class ActionIndex:
     """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
 
     def __init__(
-        self, control: clingo.Control, session: BackendSession, signature: Signature, first: Optional[int] = None
+        self,
+        control: clingo.Control,
+        session: BackendSession,
+        signature: Signature,
+        first: Optional[int] = None,
+        told: Optional[Mapping[clingo.Symbol, int]] = None,
     ) -> None:
-        """Take the signature, and the ``first`` cycle of all: those before it hold what the program says for sure."""
+        """Take the signature, and the ``first`` cycle of all: those before it hold what the program says for sure.
+
+        Of actions in doubt ``told`` has the literal under which they were executed.
+        """
         self._control, self._session, self._first = control, session, first
+        self._told: Mapping[clingo.Symbol, int] = {} if told is None else told
         self._atoms = CycleIndex(control, signature)
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
@@ -257,3 +274,5 @@ class ActionIndex:
         for atom, literal in self._atoms.pop_cycle(cycle):
             if not self._may_be(atom, cycle):
                 self._session.backend.add_rule([], [literal])
+            elif atom in self._told:
+                self._session.backend.add_rule([], [literal, -self._told[atom]])

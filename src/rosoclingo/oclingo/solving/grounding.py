@@ -28,8 +28,10 @@ from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.return_failures import with_their_failures
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_table import HOLDS, ActionIndex, AtomIndex, AtomTable, BackendSession, CycleIndex
+from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
 from rosoclingo.oclingo.solving.observers import Externals, Heads, StepRecorder
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
@@ -42,11 +44,15 @@ BASE = -(2**31)
 
 
 class Search(NamedTuple):
-    """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last."""
+    """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last.
+
+    Where there is no answer, ``core`` are the facts in doubt because of which there is none.
+    """
 
     satisfiable: Optional[bool]
     answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
     horizon: int = 0
+    core: FrozenSet[clingo.Symbol] = frozenset()
 
 
 class Grounding:
@@ -56,7 +62,7 @@ class Grounding:
         horizon: the last grounded step; first step - 1 while only base is grounded.
         atoms: what updates may say of the atoms, and how.
         messages: what clingo said since they were last cleared.
-        recorder: the rules' atoms step by step, recorded where answers are shortest.
+        recorder: the rules' atoms step by step, recorded where answers are shortest and nothing is in doubt.
         shown: the shown atoms of the last answer.
         satisfied: whether the last search had an answer, and nothing was added since.
 
@@ -69,11 +75,13 @@ class Grounding:
         facts: Set[clingo.Symbol],
         shortest: bool = False,
         past: Optional[Past] = None,
+        doubted: FrozenSet[clingo.Symbol] = frozenset(),
     ) -> None:
         """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
 
         With ``shortest`` no answer holds an action of a cycle beyond its horizon. Steps that ``past`` tells of are not
-        ground. Raises RuntimeError as clingo does.
+        ground. Of facts that are ``doubted`` each search says whether they were told. Raises RuntimeError as clingo
+        does.
         """
         self.program = program
         self._shortest = shortest
@@ -83,7 +91,9 @@ class Grounding:
         self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
         self._heads = Heads()
         self.atoms = AtomTable(self._control, self._session, self._declared, self._heads.externals)
-        self._actions = ActionIndex(self._control, self._session, ACTION, program.first_step if shortest else None)
+        self._doubts = Doubts(self._session, doubted)
+        first = program.first_step if shortest else None
+        self._actions = ActionIndex(self._control, self._session, ACTION, first, self._doubts.literals)
         self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures - {BEYOND})
         self._observer = Externals()
@@ -91,7 +101,7 @@ class Grounding:
         if program.external_signatures & program.head_signatures:  # else no rule defines an external
             self._control.register_observer(self._heads)
         self.recorder = StepRecorder()
-        if shortest:
+        if shortest and not doubted:  # nothing is retired of what is only asked about
             self._control.register_observer(self.recorder)
         program.load_into(self._control)
         self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
@@ -121,10 +131,13 @@ class Grounding:
 
     def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
         """Make ``facts`` known to the steps."""
-        text = "".join(f"{atom}.\n" for atom in facts)
+        doubted = [atom for atom in facts if atom in self._doubts.literals]
+        text = "".join(f"#external {atom}.\n" if atom in doubted else f"{atom}.\n" for atom in facts)
         if text:
             self._control.add("__oclingo_past", [], text)
             self._ground([("__oclingo_past", [])], self._past.first - 1)
+        for atom in doubted:
+            self.add(Statement(atom), FOREVER)
 
     def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
         self._session.close()
@@ -164,12 +177,12 @@ class Grounding:
     def add(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
         self.satisfied = False
-        if lifetime == FOREVER:
-            self.atoms.add(statement, None)
-            return
-        if lifetime not in self._guards:
-            self._guards[lifetime] = self._session.new_external(HOLDS)
-        self.atoms.add(statement, self._guards[lifetime])
+        guard = self._doubts.literal_of(statement)
+        if lifetime != FOREVER:
+            if lifetime not in self._guards:
+                self._guards[lifetime] = self._session.new_external(HOLDS)
+            guard = self._session.conjunction(self._guards[lifetime], guard)
+        self.atoms.add(statement, guard)
 
     def lapse(self, lifetimes: Iterable[Lifetime]) -> None:
         """End what holds for the ``lifetimes``."""
@@ -230,16 +243,17 @@ class Grounding:
         given: Iterable[Tuple[clingo.Symbol, bool]] = (),
         conflicts: Optional[int] = None,
         best: bool = True,
+        untold: FrozenSet[clingo.Symbol] = frozenset(),
     ) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
         Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the
         answers' horizons are free within the range. Only answers are looked for in which the atoms ``given`` are as
         they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
-        ``best``, or else any.
+        ``best``, or else any. Of the facts in doubt all were told but those ``untold``.
         """
         self.atoms.end_definitions()
-        assumptions: List[Any] = [*self._ends.range(first, last), *given]
+        assumptions: List[Any] = [*self._ends.range(first, last), *given, *self._doubts.assumptions(untold)]
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
@@ -261,10 +275,11 @@ class Grounding:
                 if stopped():
                     handle.cancel()
             result = handle.get()
+            core = frozenset() if result.satisfiable is not False else self._doubts.among(handle.core())
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
-        return Search(bool(result.satisfiable), tuple(answers), horizons[-1])
+        return Search(bool(result.satisfiable), tuple(answers), horizons[-1], core)
 
 
 def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:
@@ -299,16 +314,19 @@ def build_grounding(
     shortest: bool,
     dropped: Callable[[], bool] = lambda: False,
     coming: Iterable[clingo.Symbol] = (),
+    doubted: FrozenSet[clingo.Symbol] = frozenset(),
 ) -> Grounding:
     """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
 
     Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
-    for one head are what they are in a program of one piece. Atoms that are ``coming`` are known as externals.
+    for one head are what they are in a program of one piece. Atoms that are ``coming`` are known as externals,
+    and facts that are ``doubted`` were told where a search says so.
     Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
     """
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
+    facts -= with_their_failures(doubted)
     open_atoms = dict.fromkeys([*state.open_atoms, *coming])
-    grounding = Grounding(program, open_atoms, facts, shortest, state.past)
+    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted)
     for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest else 1):
         if dropped():
             raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
@@ -320,7 +338,7 @@ def build_grounding(
     given = set(open_atoms) & facts
     for statement in state.permanent:
         if statement.head not in given:  # a rule for what is given as a fact says no more
-            grounding.atoms.add(statement, None)
+            grounding.add(statement, FOREVER)
     for entry in state.lapsing:
         grounding.add(entry.statement, entry.lifetime)
     for cycle in sorted(state.closed_cycles)[:-1]:

@@ -19,6 +19,7 @@ from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
 from rosoclingo.oclingo.solving.improvement import Improvement
+from rosoclingo.oclingo.solving.inquiry import Inquiry, Verdict
 from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import Close, Plan, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
@@ -108,6 +109,15 @@ class StreamSolver(Protocol):
     def restore(self, log: StreamLog) -> None:
         """Go on from a log: an earlier one, or another solver's."""
 
+    def inquire(
+        self,
+        update: StreamUpdate,
+        doubted: FrozenSet[clingo.Symbol],
+        untold: FrozenSet[clingo.Symbol],
+        stopped: Optional[Callable[[], bool]] = None,
+    ) -> Verdict:
+        """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
+
 
 class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates.
@@ -156,6 +166,7 @@ class ReactiveSolver:
         self._log = self._read = StreamLog()
         self._grounding: Optional[Grounding] = None  # fits the state after what was read of the log
         self._improvement: Optional[Improvement] = None
+        self._inquiry: Optional[Inquiry] = None
         self._stop = False
 
     @property
@@ -251,6 +262,38 @@ class ReactiveSolver:
         alone.
         """
         self._log = self._log.then(Over(step))
+
+    def inquire(
+        self,
+        update: StreamUpdate,
+        doubted: FrozenSet[clingo.Symbol],
+        untold: FrozenSet[clingo.Symbol],
+        stopped: Optional[Stopped] = None,
+        dropped: Optional[Stopped] = None,
+    ) -> Verdict:
+        """Tell whether there would be an answer after ``update``, had the facts ``untold`` never been told.
+
+        Nothing is taken. The ``untold`` are among those ``doubted``: facts of the stream or of the update, and actions,
+        which were not executed then. As long as the log, the update and the facts in doubt are the same, the program is
+        ground once, whatever is untold. For ``shortest`` solvers. Raises SolverError as :meth:`update` does.
+        """
+        self._stop = False
+        self.read()
+        self._check(update)
+
+        def halt() -> bool:
+            return self._stop or (stopped is not None and stopped())
+
+        inquiry, self._inquiry = self._inquiry, None  # what a failure leaves of it is let go
+        if inquiry is None or not inquiry.is_about(self.state, update, doubted):
+            idles = may_idle(self.program, halt)
+            inquiry = Inquiry(self._setting, self.state, replace(update, bound=None), doubted, idles)
+        try:
+            verdict = inquiry.ask(untold, update.bound, halt, dropped)
+        except RuntimeError as error:
+            raise SolverError(explain(error, None, self.program)) from None
+        self._inquiry = inquiry
+        return verdict
 
     def read(self, coming: Optional[StreamUpdate] = None) -> None:
         """Read what is new in the log, without a search; raises SolverError where the program can't be ground.

@@ -67,15 +67,17 @@ class Transaction:
         grounding: Optional[Grounding],
         dropped: Optional[Callable[[], bool]] = None,
         coming: Iterable[clingo.Symbol] = (),
+        doubted: FrozenSet[clingo.Symbol] = frozenset(),
     ) -> None:
         """Work on ``state``, which nobody else has, and ``grounding``.
 
-        ``dropped`` ends a grounding made anew; atoms that are ``coming`` with what is taken next are known to it.
+        ``dropped`` ends a grounding made anew; atoms that are ``coming`` with what is taken next are known to it, and
+        facts that are ``doubted`` are in doubt there.
         """
         self.program, self.state, self.grounding = setting.program, state, grounding
         self._setting = setting
         self._dropped = dropped or (lambda: False)
-        self._coming = coming
+        self._coming, self._doubted = coming, doubted
         self._again = False
         self.warnings: List[str] = []
         self.compacted = False
@@ -358,7 +360,7 @@ class Transaction:
     def _build(self) -> Grounding:
         """Ground the program anew and put in force all that the state holds."""
         coming = [atom for atom in self._coming if not self._setting.is_too_late(self.state, atom)]
-        self.grounding = build_grounding(self.program, self.state, self._shortest, self._dropped, coming)
+        self.grounding = build_grounding(self.program, self.state, self._shortest, self._dropped, coming, self._doubted)
         self._fall_due(self.grounding)
         return self.grounding
 

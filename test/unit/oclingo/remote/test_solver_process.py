@@ -509,3 +509,19 @@ def test_plans_soon_come_from_a_process_as_well():
         shortest = process.solver().update(ask)
         assert shortest.shortest
         assert shortest.horizon <= soon.horizon
+
+
+def test_what_would_be_is_asked_of_the_process_as_well():
+    text = "#external e/1.\n#program cumulative(t).\n:- e(1), e(2), not e(3).\n"
+    here = ReactiveSolver(ReactiveProgram.from_text(text), shortest=True)
+    update = parse_update('#step 2 : 1. e(1). e(2). e("3"). #end step.')
+    doubted = frozenset(map(parse_atom, ["e(1)", "e(2)", 'e("3")']))
+    with process_of(text, shortest=True) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1 : 1. #end step."))
+        here.update(parse_update("#step 1 : 1. #end step."))
+        log = solver.log
+        for untold in (frozenset(), frozenset([parse_atom("e(1)")])):
+            assert solver.inquire(update, doubted, untold) == here.inquire(update, doubted, untold)
+        assert solver.inquire(update, doubted, frozenset()).core == doubted - {parse_atom('e("3")')}
+        assert solver.log is log
