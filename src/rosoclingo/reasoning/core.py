@@ -1,7 +1,7 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
 from contextlib import suppress
-from typing import List, Optional, Sequence, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
@@ -75,6 +75,7 @@ class Core:
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
         self._latest = (0, TaskPlan())  # the plan that was used last, and its cycle
         self._waits = 0
+        self._improvable = False  # whether there may be a shorter plan
 
     @property
     def cycle(self) -> int:
@@ -144,6 +145,20 @@ class Core:
             return False
         self._next_cycle(now)
         return True
+
+    def improve(self, stopped: Callable[[], bool]) -> bool:
+        """While actions run and nothing waits, shorten the plan, what runs stays; tell whether more may be found.
+
+        It returns with each better plan, and soon after ``stopped``, asked every few milliseconds, says so.
+        """
+        if not (self._improvable and self.awaited) or self._feeder.pending:
+            return False
+        result = self._planner.improve(stopped)
+        if result is not None:
+            self._follow(result)
+            self._tell_progress()
+        self._improvable = result is not None or stopped()
+        return self._improvable
 
     def abandon(self, why: str) -> None:
         """Abort every goal, as the core ends."""
@@ -251,21 +266,16 @@ class Core:
             self._too_much(batch, self._planner.why_none(result), now)
 
     def _use(self, result: SolveResult, now: float) -> None:
-        answer = result.answers[0]
-        plan = self._plan = extract_plan(answer)
-        self._latest = self._step, plan
+        plan, statuses = self._follow(result), GoalStatuses(result.answers[0], self._step)
+        self._improvable = not result.shortest
         self._goals.plan_found()
-        statuses = GoalStatuses(answer, self._step)
         for fault in (*plan.faults, *statuses.faults):
             self._problem(fault)
-        self._tell_plan(result)
         for goal in self._goals.fed:
             update_status(goal, statuses, plan, self._step, result.horizon, self._speaks)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
-        shown = self._shown()
-        for goal in self._goals.fed:
-            self._tell(GoalProgress(self._step, goal.key, goal.state, shown))
+        self._tell_progress()
         actions = plan.at(self._step)
         if actions:
             self._execution.begin(self._step, actions, now)
@@ -274,6 +284,13 @@ class Core:
             self._tell(ActionsDispatched(self._step, actions))
         elif self._waits >= self._planner.lookahead and self._later():
             self._lose_patience()
+
+    def _follow(self, result: SolveResult) -> TaskPlan:
+        """Go on with the plan of an answer."""
+        plan = self._plan = extract_plan(result.answers[0])
+        self._latest = self._step, plan
+        self._tell_plan(result)
+        return plan
 
     def _lose_patience(self) -> None:
         """A cycle without actions ends at once; a plan that is put off for more cycles than it may be long is none."""
@@ -284,13 +301,8 @@ class Core:
     def _recover(self, result: SolveResult, batch: Batch, now: float, mended: bool) -> None:
         """No plan: end the goals that must go and start the next cycle without them, or doubt what was seen."""
         goals, why = self._goals.fed, self._planner.why_none(result)
-        question = Question(
-            self._step + 1,
-            tuple(reversed(goals)),
-            self._execution.observations.newest_first,
-            self._watch_recovery,
-            self._settings.horizon_limit,
-        )
+        seen, limit = self._execution.observations.newest_first, self._settings.horizon_limit
+        question = Question(self._step + 1, tuple(reversed(goals)), seen, self._watch_recovery, limit)
         try:
             found = recover(self._planner, question)
             if found is not None:
@@ -327,9 +339,8 @@ class Core:
     def _mend(self, question: Question, batch: Batch, now: float) -> bool:
         """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
         observations = self._execution.observations
-        found = mend(
-            self._planner, Case(batch, self._planner.in_force, self._execution.executed, question, self._clock)
-        )
+        case = Case(batch, self._planner.in_force, self._execution.executed, question, self._clock)
+        found = mend(self._planner, case)
         if found is None:
             return False
         self._planner = found.planner
@@ -363,11 +374,8 @@ class Core:
             self._lose(why)
             return
         self._problem(f"ERROR: the program has no answer after all that was done and told: {why}; it begins anew")
-        self._goals.end(
-            [goal for goal in self._goals.fed if goal not in batch.goals],
-            Outcome.ABORTED,
-            "is given up: the program begins anew",
-        )
+        old = [goal for goal in self._goals.fed if goal not in batch.goals]
+        self._goals.end(old, Outcome.ABORTED, "is given up: the program begins anew")
         self._goals.again(batch.goals)
         self._planner, self._told = planner, self._step
         self._execution.forget_all()
@@ -391,6 +399,11 @@ class Core:
     def _tell_plan(self, result: SolveResult) -> None:
         seconds = result.statistics
         self._tell(PlanMade(self.cycle, result.horizon, self._shown(), seconds["ground"], seconds["solve"]))
+
+    def _tell_progress(self) -> None:
+        shown = self._shown()
+        for goal in self._goals.fed:
+            self._tell(GoalProgress(self._step, goal.key, goal.state, shown))
 
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""

@@ -176,6 +176,13 @@ class Planner:
         update = StreamUpdate(self._solver.step, steps, (Volatile(), commitment(action)))
         return self._search(update).outcome is not SolveOutcome.UNSATISFIABLE
 
+    def improve(self, stopped: Callable[[], bool]) -> Optional[SolveResult]:
+        """A shorter plan, with past and present as they are; None where ``stopped`` came first or none is to be had."""
+        try:
+            return self._solver.improve(stopped)
+        except SolverError:  # its log is as it was, the next update goes on from there
+            return None
+
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with that ``result``, gave no plan."""
         if result.outcome is SolveOutcome.INTERRUPTED:

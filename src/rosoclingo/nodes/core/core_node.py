@@ -36,6 +36,9 @@ from rosoclingo.reasoning.keywords import return_of
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
 SHUTDOWN_TIME = 5.0
 
+#: Seconds, of wall time or of ROS time, after which an improvement lets what is due by time be done.
+IMPROVING = 0.5
+
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
 CANCEL_GRACE = 0.05
 
@@ -52,7 +55,8 @@ class CoreNode:
         ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
             further goal adds a tenth.
         ~plan (str, default soon): ``soon``: each plan is the shortest if that is found within ``~plan_time``, else the
-            best that is known by then; ``shortest``: the shortest, as in the paper, whatever it takes.
+            best that is known by then, which is shortened while actions run; ``shortest``: the shortest, as in the
+            paper, whatever it takes.
         ~plan_time (float, default 1.0): seconds of the solver's processor time in which it looks for a shorter plan
             than the first one that it has found; 0 takes the first.
         ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the
@@ -170,11 +174,13 @@ class CoreNode:
         else:
             self._register.announce(node, message.interface)
 
-    def _settle(self) -> None:
-        self._go_on()
+    def _settle(self) -> Optional[float]:
+        improvable = self._go_on()
         self._health.tick()
+        return 0.0 if improvable else None
 
-    def _go_on(self) -> None:
+    def _go_on(self) -> bool:
+        """Do what is due; tell whether the plan may be improved while nothing comes."""
         now = rospy.get_time()
         if now < self._last_time:
             rospy.logwarn("time jumped back by %.1f s", self._last_time - now)
@@ -182,10 +188,23 @@ class CoreNode:
         self._last_time = now
         if now == 0.0:
             rospy.logwarn_throttle(10.0, "waiting for /clock")
-            return
+            return False
         self._core.poll(now)
         while not self._ending and not self._worker.waiting and self._core.advance(now):
             now = rospy.get_time()
+        return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
+
+    def _watch_improvement(self, now: float) -> Callable[[], bool]:
+        """End what improves the plan as soon as anything comes, or something may be due by time."""
+        start = time.monotonic()
+
+        def look() -> bool:
+            """Tell whether to end it now."""
+            self._health.tick()
+            spent = max(time.monotonic() - start, abs(rospy.get_time() - now))
+            return self._ending or self._worker.waiting or spent >= IMPROVING
+
+        return look
 
     def _watch_search(self) -> Callable[[], Optional[Halt]]:
         """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
