@@ -6,15 +6,7 @@ from typing import Callable, List, Optional, Sequence, Tuple
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.conflicts import UndecidedError
-from rosoclingo.reasoning.events import (
-    ActionsDispatched,
-    ActionsPreempted,
-    GoalProgress,
-    Observer,
-    PlanMade,
-    Problem,
-    UpdateSent,
-)
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, Observer
 from rosoclingo.reasoning.explanations import Explanations
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
@@ -59,7 +51,8 @@ class Core:
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
     ) -> None:
-        self._tell = observer
+        self._tell, self._announce = observer, Announcer(observer, lambda: self.cycle)
+        self._problem = self._announce.problem
         self._settings = settings
         self._planner = Planner(make_solver, settings.horizon_limit, watch)
         self._watch_recovery = watch_recovery
@@ -71,7 +64,6 @@ class Core:
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
-        self._told = 0  # the cycle whose update was told last
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
         self._latest = (0, TaskPlan())  # the plan that was used last, and its cycle
         self._waits = 0
@@ -134,7 +126,7 @@ class Core:
             self._plan = extract_plan(result.answers[0])
         else:
             self._problem(f"the program has no answer before any request: {self._planner.why_none(result)}")
-        self._tell_plan(result)
+        self._announce.plan(result, self._shown())
 
     def advance(self, now: float) -> bool:
         """Start the next cycle if there is reason to; False when the core waits for something to arrive."""
@@ -156,7 +148,7 @@ class Core:
         result = self._planner.improve(stopped)
         if result is not None:
             self._follow(result)
-            self._tell_progress()
+            self._announce.progress(self._step, self._goals.fed, self._shown())
         self._improvable = result is not None or stopped()
         return self._improvable
 
@@ -189,9 +181,12 @@ class Core:
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
-        self._step = self._told + 1
+        told = self._announce.told
+        self._step = told + 1
         self._planner.lookahead = steps_for(len(self._goals.queue.served), self._settings.horizon_limit)
-        since = min((goal.request_cycle or self._told for goal in self._goals.fed), default=self._told)
+        since = min(
+            (goal.request_cycle or self._announce.told for goal in self._goals.fed), default=self._announce.told
+        )
         self._solve(self._feeder.next_update(self._step, self._planner.over(self._step, since - 1)), now)
 
     def _solve(self, batch: Batch, now: float) -> None:
@@ -204,7 +199,7 @@ class Core:
             self._leave(disturbance)
             if disturbance.kept:
                 self._taken(batch)
-                self._tell_update()
+                self._announce.update(self._step, self._planner.in_force)
             return
         except SolverError as error:
             self._take_nothing(now if isinstance(error, DroppedError) else None)
@@ -214,7 +209,7 @@ class Core:
             self._answered(result, batch, now)
         except DisturbedError as disturbance:
             self._leave(disturbance)
-        self._tell_update()
+        self._announce.update(self._step, self._planner.in_force)
 
     def _leave(self, disturbance: DisturbedError) -> None:
         """Leave the search: there is another as soon as what has come is taken."""
@@ -234,21 +229,8 @@ class Core:
         """Remember the facts of an update that is in force."""
         self._feeder.taken(batch)
         present = {item.head for item in self._planner.in_force.items if isinstance(item, Statement)}
-        for fact in batch.facts:
-            if fact.atom not in present:
-                self._execution.forget(fact)
-            elif not fact.is_return:
-                self._execution.observations.add_fact(fact)
-            if fact.outdated:
-                self._problem(f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}")
+        self._execution.taken(batch.facts, present)
         self._goals.taken(batch.goals, present)
-
-    def _tell_update(self) -> None:
-        """Tell the update in force, once."""
-        if self._told < self._step:
-            self._told = self._step
-            update = self._planner.in_force
-            self._tell(UpdateSent(self._step, str(update.plain), str(update)))
 
     def _answered(self, result: SolveResult, batch: Batch, now: float, mended: bool = False) -> None:
         self._plan = TaskPlan()
@@ -256,10 +238,10 @@ class Core:
             self._problem(warning)
         self._goals.reject_undeclared(batch.goals, result.warnings)
         if result.outcome is SolveOutcome.SATISFIABLE:
-            self._tell_update()
+            self._announce.update(self._step, self._planner.in_force)
             self._use(result, now)
             return
-        self._tell_plan(result)
+        self._announce.plan(result, self._shown())
         if result.outcome is SolveOutcome.UNSATISFIABLE:
             self._recover(result, batch, now, mended)
         elif batch.goals or not self._keep_plan(now):
@@ -275,7 +257,7 @@ class Core:
             update_status(goal, statuses, plan, self._step, result.horizon, self._speaks)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
-        self._tell_progress()
+        self._announce.progress(self._step, self._goals.fed, self._shown())
         actions = plan.at(self._step)
         if actions:
             self._execution.begin(self._step, actions, now)
@@ -289,7 +271,7 @@ class Core:
         """Go on with the plan of an answer."""
         plan = self._plan = extract_plan(result.answers[0])
         self._latest = self._step, plan
-        self._tell_plan(result)
+        self._announce.plan(result, self._shown())
         return plan
 
     def _lose_patience(self) -> None:
@@ -322,7 +304,7 @@ class Core:
 
     def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> None:
         """Take goals out of the program until it is their turn again, but for those in hand."""
-        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, self._told)
+        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, self._announce.told)
         self._problem(told)
 
     def _keep_plan(self, now: float) -> bool:
@@ -332,7 +314,7 @@ class Core:
         result = self._planner.still(actions) if actions else None
         if result is None:
             return False
-        self._tell_update()
+        self._announce.update(self._step, self._planner.in_force)
         self._use(result, now)
         return True
 
@@ -377,14 +359,13 @@ class Core:
         old = [goal for goal in self._goals.fed if goal not in batch.goals]
         self._goals.end(old, Outcome.ABORTED, "is given up: the program begins anew")
         self._goals.again(batch.goals)
-        self._planner, self._told = planner, self._step
+        self._planner = planner
         self._execution.forget_all()
-        for update in updates:
-            self._tell(UpdateSent(self._step, str(update.plain), str(update)))
+        self._announce.updates(self._step, updates)
         self._answered(result, Batch(self._planner.in_force), now)
 
     def _adopt(self, found: Recovery, why: str, now: float) -> None:
-        self._tell_update()
+        self._announce.update(self._step, self._planner.in_force)
         if found.withheld:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
         self._planner = found.planner
@@ -396,18 +377,6 @@ class Core:
             one.goal.end(Outcome.ABORTED, one.text(explanations, why))
         self._answered(found.result, Batch(found.update), now)
 
-    def _tell_plan(self, result: SolveResult) -> None:
-        seconds = result.statistics
-        self._tell(PlanMade(self.cycle, result.horizon, self._shown(), seconds["ground"], seconds["solve"]))
-
-    def _tell_progress(self) -> None:
-        shown = self._shown()
-        for goal in self._goals.fed:
-            self._tell(GoalProgress(self._step, goal.key, goal.state, shown))
-
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
         return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
-
-    def _problem(self, message: str, origin: str = "") -> None:
-        self._tell(Problem(self.cycle, message, origin))

@@ -1,11 +1,12 @@
 """What the core tells its observers: one frozen value per thing that happened, in the order it happened."""
 
 from dataclasses import dataclass
-from typing import Callable, Optional, Tuple
+from typing import Callable, Iterable, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
+from rosoclingo.oclingo import SolveResult, StreamUpdate
+from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
 
 
@@ -122,3 +123,41 @@ class Problem(Event):
 
 
 Observer = Callable[[Event], None]
+
+
+class Announcer:
+    """Makes the events of a core's cycles, for an ``observer``. ``cycle`` gives the logical time point.
+
+    Attributes:
+        told: the cycle whose update was told last.
+
+    """
+
+    def __init__(self, observer: Observer, cycle: Callable[[], int]) -> None:
+        self._tell, self._cycle = observer, cycle
+        self.told = 0
+
+    def update(self, step: int, update: StreamUpdate) -> None:
+        """Tell the update in force, the first of a step alone."""
+        if self.told < step:
+            self.updates(step, [update])
+
+    def updates(self, step: int, updates: Iterable[StreamUpdate]) -> None:
+        """Tell all that leads to a step."""
+        self.told = step
+        for update in updates:
+            self._tell(UpdateSent(step, str(update.plain), str(update)))
+
+    def plan(self, result: SolveResult, shown: Tuple[Action, ...]) -> None:
+        """Tell what a search has given."""
+        seconds = result.statistics
+        self._tell(PlanMade(self._cycle(), result.horizon, shown, seconds["ground"], seconds["solve"]))
+
+    def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
+        """Tell how each of the goals stands."""
+        for goal in goals:
+            self._tell(GoalProgress(step, goal.key, goal.state, shown))
+
+    def problem(self, message: str, origin: str = "") -> None:
+        """Tell of something that should not be."""
+        self._tell(Problem(self._cycle(), message, origin))

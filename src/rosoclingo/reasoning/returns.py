@@ -2,7 +2,7 @@
 
 from collections import deque
 from contextlib import contextmanager
-from typing import Callable, Deque, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -245,9 +245,16 @@ class ExecutionMonitor:
                 self._tell(FactTaken(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle())
 
-    def forget(self, fact: Observation) -> None:
-        """Forget a fact that was not taken: when it comes again it is new."""
-        self._known.pop(fact.told or fact.atom, None)
+    def taken(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
+        """Remember the ``facts`` of an update that are ``present`` in it; others are new when they come again."""
+        for fact in facts:
+            if fact.atom not in present:
+                self._known.pop(fact.told or fact.atom, None)
+            elif not fact.is_return:
+                self.observations.add_fact(fact)
+            if fact.outdated:
+                text = f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}"
+                self._tell(Problem(self._cycle(), text))
 
     def forget_all(self) -> None:
         """Forget all facts and observations."""

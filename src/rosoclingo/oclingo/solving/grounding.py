@@ -114,14 +114,17 @@ class Grounding:
         self.horizon = self._past.first - 1
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self.declare(open_atoms, facts)
-        self.recorder.begin(range(BASE, BASE + 1))
-        self._ground([("base", [])], 1)
-        self.recorder.end()
-        if shortest:
-            self.recorder.names = {one.symbol: one.literal for one in self._control.symbolic_atoms}
+        self._ground_base()
         self._of_base = frozenset(self._declared)
         self._base_externals: Set[clingo.Symbol] = set()
         self._tell(self._past.facts)
+
+    def _ground_base(self) -> None:
+        self.recorder.begin(range(BASE, BASE + 1))
+        self._ground([("base", [])], 1)
+        self.recorder.end()
+        if self._shortest:
+            self.recorder.names = {one.symbol: one.literal for one in self._control.symbolic_atoms}
 
     def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
         """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
