@@ -22,7 +22,8 @@ class UpdateSent(Event):
     """A stream update is in force and starts ``cycle``; each is told once.
 
     ``text`` is the update as the paper prints it: what happened. ``stream`` is all that the solver took: the bound of
-    the search and what is past as well; one after the other they are an online progression that gives the same plans.
+    the search and what is past as well; one after the other they are an online progression, which gives the same plans
+    where each was the shortest.
     """
 
     text: str

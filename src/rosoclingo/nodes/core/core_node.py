@@ -81,7 +81,8 @@ class CoreNode:
             ``_cancel(A,P,C)`` of actions that are to be ended.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
         ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
-            of its search and what is past: played with ``oclingo --shortest --stream`` they give the same plans.
+            of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
+            ``~plan`` is ``shortest``, else with plans that may be shorter.
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Actions served:

@@ -63,8 +63,8 @@ def _add_search(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shortest",
         action="store_true",
-        help="answer as rosoclingo's core does, whose stream (topic ~updates) gives the same plans then: plans are "
-        "shortest at any time, and strings of updates equal those of the program",
+        help="answer as rosoclingo's core does, whose stream (topic ~updates) gives the same plans then, if ~plan is "
+        "shortest: plans are shortest at any time, and strings of updates equal those of the program",
     )
     parser.add_argument(
         "--plan-time",
