@@ -12,7 +12,7 @@ SOURCES = str(Path(reasoning.__file__).parents[1]) + "/"
 
 #: What a reader has to know; lower it when the way gets shorter.
 MOST_FILES = 28
-MOST_CALLS = 19
+MOST_CALLS = 20
 
 
 class Way:

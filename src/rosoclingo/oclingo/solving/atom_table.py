@@ -195,20 +195,16 @@ class AtomIndex:
                     yield one.symbol, literal
 
 
-class CycleIndex:
+class CycleIndex(AtomIndex):
     """The atoms of a keyword like ``_return/3``, sorted by the cycle that is their last argument."""
 
     def __init__(self, control: clingo.Control, signature: Signature) -> None:
-        self._index = AtomIndex(control, [signature])
+        super().__init__(control, [signature])
         self._cycles: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
-
-    def expire(self) -> None:
-        """Note that there may be new atoms."""
-        self._index.expire()
 
     def cycles(self) -> Collection[int]:
         """Return the cycles whose atoms, or some of them, have not been popped."""
-        for atom, literal in self._index.fresh():
+        for atom, literal in self.fresh():
             if atom.arguments[-1].type is clingo.SymbolType.Number:
                 self._cycles.setdefault(atom.arguments[-1].number, []).append((atom, literal))
         return self._cycles.keys()
@@ -223,7 +219,7 @@ class CycleIndex:
         return [atom for cycle in range(first, last + 1) if cycle in known for atom, _ in self._cycles[cycle]]
 
 
-class ActionIndex:
+class ActionIndex(CycleIndex):
     """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
 
     def __init__(
@@ -238,27 +234,19 @@ class ActionIndex:
 
         Of actions in doubt ``told`` has the literal under which they were executed.
         """
-        self._control, self._session, self._first = control, session, first
+        super().__init__(control, signature)
+        self._session, self._first = session, first
         self._told: Mapping[clingo.Symbol, int] = {} if told is None else told
-        self._atoms = CycleIndex(control, signature)
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
-
-    def expire(self) -> None:
-        """Note that there may be new actions."""
-        self._atoms.expire()
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Forbid all actions of ``cycle`` but ``executed``, those that come later as well."""
         self._closed[cycle] = set(executed)
         self._forbid(cycle)
 
-    def between(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the actions of the cycles first..last that have not been closed."""
-        return self._atoms.between(first, last)
-
     def forbid_late(self) -> None:
         """Forbid actions of cycles that are over which came with the last grounding."""
-        for cycle in [one for one in self._atoms.cycles() if one in self._closed or self._is_before(one)]:
+        for cycle in [one for one in self.cycles() if one in self._closed or self._is_before(one)]:
             self._forbid(cycle)
 
     def _is_before(self, cycle: int) -> bool:
@@ -271,7 +259,7 @@ class ActionIndex:
         return known is not None and known.is_fact
 
     def _forbid(self, cycle: int) -> None:
-        for atom, literal in self._atoms.pop_cycle(cycle):
+        for atom, literal in self.pop_cycle(cycle):
             if not self._may_be(atom, cycle):
                 self._session.backend.add_rule([], [literal])
             elif atom in self._told:
