@@ -174,7 +174,7 @@ class Core:
         return unseen or bool(self.plan.after(self._step))
 
     def _next_cycle(self, now: float) -> None:
-        goals = self._goals.in_vain()
+        goals = self.queue.in_vain()
         if goals:
             with suppress(DisturbedError):
                 self._put_off(goals, (), "no plan was found in time")
@@ -183,7 +183,7 @@ class Core:
         self._feeder.add_executed(executed)
         told = self._announce.told
         self._step = told + 1
-        self._planner.lookahead = steps_for(len(self._goals.queue.served), self._settings.horizon_limit)
+        self._planner.lookahead = steps_for(len(self.queue.served), self._settings.horizon_limit)
         since = min(
             (goal.request_cycle or self._announce.told for goal in self._goals.fed), default=self._announce.told
         )
@@ -298,7 +298,7 @@ class Core:
         """Nothing is known in time: the newest goals wait, or the search goes on; the last plan is kept if it can."""
         self._plan = None
         fresh = [goal for goal in batch.goals if goal.live and goal.fed]
-        self._put_off(self._goals.too_many(fresh), fresh, why)
+        self._put_off(self.queue.too_many(fresh), fresh, why)
         if fresh and not any(goal.fed for goal in fresh):
             self._keep_plan(now)
 

@@ -122,14 +122,6 @@ class GoalManager:
         self.queue.found()
         self._admit()
 
-    def too_many(self, fresh: Sequence[Goal]) -> List[Goal]:
-        """The goals that are to wait since no plan was found in time, if that can be; ``fresh`` ones are just fed."""
-        return self.queue.too_many(fresh)
-
-    def in_vain(self) -> List[Goal]:
-        """The goals to take out since others wait which are more likely to be planned for in time."""
-        return self.queue.in_vain()
-
     def put_off(self, goals: Sequence[Goal], why: str, told: int) -> None:
         """Goals that were taken out of the program wait for their turn; updates were told up to that of ``told``."""
         self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))

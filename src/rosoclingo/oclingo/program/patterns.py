@@ -90,6 +90,7 @@ def _test(term: AST, parameter: str, constants: Constants) -> Test:
     inner = _test(term.argument, parameter, constants)
 
     def negated(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        """Test a classically negated atom without its sign."""
         if symbol.type == clingo.SymbolType.Function and not symbol.positive:
             return inner(clingo.Function(symbol.name, symbol.arguments), step)
         return simple(symbol, step)
@@ -101,6 +102,7 @@ def _function_test(term: AST, parameter: str, constants: Constants) -> Test:
     name, tests = term.name, [_test(part, parameter, constants) for part in term.arguments]
 
     def function(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        """Test name and arguments."""
         if symbol.type != clingo.SymbolType.Function or symbol.name != name or len(symbol.arguments) != len(tests):
             return False
         return all(test(value, step) for test, value in zip(tests, symbol.arguments))
@@ -116,9 +118,11 @@ def _simple_test(term: AST, parameter: str, constants: Constants) -> Test:
     offset = time_offset(term, parameter, constants)
 
     def in_time(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        """Test a number that lies at an offset to the step."""
         return step is None or (symbol.type == clingo.SymbolType.Number and symbol.number - (offset or 0) == step)
 
     def at_step(symbol: clingo.Symbol, step: Optional[int]) -> bool:
+        """Test the term's value at the step."""
         if step is None:
             return True
         found = evaluate(term, {**constants, parameter: clingo.Number(step)})

@@ -10,13 +10,13 @@ import weakref
 from collections import deque
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Callable, Deque, FrozenSet, Iterable, Iterator, List, Optional, Type
+from typing import Any, Callable, Deque, FrozenSet, Iterator, List, Optional, Type
 
 import clingo
 
 from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.remote.child import WorkerLostError, WorkerProcess
 from rosoclingo.oclingo.remote.place import Place
 from rosoclingo.oclingo.remote.wire import (
@@ -30,7 +30,7 @@ from rosoclingo.oclingo.remote.wire import (
 )
 from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.solver import SolveResult
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, Close, StreamLog, Taken, entry_to_message
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, LoggedSolver, StreamLog, Taken, entry_to_message
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request."""
@@ -50,7 +50,7 @@ GROWTH = 32 * 2**20
 Stopped = Callable[[], bool]
 
 
-class ProcessSolver:
+class ProcessSolver(LoggedSolver):
     """Solves a reactive logic program under a stream of updates, in a child process.
 
     The methods are those of :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver`; not thread-safe.
@@ -58,28 +58,9 @@ class ProcessSolver:
 
     def __init__(self, process: "SolverProcess") -> None:
         """Make a solver in ``process``, to which nothing has been fed; that does not wait for the process."""
+        super().__init__()
         self._process = process
         self._place = process.place()
-        self._log = StreamLog()
-
-    @property
-    def log(self) -> StreamLog:
-        """All that was taken: the child's solver reads it, and so may any other."""
-        return self._log
-
-    @property
-    def horizon(self) -> int:
-        """N, the last grounded step."""
-        return self._log.horizon
-
-    @property
-    def step(self) -> int:
-        """k, the step of the last update."""
-        return self._log.step
-
-    def restore(self, log: StreamLog) -> None:
-        """Go on from ``log``; the child reads it when there is need."""
-        self._log = log
 
     def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update."""
@@ -118,14 +99,6 @@ class ProcessSolver:
         """Tell whether ``update`` would have an answer, had ``untold`` never been told; raises as updates do."""
         question = question_to_message(update, doubted, untold)
         return verdict_from_message(self._process.have(self._place, self._log, question, stopped))
-
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to those in ``executed``; the child hears of it with the next search."""
-        self._log = self._log.then(Close(cycle, frozenset(executed)))
-
-    def forget_before(self, step: int) -> None:
-        """Let the steps before ``step`` be over; the child hears of it with the next search."""
-        self._log = self._log.then(Over(step))
 
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
         reply = self._process.ask(self._place, self._log, update, stopped)

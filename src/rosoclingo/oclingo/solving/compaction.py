@@ -116,6 +116,7 @@ def _move(
     mentioned = {literal.atom for one in state.unsettled() for literal in one.body}
 
     def matters(atom: clingo.Symbol) -> bool:
+        """Tell whether the steps to come, or what is not settled, may mention an atom."""
         if atom in mentioned or fixed.literals.get(atom) in fixed.base:
             return True
         return program.may_mention(atom, first) or program.may_declare(atom, first)

@@ -55,12 +55,7 @@ class Part(NamedTuple):
 
 
 class Improvement:
-    """What is tried to shorten one plan; it goes on with what it comes to as long as it is of use.
-
-    Attributes:
-        exhausted: True once nothing is left to try.
-
-    """
+    """What is tried to shorten one plan; it goes on with what it comes to as long as it is of use."""
 
     def __init__(self, plan: Plan, step: int, first: int) -> None:
         """Shorten ``plan`` behind ``step``, the present one; no answer may have a horizon before ``first``."""
@@ -69,7 +64,6 @@ class Improvement:
         self._random = Random(0)
         self._shortened = False  # in this round
         self._parts = self._rounds()
-        self.exhausted = False
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
         """Go on at a later ``step``, if ``plan`` is the one to be shortened; tell whether it is."""
@@ -84,7 +78,6 @@ class Improvement:
         while not halt():
             part = next(self._parts, None)
             if part is None:
-                self.exhausted = True
                 break
             given = part.given(self._plan.since(self._step + 1))
             found = self._ask(grounding, halt, min(self._plan.horizon - 1, grounding.horizon), [*present, *given])

@@ -12,7 +12,7 @@ from typing import Callable, Iterator, List, Optional, Tuple
 import clingo
 
 from rosoclingo.oclingo.solving.grounding import Search
-from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon
+from rosoclingo.oclingo.solving.horizon_search import PIECE, HorizonSearch, first_horizon
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
 
@@ -27,9 +27,6 @@ CONFLICTS = 100
 Where one was not enough the next may take twice as many; but while there is no plan and ``#heuristic`` guides the
 search, only more steps help: with enough of them there are next to no conflicts.
 """
-
-PIECE = 32
-"""Steps that are grounded between two looks at the stop request."""
 
 PROOF_AGAIN = 0.1
 """Part of the time that is given to prove once more that a plan that went on as foreseen is the shortest."""

@@ -15,13 +15,13 @@ import clingo
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_failures import is_foreseen
-from rosoclingo.oclingo.progression.updates import Over, StreamUpdate
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
 from rosoclingo.oclingo.solving.improvement import Improvement
 from rosoclingo.oclingo.solving.inquiry import Inquiry, Verdict
 from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
-from rosoclingo.oclingo.solving.stream_log import Close, Plan, StreamLog, Taken
+from rosoclingo.oclingo.solving.stream_log import LoggedSolver, Plan, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
 from rosoclingo.oclingo.solving.transaction import Transaction
 
@@ -119,7 +119,7 @@ class StreamSolver(Protocol):
         """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
 
 
-class ReactiveSolver:
+class ReactiveSolver(LoggedSolver):
     """Solves a reactive logic program under a stream of updates.
 
     Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
@@ -156,6 +156,7 @@ class ReactiveSolver:
         """
         if plan_time is not None and not shortest:
             raise ValueError("plan_time needs shortest")
+        super().__init__()
         self.program = program
         self.models = models
         self.shortest = shortest
@@ -163,16 +164,11 @@ class ReactiveSolver:
         self._plan_time, self._clock = plan_time, clock
         self._hint = 0
         self._setting = Setting(program, horizon_limit, shortest, oclingo_strings)
-        self._log = self._read = StreamLog()
+        self._read = self._log
         self._grounding: Optional[Grounding] = None  # fits the state after what was read of the log
         self._improvement: Optional[Improvement] = None
         self._inquiry: Optional[Inquiry] = None
         self._stop = False
-
-    @property
-    def log(self) -> StreamLog:
-        """All that was taken: the solver's state follows from it, and so does any other solver's that reads it."""
-        return self._log
 
     @property
     def state(self) -> StreamState:
@@ -181,23 +177,9 @@ class ReactiveSolver:
         assert self._log.state is not None
         return self._log.state
 
-    @property
-    def horizon(self) -> int:
-        """N, the last grounded step."""
-        return self._log.horizon
-
-    @property
-    def step(self) -> int:
-        """k, the step of the last update."""
-        return self._log.step
-
     def interrupt(self) -> None:
         """End the running search, if there is one, with outcome INTERRUPTED; may be called from any thread."""
         self._stop = True
-
-    def restore(self, log: StreamLog) -> None:
-        """Go on from a ``log``, an earlier one of this solver or any other; it is read when there is need."""
-        self._log = log
 
     def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update (before the first one: at horizon 1)."""
@@ -231,7 +213,7 @@ class ReactiveSolver:
         transaction = Transaction(self._setting, self.state.copy(), self._grounding)
         with self._taking(transaction):
             start = time.perf_counter()
-            found = self._shorten(plan, transaction, lambda: self._stop or (stopped is not None and stopped()))
+            found = self._shorten(plan, transaction, self._halting(stopped))
             spent = {"solve": time.perf_counter() - start, "ground": 0.0}
         if found is None:
             return None
@@ -246,22 +228,6 @@ class ReactiveSolver:
         if self._improvement is None or not self._improvement.goes_on(plan, *place):
             self._improvement = Improvement(plan, *place)
         return self._improvement.run(transaction.ready(), halt)
-
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
-
-        Its returns may still come with the next update; those of the cycle closed before it are closed.
-        """
-        self._log = self._log.then(Close(cycle, frozenset(executed)))
-
-    def forget_before(self, step: int) -> None:
-        """Let the steps before ``step`` be over: no update will concern them any more.
-
-        What is decided at them is kept as facts and no longer ground, which keeps a long stream as fast as a short one;
-        their externals are closed, so that a fact for one of them is ignored with a warning. For ``shortest`` solvers
-        alone.
-        """
-        self._log = self._log.then(Over(step))
 
     def inquire(
         self,
@@ -281,9 +247,7 @@ class ReactiveSolver:
         self.read()
         self._check(update)
 
-        def halt() -> bool:
-            return self._stop or (stopped is not None and stopped())
-
+        halt = self._halting(stopped)
         inquiry, self._inquiry = self._inquiry, None  # what a failure leaves of it is let go
         if inquiry is None or not inquiry.is_about(self.state, update, doubted):
             idles = may_idle(self.program, halt)
@@ -294,6 +258,10 @@ class ReactiveSolver:
             raise SolverError(explain(error, None, self.program)) from None
         self._inquiry = inquiry
         return verdict
+
+    def _halting(self, stopped: Optional[Stopped]) -> Callable[[], bool]:
+        """Return what a search asks: whether it was interrupted, or is ``stopped``."""
+        return lambda: self._stop or (stopped is not None and stopped())
 
     def read(self, coming: Optional[StreamUpdate] = None) -> None:
         """Read what is new in the log, without a search; raises SolverError where the program can't be ground.
@@ -335,11 +303,8 @@ class ReactiveSolver:
         self._check(update)
         transaction = Transaction(self._setting, self.state.copy(), self._grounding, dropped)
 
-        def halt() -> bool:
-            return self._stop or (stopped is not None and stopped())
-
         with self._taking(transaction):
-            result = self._search(transaction, update, halt)
+            result = self._search(transaction, update, self._halting(stopped))
         log = self._log.then(Taken(update, transaction.state.horizon))
         log.state = transaction.state
         log.plan = result.plan or log.plan
@@ -373,8 +338,8 @@ class ReactiveSolver:
         horizon = found.horizon if found.satisfiable else state.horizon
         if search.permanent:
             horizon = max(horizon, transaction.last_horizon())
-        result = SolveResult(outcome, found.answers, horizon, state.step, warnings, search.permanent, spent)
-        return replace(result, shortest=search.proven)
+        answers, proven = found.answers, search.proven
+        return SolveResult(outcome, answers, horizon, state.step, warnings, search.permanent, spent, proven)
 
     def _make_search(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> HorizonSearch:
         block = BLOCK if self.shortest and may_idle(self.program, halt) else 1

@@ -307,3 +307,45 @@ def key_after(before: bytes, message: Message) -> bytes:
 
 def _line(message: Message) -> str:
     return json.dumps(message, separators=(",", ":")) + "\n"
+
+
+class LoggedSolver:
+    """What a solver has of its log alone, wherever it works."""
+
+    def __init__(self) -> None:
+        self._log = StreamLog()
+
+    @property
+    def log(self) -> StreamLog:
+        """All that was taken: the solver's state follows from it, and so does any other solver's that reads it."""
+        return self._log
+
+    @property
+    def horizon(self) -> int:
+        """N, the last grounded step."""
+        return self._log.horizon
+
+    @property
+    def step(self) -> int:
+        """k, the step of the last update."""
+        return self._log.step
+
+    def restore(self, log: StreamLog) -> None:
+        """Go on from a ``log``, an earlier one of this solver or any other; it is read when there is need."""
+        self._log = log
+
+    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
+        """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
+
+        Its returns may still come with the next update; those of the cycle closed before it are closed.
+        """
+        self._log = self._log.then(Close(cycle, frozenset(executed)))
+
+    def forget_before(self, step: int) -> None:
+        """Let the steps before ``step`` be over: no update will concern them any more.
+
+        What is decided at them is kept as facts and no longer ground, which keeps a long stream as fast as a short one;
+        their externals are closed, so that a fact for one of them is ignored with a warning. For ``shortest`` solvers
+        alone.
+        """
+        self._log = self._log.then(Over(step))
