@@ -25,6 +25,22 @@ ADVICE = """
 #heuristic _action_lib(move,X,t) : wanted(Y,t), not reached(Y,t-1), at(P,t-1), X = P-1, Y < P. [1,true]
 """
 
+#: Another one, which goes from one wish to the next and forgets those it has met.
+RUN = """
+#program base.
+at(0,0).
+#program cumulative(t).
+#external _request/2.
+{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
+at(X,t) :- _action_lib(go,X,t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,X,t).
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
+
 
 def program_text(advice: bool = True) -> str:
     """Return the reactive program, with or without ``#heuristic`` statements."""

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from children import ended, kill
 from core_journal import Journal
+from plain_walk import RUN
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -338,22 +339,6 @@ def test_a_child_ends_with_its_parent_even_while_it_grounds():
         child = int(parent.stdout.readline())
         parent.kill()
     assert ended(child), "the child outlived its parent"
-
-
-RUN = """
-#program base.
-at(0,0).
-#program cumulative(t).
-#external _request/2.
-{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
-at(X,t) :- _action_lib(go,X,t).
-at(X,t) :- at(X,t-1), not moved(t).
-moved(t) :- _action_lib(go,X,t).
-wanted(X,t) :- _request(X,t).
-wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
-#program volatile(t).
-:- wanted(X,t), not at(X,t).
-"""
 
 
 def goes(solver, cycle, before):

@@ -9,21 +9,11 @@ from hypothesis import strategies as st
 from stream_logs import cut
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
-from rosoclingo.oclingo.solving import compaction
-from rosoclingo.oclingo.solving import grounding as building
-from rosoclingo.oclingo.solving import solver as solver_module
+
+pytestmark = pytest.mark.usefixtures("compacts_at_once")
 
 OFFSETS = range(-3, 4)
 BOUND = 2
-
-
-@pytest.fixture(autouse=True)
-def at_once(monkeypatch):
-    """Retire whatever can be retired with every update, step by step."""
-    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
-    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
-    monkeypatch.setattr(building, "BLOCK", 1)
-    monkeypatch.setattr(solver_module, "BLOCK", 1)
 
 
 class Head(NamedTuple):

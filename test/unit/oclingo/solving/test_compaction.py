@@ -15,6 +15,8 @@ from rosoclingo.oclingo.solving import grounding as building
 from rosoclingo.oclingo.solving import solver as solver_module
 from rosoclingo.oclingo.solving.stream_log import Taken
 
+pytestmark = pytest.mark.usefixtures("compacts_at_once")
+
 WALK = """
 #program base.
 at(a,0). next(a,b). next(b,c). next(c,a).
@@ -32,15 +34,6 @@ seen(X,t) :- sees(X,T), T <= t.
 #program volatile(t).
 :- wanted(X,t), not at(X,t).
 """
-
-
-@pytest.fixture(autouse=True)
-def at_once(monkeypatch):
-    """Retire whatever can be retired with every update, step by step."""
-    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
-    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
-    monkeypatch.setattr(building, "BLOCK", 1)
-    monkeypatch.setattr(solver_module, "BLOCK", 1)
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ import pytest
 from test_solver import atoms, play
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom
-from rosoclingo.oclingo.solving import compaction, grounding, solver
+from rosoclingo.oclingo.solving import compaction, grounding
 from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
 
 EXTERNALS = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). #program volatile(t)."
@@ -16,13 +16,9 @@ IGNORED = "Head {} has not been declared external. The entire rule will be ignor
 
 
 @pytest.fixture(autouse=True)
-def at_once(monkeypatch):
-    """Retire whatever can be retired with every update, step by step, and go on showing it."""
-    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
-    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
+def at_once(compacts_at_once, monkeypatch):
+    """Retire at once, and go on showing what was retired."""
     monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
-    monkeypatch.setattr(grounding, "BLOCK", 1)
-    monkeypatch.setattr(solver, "BLOCK", 1)
 
 
 def stream(text):

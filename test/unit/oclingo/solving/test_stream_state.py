@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from plain_walk import RUN
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
@@ -20,21 +21,6 @@ from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Pa
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
-
-RUN = """
-#program base.
-at(0,0).
-#program cumulative(t).
-#external _request/2.
-{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
-at(X,t) :- _action_lib(go,X,t).
-at(X,t) :- at(X,t-1), not moved(t).
-moved(t) :- _action_lib(go,X,t).
-wanted(X,t) :- _request(X,t).
-wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
-#program volatile(t).
-:- wanted(X,t), not at(X,t).
-"""
 
 
 @pytest.mark.parametrize(
