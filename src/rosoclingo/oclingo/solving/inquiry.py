@@ -85,7 +85,6 @@ class Inquiry:
         """Return the transaction that has taken the update; None where it was stopped."""
         if self._transaction is None or not self._idles:
             begun = Transaction(self._setting, self._state.copy(), None, dropped, doubted=self._doubted)
-            self._transaction = None
             if not begun.begin(self._update, halt):
                 return None
             self._transaction, self._least = begun, begun.state.horizon

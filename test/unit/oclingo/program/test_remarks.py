@@ -101,6 +101,8 @@ def test_facts_that_nothing_depends_on_are_told_once():
     assert play(solver, "x(1). e(2) :- x(1). -c.") == ()
     assert play(solver, "x(2).") == ()
     assert len(play(solver, "zzz.")) == 1
+    assert play(solver, "y(1) :- c.") == (), "it says what it depends on"
+    assert len(play(solver, "y(2).")) == 1
 
 
 def test_a_redefinition_while_running_names_rules_and_mend():

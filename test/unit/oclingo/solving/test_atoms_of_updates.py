@@ -140,6 +140,20 @@ def test_what_its_own_step_has_not_declared_will_not_come():
     assert atoms(play(solver, "#step 3.")) == ["e(3)"]
 
 
+def test_what_a_step_says_before_its_own_one_declares_it_will_not_come():
+    solver = solver_of("#cumulative t. #external e(t). { e(t+1) }. #volatile t.")
+    play(solver, "#step 1.")
+    assert play(solver, "e(2).").warnings == (IGNORED.format("e(2)"),)
+
+
+def test_what_an_update_has_defined_is_closed_when_its_name_is_gone(external):
+    play(external, "#step 1. new :- e(1). #forget 1.")
+    play(external, "#step 2.")
+    result = play(external, "#step 3. new.")
+    assert "new" not in atoms(result)
+    assert result.warnings == (IGNORED.format("new"),)
+
+
 LOOP = ["f(1) :- d(1).", "e(1) :- f(1).", "g(1) :- d(1)."]
 
 

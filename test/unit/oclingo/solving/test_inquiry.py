@@ -175,6 +175,84 @@ def test_a_stop():
     assert solver.inquire(update, knock, frozenset()) == (False, knock)
 
 
+def test_a_stop_while_the_update_is_taken():
+    solver, shut = solver_of(BOLT), frozenset([parse_atom("knock(d)")])
+    update = parse_update("#step 5 : 5. knock(d). #end step.")
+    assert solver.inquire(update, shut, frozenset(), lambda: True) == (None, frozenset())
+    assert solver.inquire(update, shut, frozenset()) == (False, shut)
+
+
+@pytest.fixture
+def work(monkeypatch):
+    """What is ground and searched, as text: >7 for steps up to 7, 1..5 for a search."""
+    done, ground, search = [], Grounding.ground_to, Grounding.search
+
+    def ground_to(grounding, last):
+        done.append(f">{last}")
+        ground(grounding, last)
+
+    def searched(grounding, models, stopped, first, last, **limits):
+        done.append(f"{first}..{last}")
+        return search(grounding, models, stopped, first, last, **limits)
+
+    monkeypatch.setattr(Grounding, "ground_to", ground_to)
+    monkeypatch.setattr(Grounding, "search", searched)
+    return done
+
+
+FAR = "#external go/0. #program cumulative(t). #program volatile(t). :- t < 150, go."
+
+
+def test_each_search_has_twice_as_many_steps(work):
+    solver, go = solver_of(FAR), frozenset([parse_atom("go")])
+    assert solver.inquire(parse_update("#step 1 : 139. go. #end step."), go, frozenset()) == (False, go)
+    assert " ".join(work[-12:]) == "1..1 >33 1..33 >65 >66 1..66 >98 >130 >132 1..132 >140 1..140"
+
+
+def test_nothing_more_is_ground_after_a_stop(work):
+    solver, go = solver_of(FAR), frozenset([parse_atom("go")])
+    update = parse_update("#step 1 : 139. go. #end step.")
+    assert solver.inquire(update, go, frozenset(), lambda: ">65" in work).satisfiable is None
+    assert work[-1] == ">65"
+
+
+def test_what_was_told_since_counts():
+    solver, bolt = solver_of(BOLT), frozenset([parse_atom("bolt(a)")])
+    update = parse_update("#step 2 : 3. bolt(a). #end step.")
+    assert solver.inquire(update, bolt, frozenset()).satisfiable
+    solver.update(parse_update("#step 1 : 3. knock(d). #end step."))
+    assert solver.inquire(update, bolt, frozenset()) == (False, frozenset())
+
+
+def test_what_is_not_in_doubt_may_leave_no_answer():
+    solver, bolt = solver_of(BOLT), frozenset([parse_atom("bolt(a)")])
+    update = parse_update("#step 1 : 3. bolt(a). knock(d). #end step.")
+    assert solver.inquire(update, bolt, bolt) == (False, frozenset())
+
+
+#: From the third step on there is no answer without told(a), before it none with told(b) or told(c).
+SHORT_LIVED = """
+#external told/1.
+#program cumulative(t).
+:- t > 2, not told(a).
+#program volatile(t).
+:- t < 2, told(b).
+:- t < 4, told(c).
+"""
+
+
+def test_answers_that_further_steps_would_end_are_found():
+    solver = solver_of(SHORT_LIVED)
+    told = {name: parse_atom(f"told({name})") for name in "abc"}
+    update, doubted = parse_update("#step 1 : 6. told(a). told(b). told(c). #end step."), frozenset(told.values())
+    assert solver.inquire(update, doubted, frozenset()).satisfiable
+    refused = solver.inquire(update, doubted, frozenset([told["a"]]))
+    assert not refused.satisfiable
+    assert {told["a"], told["c"]} <= refused.core
+    assert solver.inquire(update, doubted, frozenset([told["a"], told["c"]])).satisfiable
+    assert solver.inquire(update, doubted, frozenset([told["a"], told["b"], told["c"]])).satisfiable
+
+
 def test_an_update_beyond_the_limit():
     solver = ReactiveSolver(ReactiveProgram.from_text(BOLT), horizon_limit=3, shortest=True)
     with pytest.raises(SolverError, match="beyond the horizon limit"):

@@ -4,7 +4,7 @@ import pytest
 from test_solver import atoms, play
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom
-from rosoclingo.oclingo.solving import compaction, grounding
+from rosoclingo.oclingo.solving import compaction, grounding, transaction
 from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
 
 EXTERNALS = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). #program volatile(t)."
@@ -148,6 +148,32 @@ def test_what_has_been_closed_is_not_opened_again_by_a_later_step():
     result = play(retiring, "#step 8 : 0. e(6). e(7).")
     assert first(retiring) == 7
     assert result.warnings == (IGNORED.format("e(6)"),)
+
+
+def test_what_has_been_closed_is_not_awaited_from_a_later_step():
+    text = "#program cumulative(t). #external e(9) : t \\ 4 = 1. c(t) :- e(9). #program volatile(t)."
+    assert first(retire(text, "", "", "", "e(9).")) == 6
+
+
+def test_what_the_stream_alone_has_defined_is_defined_for_good():
+    assert first(retire("{ x }. " + EXTERNALS, "p(1).", "#assert : r. :- p(1), x.", "", "", "p(1) :- x.")) == 6
+
+
+@pytest.mark.parametrize(("choice", "made"), [("", 6), ("{ a }. ", 1)])
+def test_the_program_is_ground_anew_where_steps_are_retired_and_only_there(choice, made, monkeypatch):
+    groundings = []
+
+    def counting(*arguments):
+        groundings.append(arguments)
+        return grounding.build_grounding(*arguments)
+
+    monkeypatch.setattr(transaction, "build_grounding", counting)
+    retiring = stream(choice + "#program cumulative(t). #external e(t). s(t) :- a. c(t) :- e(t). #program volatile(t).")
+    for step in range(1, 8):
+        retiring.forget_before(step)
+        play(retiring, f"#step {step}.")
+    assert first(retiring) == (None if choice else 6)
+    assert len(groundings) == made
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,247 @@
+"""Which parts of a plan are free in which question, and when nothing is left to try."""
+
+import pytest
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo.solving import improvement
+from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.improvement import Improvement
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+
+
+def actions(*cycles):
+    return frozenset(parse_atom(f"_action_lib(go,x,{cycle})") for cycle in cycles)
+
+
+def plan(horizon, *cycles):
+    return Plan(actions(*cycles), horizon)
+
+
+def found(horizon, *cycles):
+    return Search(True, (frozenset(), actions(*cycles)), horizon)
+
+
+NONE, OPEN = Search(False), Search(None)
+
+
+class Asked:
+    """A grounding that gives the ``replies`` to what it is asked, then leaves all open.
+
+    What was asked is noted as text: 2..5/100 +1 -3 for these horizons, so many conflicts, and the cycles whose actions
+    are given as true and as false.
+    """
+
+    def __init__(self, *replies, horizon=99, cycles=()):
+        self.replies, self.horizon, self.cycles, self.asked, self.looked = list(replies), horizon, cycles, [], []
+
+    def actions(self, first, last):
+        self.looked.append((first, last))
+        return sorted(actions(*(one for one in self.cycles if first <= one <= last)))
+
+    def search(self, models, halt, first, last, given=(), conflicts=None, best=True):
+        assert (models, best) == (1, False)
+        marks = sorted((cycle_of(one), "-+"[value]) for one, value in given)
+        assert len({cycle for cycle, _ in marks}) == len(marks)
+        self.asked.append(" ".join([f"{first}..{last}/{conflicts}", *(f"{sign}{cycle}" for cycle, sign in marks)]))
+        return self.replies.pop(0) if self.replies else OPEN
+
+    def halt_after(self, questions):
+        return lambda: len(self.asked) >= questions
+
+
+@pytest.fixture
+def detours(monkeypatch):
+    """The ranges from which detours were drawn; they are at the first step of it and at the last in turns."""
+    drawn = []
+
+    class InTurns:
+        def __init__(self, seed):
+            assert isinstance(seed, int), "a run can be repeated"
+
+        def randint(self, first, last):
+            drawn.append((first, last))
+            return first if len(drawn) % 2 else last
+
+    monkeypatch.setattr(improvement, "Random", InTurns)
+    return drawn
+
+
+def test_windows_overlap_by_half_and_detours_lie_between(detours):
+    asked = Asked()
+    tried = Improvement(plan(41, 2, 5, 20, 41), 1, 1)
+    assert tried.run(asked, asked.halt_after(11)) is None
+    assert asked.asked == [
+        "1..40/100 +19 +40",
+        "1..40/100 -2",
+        "1..40/100 +2 +5 +40",
+        "1..40/100 +2 +5 +20 -41",
+        "1..40/100 +2 +5 +40",
+        "1..40/100 -2",
+        "1..40/100 +2 +5 +20",
+        "1..40/100 +2 +5 +20 -41",
+        "1..40/100 +2 +5 +20",
+        "1..40/100 -2",
+        "1..40/200 +40",  # 2..25
+    ]
+    assert set(detours) == {(2, 41)}
+
+
+@pytest.mark.parametrize(
+    ("cycle", "given"), [(2, ""), (17, ""), (18, " +17"), (19, " +18")], ids=["first", "last", "behind", "far"]
+)
+def test_what_lies_behind_a_window_is_done_one_step_earlier(cycle, given):
+    asked = Asked()
+    Improvement(plan(30, cycle), 1, 1).run(asked, asked.halt_after(1))
+    assert asked.asked == [f"1..29/100{given}"]
+
+
+@pytest.mark.parametrize(("horizon", "given"), [(17, ""), (18, " +17")])
+def test_a_window_to_the_end_leaves_the_end_free(horizon, given):
+    asked = Asked()
+    Improvement(plan(horizon, horizon), 1, 1).run(asked, asked.halt_after(1))
+    assert asked.asked == [f"1..{horizon - 1}/100{given}"]
+
+
+def test_rounds_that_bring_nothing_are_followed_by_harder_ones_until_all_was_tried_hard(detours):
+    asked = Asked()
+    tried = Improvement(plan(5, 3), 1, 1)
+    assert tried.run(asked, asked.halt_after(50)) is None
+    windows, others = asked.asked[::2], asked.asked[1::2]
+    assert windows == [f"1..4/{most}" for most in (100, 200, 400, 800, 1600, 3200, 6400, 12800, 20000)]
+    assert others == [one + (" +3" if number % 2 else "") for number, one in enumerate(windows)]
+    assert tried.run(asked, asked.halt_after(50)) is None
+    assert len(asked.asked) == 18
+
+
+def test_windows_grow_until_one_is_all_of_the_plan(detours, monkeypatch):
+    monkeypatch.setattr(improvement, "MOST_CONFLICTS", 100)
+    asked = Asked()
+    Improvement(plan(38, *range(2, 39)), 1, 1).run(asked, asked.halt_after(50))
+    behind = [len(one.split()) - 1 for one in asked.asked[::2]]
+    assert behind == [21, 21, 21, 24, 32, 13, 13, 24, 36, 1, 18, 36, 0, 27]
+
+
+@pytest.mark.parametrize(("size", "questions"), [(3, 12), (4, 4), (5, 4)])
+def test_a_window_as_long_as_what_is_to_come_is_all_of_it(size, questions, detours, monkeypatch):
+    monkeypatch.setattr(improvement, "MOST_CONFLICTS", 100)
+    monkeypatch.setattr(improvement, "SIZE", size)
+    asked = Asked()
+    Improvement(plan(5, 5), 1, 1).run(asked, asked.halt_after(50))
+    assert len(asked.asked) == questions
+
+
+def test_a_shorter_plan_is_taken_and_its_round_goes_on(detours):
+    asked = Asked(OPEN, found(5, 1, 5), OPEN, OPEN, OPEN)
+    tried = Improvement(plan(6, 1, 4, 6), 1, 1)
+    assert tried.run(asked, asked.halt_after(50)) == found(5, 1, 5)
+    assert tried.goes_on(plan(5, 1, 5), 1, 1)
+    assert tried.run(asked, asked.halt_after(6)) is None
+    assert asked.asked == [
+        "1..5/100",
+        "1..5/100",  # the detour, at 2
+        "1..4/100",  # a new round, which is as hard: the last one has brought something
+        "1..4/100 -5",
+        "1..4/200",
+        "1..4/200",
+    ]
+
+
+def test_what_was_done_or_runs_is_given_and_nothing_else_is_done_up_to_the_present():
+    asked = Asked(cycles=(0, 1, 2, 3, 4))
+    Improvement(plan(9, 1, 3, 7), 3, 3).run(asked, asked.halt_after(1))
+    assert asked.looked == [(1, 3)]
+    assert asked.asked == ["3..8/100 +1 -2 +3"]
+    asked = Asked(cycles=(2, 3, 4))
+    Improvement(plan(9, 7), 3, 5).run(asked, asked.halt_after(1))
+    assert asked.looked == [(3, 3)]
+    assert asked.asked == ["5..8/100 -3"]
+
+
+def test_only_what_is_ground_is_asked_for():
+    asked = Asked(horizon=6)
+    Improvement(plan(9, 7), 1, 1).run(asked, asked.halt_after(1))
+    assert asked.asked == ["1..6/100"]
+
+
+@pytest.mark.parametrize(
+    ("answer", "first", "question"),
+    [
+        (found(8, 1, 4), 1, "1..4/100 +1 +4"),
+        (found(8, 1), 1, "1..2/100 +1"),
+        (found(8, 1, 3), 1, "1..3/100 +1 +3"),
+        (found(8, 1, 2, 4), 1, "1..4/100 +1 +2 +4"),
+        (found(8, 1, 4), 6, "6..6/100 +1 +4"),
+        (found(8, 1, 7), 1, "1..7/100 +1 +7"),
+        (found(8, 1, 8), 1, None),
+    ],
+)
+@pytest.mark.parametrize("reply", [NONE, OPEN, found(0, 1)])
+def test_idle_steps_at_the_end_are_cut_off_where_the_rest_is_a_plan(answer, first, question, reply):
+    begun = [cycle_of(one) for one in answer.answers[-1] if cycle_of(one) <= 2]
+    asked = Asked(answer, reply, cycles=begun)
+    result = Improvement(plan(9, *begun, 9), 2, first).run(asked, asked.halt_after(50))
+    assert asked.asked[1:] == ([] if question is None else [question])
+    assert result == (reply if reply.satisfiable and question else answer)
+
+
+def test_where_no_shorter_plan_does_the_same_now_there_is_nothing_to_try():
+    asked = Asked(NONE)
+    tried = Improvement(plan(9, 1, 9), 1, 1)
+    assert tried.run(asked, asked.halt_after(50)) is None
+    assert asked.asked == ["1..8/100"]
+
+
+@pytest.mark.parametrize("size", [2, 16])
+def test_that_a_part_brings_nothing_says_little_of_the_others(size, monkeypatch, detours):
+    monkeypatch.setattr(improvement, "SIZE", size)
+    asked = Asked(*([OPEN] if size == 16 else []), NONE)
+    Improvement(plan(9, 2, 9), 1, 1).run(asked, asked.halt_after(4))
+    assert len(asked.asked) == 4
+
+
+@pytest.mark.parametrize("horizon", [1, 2, 3])
+def test_no_plan_is_shorter_than_one_without_steps_to_come(horizon):
+    asked = Asked()
+    tried = Improvement(plan(horizon), 1, 2)
+    assert tried.run(asked, asked.halt_after(1)) is None
+    assert len(asked.asked) == max(0, horizon - 2)
+
+
+def test_a_plan_that_gets_too_short_on_the_way_is_left_at_once(detours):
+    for before in (0, 1):
+        asked = Asked(*[OPEN] * before, found(2, 2))
+        tried = Improvement(plan(3, 3), 1, 2)
+        assert tried.run(asked, asked.halt_after(50)) == found(2, 2)
+        assert tried.run(asked, asked.halt_after(50)) is None
+        assert len(asked.asked) == before + 1
+
+
+def test_it_goes_on_with_the_same_plan_alone(detours):
+    tried = Improvement(plan(9, 1, 4, 9), 1, 1)
+    asked = Asked()
+    tried.run(asked, asked.halt_after(1))
+    assert not tried.goes_on(plan(8, 1, 4, 9), 2, 2)
+    assert not tried.goes_on(plan(9, 1, 5, 9), 2, 2)
+    assert tried.goes_on(plan(9, 4, 9), 2, 2), "what is over does not matter"
+    tried.run(asked, asked.halt_after(2))
+    assert tried.goes_on(plan(9, 4, 9), 5, 5)
+    tried.run(asked, asked.halt_after(3))
+    assert asked.asked == ["1..8/100", "2..8/100", "5..8/200"]
+    assert detours == [(3, 9)]
+
+
+def test_a_stop_ends_it_before_the_next_question():
+    asked = Asked()
+    assert Improvement(plan(9, 9), 1, 1).run(asked, lambda: True) is None
+    assert asked.asked == []
+
+
+def test_windows_begin_behind_the_present_where_that_has_moved_on(detours):
+    asked = Asked()
+    tried = Improvement(plan(60, *range(2, 61)), 1, 1)
+    tried.run(asked, asked.halt_after(2))
+    tried.goes_on(plan(60, *range(2, 61)), 30, 30)
+    tried.run(asked, asked.halt_after(3))
+    given = asked.asked[-1].split()[1:]
+    assert given == [f"+{cycle}" for cycle in range(46, 60)]
+    assert detours == [(2, 60)]
