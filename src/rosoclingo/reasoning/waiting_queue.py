@@ -51,12 +51,11 @@ class GoalWindow:
         """No plan was found in time; so many goals are kept."""
         self._before = self._before if self._lost else self._size
         self._lost = True
-        self._resize(max(1, kept))
+        self._resize(kept)
 
     def restore(self) -> None:
         """It was a single goal that took too long, which says nothing of how many others there is room for."""
         self._resize(self._before if self._lost else self._size)
-        self._lost = False
 
     def _resize(self, size: Optional[int]) -> None:
         self._size, self._plans = size, 0
@@ -142,10 +141,10 @@ class GoalQueue:
 
     def in_vain(self) -> List[Goal]:
         """The goals with the program, if each of them was in vain already and one waits that was less often."""
-        goals, first = self._movable, self.first
+        goals = self._movable
         least = min((goal.tries for goal in goals), default=0)
         rivals = any(goal.tries < least for goal in self._ready)
-        return goals if rivals and first not in goals and not self._held.issuperset(goals) else []
+        return goals if rivals and not self._held.issuperset(goals) else []
 
     def too_many(self, fresh: Sequence[Goal]) -> List[Goal]:
         """The goals that are to wait since no plan was found in time for all: the newest, at least half of them.
@@ -175,8 +174,12 @@ class GoalQueue:
         self.window.found(len(served))
 
     def stay(self, goals: Sequence[Goal]) -> None:
-        """No goal can be taken out, nor can these, which are in hand: the next search has more time."""
-        self.stuck += 1
+        """No goal can be taken out, nor can these, which are in hand: the next search has more time.
+
+        A single goal that goes on since no other one has been in vain less often is not stuck: it was counted.
+        """
+        if goals or not self._movable:
+            self.stuck += 1
         self._held.update(goals)
 
     def go_on(self) -> None:

@@ -1,41 +1,9 @@
 """The goal manager: who is let in, who waits, who is told what."""
 
 import pytest
+from goal_clients import Clients
 
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import GoalChanged, GoalRefused, GoalState, Outcome
-from rosoclingo.reasoning.goal_manager import GoalManager
-from rosoclingo.reasoning.input_feeder import InputFeeder
-
-
-class Clients:
-    """A goal manager with its feeder, and what was told."""
-
-    def __init__(self, text="#external _request/2.", at_once=0):
-        self.feeder, self.told = InputFeeder(), []
-        self.goals = GoalManager(ReactiveProgram.from_text(text), self.feeder, self.told.append, lambda: 7, at_once)
-
-    def add(self, *numbers):
-        for number in numbers:
-            self.goals.add(f"g{number}", f"go({number})")
-        return self
-
-    def feed(self, step=1):
-        """The update of a step reaches the program; the requests in it."""
-        batch = self.feeder.next_update(step)
-        self.feeder.taken(batch)
-        return [str(item.head) for item in batch.update.items]
-
-    @property
-    def live(self):
-        return [goal.key for goal in self.goals.live]
-
-    @property
-    def fed(self):
-        return [goal.key for goal in self.goals.fed]
-
-    def ends(self):
-        return [(event.key, event.outcome) for event in self.told if isinstance(event, GoalChanged) and event.outcome]
+from rosoclingo.reasoning import GoalRefused, GoalState, Outcome
 
 
 def test_any_number_of_goals_is_with_the_program():
@@ -65,7 +33,10 @@ def test_the_end_of_one_lets_the_next_in():
 
 def test_one_that_waits_is_cancelled():
     clients = Clients(at_once=1).add(1, 2, 3)
+    goal = clients.goal(2)
+    assert clients.goals.queue.waits(goal)
     clients.goals.cancel("g2")
+    assert not clients.goals.queue.waits(goal)
     clients.goals.cancel("g1")
     assert clients.feed() == ["_request(go(3),2)"]
     assert clients.ends() == [("g2", Outcome.CANCELED), ("g1", Outcome.CANCELED)]

@@ -1,0 +1,377 @@
+"""Whose turn it is: how many goals there is room for, who waits when there is no plan in time, who is not overtaken."""
+
+import pytest
+from goal_clients import Clients
+
+
+def crowd(goals, **limits):
+    """Clients of goals 1, 2 and so on, which the program knows as far as there is room."""
+    clients = Clients(**limits).add(*range(1, goals + 1))
+    clients.feed()
+    return clients
+
+
+# -- room
+
+
+@pytest.mark.parametrize(("kept", "more"), [(1, 1), (2, 1), (7, 1), (8, 2), (11, 2), (12, 3)])
+def test_after_eight_plans_there_is_room_for_a_quarter_more(kept, more):
+    clients = crowd(kept + 9)
+    clients.put_off(*range(kept + 1, kept + 10))
+    assert len(clients.plan(7).served) == kept
+    assert len(clients.plan().served) == kept + more
+    assert len(clients.plan(7).served) == kept + more
+    assert len(clients.plan().served) > kept + more
+
+
+def test_plans_for_fewer_goals_than_there_is_room_for_tell_nothing():
+    clients = crowd(4)
+    clients.put_off(3, 4).end(2, 3, 4)
+    clients.plan(20).add(5, 6)
+    assert clients.served == [1, 5]
+
+
+def test_plans_count_from_the_last_loss_on():
+    clients = crowd(9)
+    clients.put_off(4, 5, 6, 7, 8, 9).plan(7).put_off(3)
+    assert clients.plan(7).served == [1, 2]
+    assert clients.plan().served == [1, 2, 3]
+
+
+def test_room_never_exceeds_what_is_set():
+    clients = crowd(5, at_once=3)
+    assert clients.put_off(2, 3).served == [1]
+    assert clients.plan(8).served == [1, 2]
+    assert clients.plan(8).served == [1, 2, 3]
+    assert clients.plan(16).served == [1, 2, 3]
+    assert clients.put_off(3).served == [1, 2]
+
+
+def test_a_single_goal_that_took_too_long_says_nothing_of_the_others():
+    clients = crowd(8)
+    assert [clients.no_plan(*range(1, 9)), clients.no_plan(), clients.no_plan()] == [[5, 6, 7, 8], [3, 4], [2]]
+    assert clients.served == [1]
+    assert clients.no_plan() == [1]
+    assert clients.served == [2, 3, 4, 5, 6, 7, 8], "as before the losses in a row"
+
+
+def test_room_is_as_it_was_when_there_was_a_plan_last():
+    clients = crowd(8)
+    clients.put_off(5, 6, 7, 8).plan().no_plan()
+    assert clients.no_plan() == [2]
+    assert clients.no_plan() == [1]
+    assert clients.served == [2, 3, 4, 5]
+    clients.no_plan()
+    assert clients.no_plan() == [3]
+    clients.plan()
+    assert clients.no_plan() == [2]
+    assert clients.served == [3], "there was a plan for one since"
+
+
+# -- who waits
+
+
+@pytest.mark.parametrize(
+    ("goals", "fresh", "chosen"),
+    [
+        (4, [], [3, 4]),
+        (5, [], [3, 4, 5]),
+        (4, [4], [4]),
+        (5, [4, 5], [4, 5]),
+        (4, [2, 3, 4], [3, 4]),
+        (4, [1, 2, 3, 4], [3, 4]),
+        (2, [2], [2]),
+        (1, [], []),
+        (1, [1], []),
+    ],
+)
+def test_the_newest_goals_are_to_wait(goals, fresh, chosen):
+    clients = crowd(goals)
+    assert clients.no_plan(*fresh) == chosen
+    assert clients.waiting == chosen
+
+
+def test_goals_that_are_being_cancelled_do_not_count():
+    clients = crowd(4)
+    clients.goals.cancel("g4")
+    clients.goals.cancel("g3")
+    assert clients.no_plan() == [2]
+    assert clients.served == [1, 3, 4]
+    clients = crowd(2)
+    clients.goals.cancel("g2")
+    clients.goals.cancel("g1")
+    assert clients.goals.queue.patience == 1
+    assert clients.no_plan() == []
+    assert clients.goals.queue.patience == 2, "what is left of them has more time"
+    assert clients.goals.queue.unhurried
+
+
+def test_a_goal_that_alone_is_too_much_lets_all_others_go_first():
+    clients = crowd(3, at_once=1)
+    assert clients.no_plan() == [1]
+    assert (clients.served, clients.feed()[-1]) == ([2], "_request(go(2),3)")
+    assert clients.end(2).served == [3], "one that was not in vain"
+    assert clients.add(4).end(3).served == [4]
+    assert clients.end(4).served == [1]
+    clients.add(5)
+    assert clients.waits(5) == ["first comes go(1)"]
+    assert (clients.served, clients.waiting) == ([1], [5]), "what was in vain is planned for alone"
+    assert clients.plan().served == [1]
+    assert clients.end(1).served == [5]
+
+
+def test_what_was_in_vain_is_joined_once_there_is_a_plan_for_it():
+    clients = crowd(1)
+    assert clients.no_plan() == []
+    clients.add(2)
+    assert clients.served == [1]
+    assert clients.plan().served == [1, 2]
+
+
+def test_of_goals_that_were_in_vain_the_one_comes_first_that_was_least_often():
+    clients = crowd(3, at_once=1)
+    assert [clients.no_plan() for _ in range(4)] == [[1], [2], [], [3]]
+    assert clients.served == [1], "the oldest of those that were in vain once"
+    assert clients.no_plan() == [1]
+    assert clients.served == [2]
+    assert [clients.no_plan(), clients.no_plan()] == [[], [2]]
+    assert clients.served == [1]
+
+
+def test_a_goal_that_is_being_cancelled_holds_nobody_off():
+    clients = crowd(1)
+    clients.no_plan()
+    clients.add(2)
+    clients.goals.cancel("g1")
+    clients.goals.tick(1.0)
+    assert clients.served == [1, 2]
+
+
+def test_goals_that_were_in_vain_give_way_to_one_that_was_not():
+    clients = crowd(1)
+    queue = clients.goals.queue
+    assert clients.no_plan() == []
+    assert queue.in_vain() == [], "there is no other"
+    clients.add(2)
+    assert queue.in_vain() == [clients.goal(1)]
+    queue.stay(queue.in_vain())
+    assert queue.in_vain() == [], "they cannot be taken out"
+    clients.plan()
+    assert clients.served == [1, 2]
+    assert queue.in_vain() == []
+    assert [clients.no_plan(), clients.no_plan()] == [[2], [1]], "perhaps they can by now"
+
+
+def test_a_goal_gives_way_only_to_what_was_less_often_in_vain():
+    clients = crowd(2, at_once=1)
+    queue = clients.goals.queue
+    assert [clients.no_plan(), clients.no_plan()] == [[1], []]
+    assert (clients.served, queue.in_vain()) == ([2], []), "both were in vain once"
+    assert clients.no_plan() == [2]
+    assert (clients.served, queue.in_vain()) == ([1], []), "goal 2 was twice"
+
+
+# -- patience
+
+
+def test_a_search_for_a_single_goal_has_twice_the_time_each_time():
+    clients = crowd(1)
+    seen = []
+    for _ in range(5):
+        seen.append(clients.goals.queue.patience)
+        clients.no_plan()
+    assert seen == [1, 2, 4, 8, 8]
+    assert clients.plan().goals.queue.patience == 1
+
+
+def test_patience_is_that_of_the_goal_that_was_least_often_in_vain():
+    clients = crowd(3, at_once=1)
+    clients.no_plan()
+    assert clients.goals.queue.patience == 1, "goal 2 was never in vain"
+    clients.end(2).end(3)
+    assert (clients.served, clients.goals.queue.patience) == ([1], 2)
+    clients.goals.cancel("g1")
+    assert clients.goals.queue.patience == 1
+
+
+def test_the_next_search_has_more_time_where_no_goal_can_be_taken_out():
+    clients = crowd(2)
+    queue = clients.goals.queue
+    queue.stay(clients.goals.live)
+    assert (queue.patience, queue.unhurried) == (2, True)
+    queue.stay(clients.goals.live)
+    assert queue.patience == 4
+    queue.go_on()
+    assert (queue.patience, queue.unhurried) == (1, False)
+    queue.stay(clients.goals.live)
+    assert clients.plan().goals.queue.patience == 1
+    queue.stay(clients.goals.live)
+    clients.put_off(2)
+    assert queue.patience == 1, "there is something else to plan for"
+
+
+def test_a_search_goes_on_until_something_arrives_where_there_is_nothing_else_to_plan_for():
+    clients = crowd(1)
+    queue = clients.goals.queue
+    assert not queue.unhurried
+    clients.no_plan()
+    assert queue.unhurried
+    clients.add(2)
+    assert not queue.unhurried, "goal 2 may have its turn"
+    queue.stay(queue.in_vain())
+    assert queue.unhurried, "not as long as goal 1 is in hand"
+
+
+def test_what_is_in_hand_bars_nothing_once_it_is_cancelled():
+    clients = crowd(2)
+    queue = clients.goals.queue
+    queue.stay([clients.goal(2)])
+    clients.goals.cancel("g2")
+    assert clients.no_plan() == []
+    assert queue.unhurried
+    clients.add(3)
+    assert queue.in_vain() == [clients.goal(1)]
+    assert not queue.unhurried
+
+
+def test_no_search_goes_on_without_end_while_another_goal_may_have_its_turn():
+    clients = crowd(2, at_once=1)
+    queue = clients.goals.queue
+    assert [clients.no_plan(), clients.no_plan()] == [[1], []]
+    assert (clients.served, queue.patience) == ([2], 2)
+    assert not queue.unhurried, "goal 1 was in vain as often: it has its turn before goal 2 is tried a third time"
+    assert clients.no_plan() == [2]
+    assert (clients.served, queue.patience, queue.unhurried) == ([1], 2, False)
+    clients.end(2)
+    assert queue.unhurried
+
+
+# -- overtaking
+
+
+def test_nobody_newer_comes_once_a_goal_is_overtaken_too_often():
+    clients = crowd(2, at_once=2, overtaking_limit=2).add(3, 4, 5)
+    assert clients.end(2).served == [1, 3]
+    assert clients.end(3).served == [1]
+    clients.add(6)
+    assert clients.waits(6) == ["first comes go(1)"]
+    assert clients.end(1).served == [4, 5]
+
+
+def test_without_a_limit_any_number_comes_before():
+    clients = crowd(2, at_once=2).add(*range(3, 30))
+    for number in range(2, 20):
+        clients.end(number)
+    assert clients.served == [1, 20]
+
+
+def test_goals_that_had_no_turn_overtake_nobody():
+    clients = crowd(2, at_once=2, overtaking_limit=1).add(3, 4, 5)
+    clients.goals.cancel("g4")
+    assert clients.ends()[-1][0] == "g4"
+    clients.add(6)
+    assert clients.waits(6) == ["2 goals at a time are planned for"]
+    assert clients.end(1).served == [2, 3], "older goals overtake nobody"
+    assert clients.end(3).served == [2]
+
+
+def test_one_that_was_in_vain_joins_others_once_it_is_overtaken_too_often():
+    clients = crowd(4, at_once=2, overtaking_limit=2)
+    clients.end(2, 3)
+    clients.add(5, 6, 7)
+    assert clients.served == [1], "it is overtaken twice, and planned for alone"
+    assert clients.no_plan() == [1]
+    assert clients.served == [4, 5]
+    assert clients.end(4).served == [5, 6]
+    assert clients.end(5).served == [1, 6], "now it is overtaken twice again"
+    assert clients.goals.queue.patience == 1, "goal 6 was never in vain"
+
+
+def test_a_goal_that_is_being_cancelled_does_not_come_first():
+    clients = crowd(2, at_once=2, overtaking_limit=1).add(3, 4)
+    assert clients.end(2).served == [1]
+    clients.goals.cancel("g1")
+    clients.goals.tick(1.0)
+    assert clients.served == [1, 3]
+
+
+def test_older_goals_are_let_in_before_the_one_that_comes_first():
+    clients = crowd(3, overtaking_limit=1)
+    clients.put_off(1)
+    clients.end(3)
+    clients.goal(1).overtaken = 0
+    clients.goals.tick(1.0)
+    clients.add(4)
+    assert clients.waits(4) == ["first comes go(2)"]
+    clients.goals.cancel("g3")
+    clients.plan(8)
+    assert clients.served == [1, 2]
+
+
+# -- goals that the solver could not take
+
+
+def test_of_goals_that_the_solver_could_not_take_half_come_again():
+    clients = Clients().add(1, 2, 3, 4).leave_out()
+    assert (clients.served, clients.waiting, clients.fed) == ([1, 2], [3, 4], [])
+    assert clients.waits(1) == clients.waits(4) == ["the solver could not take it in time"]
+    assert clients.feed() == ["_request(go(1),3)", "_request(go(2),3)"]
+    clients.add(5)
+    assert clients.waits(5) == ["2 goals at a time are planned for"]
+
+
+def test_goals_beside_others_come_again_as_soon_as_there_is_room():
+    clients = crowd(1).add(2).leave_out()
+    assert (clients.served, clients.waiting) == ([1], [2])
+    assert clients.end(1).served == [2]
+    clients = crowd(1).add(2, 3, 4).leave_out()
+    assert clients.served == [1, 2]
+
+
+def test_a_goal_that_alone_could_not_be_taken_rests_longer_each_time():
+    clients, now, rests = Clients().add(1), 100.0, []
+    clients.goals.tick(now)
+    for _ in range(9):
+        clients.leave_out()
+        rest = 0
+        while not clients.served:
+            rest += 5
+            clients.goals.tick(now + rest)
+        now += rest
+        rests.append(rest)
+    assert rests == [10, 20, 40, 80, 160, 320, 640, 640, 640]
+
+
+def test_others_come_while_a_goal_rests_and_none_is_overtaken_by_it():
+    clients = Clients(overtaking_limit=1).add(1)
+    clients.leave_out().add(2, 3)
+    assert clients.served == [2, 3]
+    clients.end(2)
+    clients.add(4)
+    assert clients.served == [3, 4], "goal 1 is overtaken, but rests"
+    clients.goals.tick(10.0)
+    assert clients.served == [1, 3, 4]
+
+
+def test_goals_that_were_taken_or_have_ended_are_not_left_out():
+    clients = Clients().add(1, 2)
+    batch = clients.feeder.next_update(1)
+    clients.feeder.taken(batch)
+    clients.end(2)
+    clients.goals.taken(batch.goals, {batch.update.items[0].head})
+    assert clients.fed == ["g1"]
+    assert clients.waits(1) == clients.waits(2) == []
+
+
+# -- the record
+
+
+def test_requests_that_were_told_are_withdrawn_and_only_those():
+    clients = crowd(2).add(3)
+    clients.feed()
+    clients.step = 1
+    clients.put_off(2, 3)
+    assert clients.fed == ["g1"]
+    assert clients.feed() == ["#withdraw _request(go(2),2)"], "the update with goal 3 was never told"
+    assert clients.feed() == []
+    assert clients.waits(2) == clients.waits(3) == ["too much"]
