@@ -45,7 +45,7 @@ def documented(script: str, node: str, given: Mapping[str, Tuple[str, str]]) -> 
 def offered(node: str) -> Names:
     """What the master says of a node, but for what every node has."""
     master = rosgraph.Master(rospy.get_name())
-    types, state = dict(master.getTopicTypes()), master.getSystemState()
+    state, types = master.getSystemState(), dict(master.getTopicTypes())  # in this order: no topic without its type
     published, subscribed, services = ({name for name, nodes in part if node in nodes} for part in state)
     own = {name for name in services if not name.endswith(("logger_level", "get_loggers", "tf2_frames"))}
     return Names(
