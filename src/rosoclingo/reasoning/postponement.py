@@ -40,7 +40,8 @@ def _postponable(planner: Planner, chosen: Sequence[Goal], fed: Sequence[Goal], 
     """
     new = [goal for goal in chosen if goal in fresh]
     old = [goal for goal in chosen if goal not in fresh and (goal.request_cycle or 0) > planner.log.over]
-    return [goal for goal in chosen if goal in [*new, *_Trial(planner, fed, fresh).untouched(old)]] if old else new
+    gone = [*new, *_Trial(planner, fed, fresh).untouched(old)] if old else new
+    return [goal for goal in chosen if goal in gone]
 
 
 class _Trial:
@@ -62,7 +63,7 @@ class _Trial:
 
     def _among(self, found: List[Goal], goals: Sequence[Goal]) -> List[Goal]:
         """Those of the goals that can be withdrawn together with the ones found."""
-        if not goals or self._plan([*found, *goals]) is not None:
+        if self._plan([*found, *goals]) is not None:
             return list(goals)
         if len(goals) == 1:
             return []

@@ -1,0 +1,191 @@
+"""Which goals are taken out of the program again, on a planner that knows only what is in hand and what takes long."""
+
+from types import SimpleNamespace
+
+import pytest
+from clingo import parse_term
+from goal_clients import Clients, numbers
+
+from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
+from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.reasoning.postponement import put_off
+
+#: The cycle of the last update, how many steps a plan may have, and how many it has once all goals are cancelled.
+STEP, STEPS, LEAST = 7, 20, 5
+
+WHY = "it took too long"
+
+
+class World:
+    """A planner for goals 1 to ``goals``, the ``fresh`` ones of them new with the last update, and their manager.
+
+    Goals that are ``bound`` ("1" or "2 3") cannot be withdrawn together without a longer plan. ``refused`` are sets of
+    the goals withdrawn for which the solver takes no update; ``over`` is what comes too late.
+    """
+
+    def __init__(self, goals, fresh="", bound=(), **others):
+        self.clients = Clients().add(*range(1, goals + 1))
+        self.fresh = [self.clients.goal(int(number)) for number in fresh.split()]
+        self.clients.feed(STEP - 3)
+        for goal in self.fresh:
+            goal.feed(STEP + 1)
+        self.bound = [set(one.split()) for one in bound]
+        self.refused = [set(one.split()) for one in others.pop("refused", ())]
+        self.outcome = others.pop("outcome", SolveOutcome.UNSATISFIABLE)
+        self.least = others.pop("least", LEAST)
+        self.log, self.lookahead = SimpleNamespace(step=STEP, over=others.pop("over", 0)), STEPS
+        assert not others
+        self.planners, self.updates, self.bounds = [], [], []
+
+    def restarted(self, without):
+        self.planners.append(Beside(self, without))
+        return self.planners[-1]
+
+    def put_off(self, *chosen, told=STEP):
+        """Take out the chosen goals or others: the planner that goes on, and what was done."""
+        goals = [self.clients.goal(number) for number in chosen]
+        return put_off(self, self.clients.goals, goals, self.fresh, WHY, told)
+
+    @property
+    def questions(self):
+        return [" ".join(map(str, update.items)) for update in self.updates]
+
+
+class Beside:
+    """A planner beside that of the world, which was never told of some requests."""
+
+    def __init__(self, world, without):
+        self.world, self.without, self.lookahead = world, without, STEPS
+
+    def update(self, update):
+        withdrawn = {item.atom for item in update.items if isinstance(item, Withdraw)}
+        assert withdrawn == self.without
+        assert [item for item in update.items if isinstance(item, Withdraw)] == [*map(Withdraw, sorted(withdrawn))]
+        assert update.step == STEP + 1
+        world, gone = self.world, {str(one.arguments[0].arguments[0]) for one in withdrawn}
+        cancelled = {str(one.head.arguments[0].arguments[0]) for one in update.items if isinstance(one, Statement)}
+        assert gone | cancelled == {goal.key[1:] for goal in world.clients.goals.fed}
+        assert not gone & cancelled
+        world.updates.append(update)
+        world.bounds.append(self.lookahead)
+        if gone in world.refused:
+            raise SolverError("refused by the test")
+        steps = world.least + any(one <= gone for one in world.bound)
+        outcome = SolveOutcome.SATISFIABLE if steps <= self.lookahead else world.outcome
+        return SolveResult(outcome, (), update.step + steps, update.step)
+
+
+def requests(*terms):
+    return frozenset(map(parse_term, terms))
+
+
+def test_goals_that_nothing_was_done_for_wait():
+    world = World(4)
+    planner, told = world.put_off(3, 4)
+    assert told == "it took too long: 2 of 4 goals wait"
+    assert (world.clients.served, world.clients.waiting) == ([1, 2], [3, 4])
+    assert world.clients.waits(4) == ["4 goals were too much: it took too long"]
+    assert planner is world.planners[-1]
+    assert planner.without == requests("_request(go(3),5)", "_request(go(4),5)")
+    assert world.questions == [
+        " ".join(f"_request(cancel({number}),8)." for number in (1, 2, 3, 4)),
+        "#withdraw _request(go(3),5). #withdraw _request(go(4),5). _request(cancel(1),8). _request(cancel(2),8).",
+    ]
+    assert world.bounds == [STEPS, LEAST], "without them a plan is as short as where all is cancelled"
+    assert world.clients.feed(STEP + 1)[:2] == ["#withdraw _request(go(3),5)", "#withdraw _request(go(4),5)"]
+
+
+def test_goals_that_are_new_wait_without_a_question():
+    world = World(4, fresh="3 4")
+    planner, _ = world.put_off(3, 4)
+    assert world.clients.waiting == [3, 4]
+    assert (planner.without, world.updates) == (requests("_request(go(3),8)", "_request(go(4),8)"), [])
+    world = World(4, fresh="3 4")
+    world.put_off(3, 4, told=STEP - 1)
+    assert world.clients.feed(STEP + 1) == [], "an update with their requests was never told"
+
+
+def test_new_goals_are_left_out_of_all_questions():
+    world = World(5, fresh="2 5")
+    world.put_off(4, 5)
+    assert world.clients.waiting == [4, 5]
+    assert world.questions[0].startswith("#withdraw _request(go(2),8). #withdraw _request(go(5),8). _request(cancel(1)")
+    assert world.questions[1].startswith("#withdraw _request(go(2),8). #withdraw _request(go(4),5). #withdraw")
+
+
+@pytest.mark.parametrize(
+    ("bound", "waiting"),
+    [
+        ([], [3, 4, 5, 6]),
+        (["3"], [4, 5, 6]),
+        (["4", "6"], [3, 5]),
+        (["3 4"], [3, 5, 6]),
+        (["3 5", "4 6"], [3, 4]),
+        (["3", "4", "5 6"], [5]),
+        (["3", "4", "5"], [6]),
+        (["1", "2"], [3, 4, 5, 6]),
+    ],
+)
+def test_goals_in_hand_do_not_wait(bound, waiting):
+    world = World(6, bound=bound)
+    _, told = world.put_off(3, 4, 5, 6)
+    assert world.clients.waiting == waiting
+    assert told == f"it took too long: {len(waiting)} of 6 goals wait"
+
+
+def test_where_all_are_in_hand_the_others_wait():
+    world = World(5, bound=["4", "5", "2"])
+    world.clients.goals.cancel("g1")
+    world.put_off(4, 5)
+    assert world.clients.waiting == [3]
+    assert world.clients.served == [1, 2, 4, 5], "those that are being cancelled go on"
+
+
+def test_where_everything_is_in_hand_the_search_goes_on():
+    world = World(3, bound=["1", "2", "3"])
+    queue = world.clients.goals.queue
+    planner, told = world.put_off(2, 3)
+    assert (planner, told) == (world, "it took too long: the search goes on")
+    assert (world.clients.waiting, queue.stuck) == ([], 1)
+    assert world.clients.feed(STEP + 1) == []
+
+
+def test_where_none_is_chosen_the_search_goes_on():
+    world = World(2)
+    assert world.put_off() == (world, "it took too long: the search goes on")
+    assert (world.clients.waiting, world.planners) == ([], [])
+
+
+@pytest.mark.parametrize(("over", "waiting"), [(4, [2]), (5, [])])
+def test_what_is_over_cannot_be_taken_back(over, waiting):
+    world = World(2, over=over)
+    world.put_off(2)
+    assert world.clients.waiting == waiting
+
+
+@pytest.mark.parametrize("others", [{"refused": [""]}, {"least": STEPS + 1}])
+@pytest.mark.parametrize("outcome", [SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED])
+def test_where_nothing_is_known_all_that_is_not_new_stays(others, outcome):
+    world = World(2, outcome=outcome, **others)
+    world.put_off(2)
+    assert (world.clients.waiting, len(world.updates)) == ([], 2), "nor the other one"
+    others = {"refused": ["3"]} if "refused" in others else others
+    world = World(3, fresh="3", outcome=outcome, **others)
+    world.put_off(2, 3)
+    assert world.clients.waiting == [3]
+
+
+def test_what_takes_too_long_or_is_refused_is_in_hand():
+    world = World(4, refused=["3 4", "3"])
+    world.put_off(3, 4)
+    assert world.clients.waiting == [4]
+    world = World(4, bound=["3"], outcome=SolveOutcome.INTERRUPTED)
+    world.put_off(3, 4)
+    assert world.clients.waiting == [4]
+
+
+def test_the_chosen_goals_stay_in_order():
+    world = World(4, fresh="2")
+    world.put_off(1, 2, 3)
+    assert numbers(world.clients.goals.queue.waiting) == [1, 2, 3]
+    assert [one.key for one in world.clients.told if getattr(one, "waits", "")] == ["g1", "g2", "g3"]
