@@ -6,8 +6,7 @@ Raises nothing but :class:`ProgressionError`, with line and column of the text t
 from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 from rosoclingo.oclingo.errors import ProgressionError
-from rosoclingo.oclingo.progression.terms import read_atom, read_number, read_term
-from rosoclingo.oclingo.progression.tokens import TokenStream
+from rosoclingo.oclingo.progression.terms import TokenStream, read_atom, read_number, read_term
 from rosoclingo.oclingo.progression.updates import (
     Anew,
     Assert,
