@@ -19,6 +19,7 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
+FAILED = Signature("_failed", 3)
 BEYOND = Signature("__oclingo_beyond", 1)
 """``__oclingo_beyond(T)``: the program's name for the literal that is true for steps beyond the horizon."""
 

@@ -12,10 +12,9 @@ from clingo.ast import AST, ASTType
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.return_failures import FAILED
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 

@@ -1,12 +1,11 @@
 """Facts in doubt: those of which each search says anew whether they were told."""
 
-from typing import Dict, FrozenSet, Iterable, List, Optional
+from typing import Dict, FrozenSet, Iterable, List
 
 import clingo
 
-from rosoclingo.oclingo.program.return_failures import with_their_failures
-from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_table import BackendSession
+from rosoclingo.oclingo.solving.stream_state import with_their_failures
 
 
 class Doubts:
@@ -26,10 +25,6 @@ class Doubts:
             for one in with_their_failures(frozenset([fact])):
                 self.literals.setdefault(one, literal)
         self.literals.update(self._told)
-
-    def literal_of(self, statement: Statement) -> Optional[int]:
-        """Return the literal under which ``statement`` was made; None where it is not in doubt."""
-        return None if statement.subject is None else self.literals.get(statement.subject)
 
     def assumptions(self, untold: FrozenSet[clingo.Symbol]) -> List[int]:
         """Return the assumptions by which all facts but those ``untold`` were told."""

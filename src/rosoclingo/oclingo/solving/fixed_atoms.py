@@ -6,8 +6,8 @@ from typing import Dict, List, Optional, Set
 import clingo
 from clingo.propagator import PropagateInit, Propagator, PropagatorCheckMode
 
+from rosoclingo.oclingo.solving.atom_table import StepRecorder
 from rosoclingo.oclingo.solving.grounding import BASE, Grounding
-from rosoclingo.oclingo.solving.observers import StepRecorder
 
 
 class FixedAtoms(Propagator):

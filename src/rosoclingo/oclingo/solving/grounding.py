@@ -28,13 +28,21 @@ from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.return_failures import with_their_failures
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.oclingo.solving.atom_table import HOLDS, ActionIndex, AtomIndex, AtomTable, BackendSession, CycleIndex
+from rosoclingo.oclingo.solving.atom_table import (
+    HOLDS,
+    ActionIndex,
+    AtomIndex,
+    AtomTable,
+    BackendSession,
+    CycleIndex,
+    Externals,
+    Heads,
+    StepRecorder,
+)
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
-from rosoclingo.oclingo.solving.observers import Externals, Heads, StepRecorder
-from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState
+from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, with_their_failures
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -91,18 +99,14 @@ class Grounding:
         self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
         self._heads = Heads()
         self.atoms = AtomTable(self._control, self._session, self._declared, self._heads.externals)
-        self._doubts = Doubts(self._session, doubted)
+        self._doubts = Doubts(self._session, doubted) if doubted else None
+        self._told = self._doubts.literals if self._doubts else {}  # fact in doubt -> literal under which it was told
         first = program.first_step if shortest else None
-        self._actions = ActionIndex(self._control, self._session, ACTION, first, self._doubts.literals)
+        self._actions = ActionIndex(self._control, self._session, ACTION, first, self._told)
         self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures - {BEYOND})
-        self._observer = Externals()
-        self._control.register_observer(self._observer)
-        if program.external_signatures & program.head_signatures:  # else no rule defines an external
-            self._control.register_observer(self._heads)
-        self.recorder = StepRecorder()
-        if shortest and not doubted:  # nothing is retired of what is only asked about
-            self._control.register_observer(self.recorder)
+        self._observer, self.recorder = Externals(), StepRecorder()
+        self._observe()
         program.load_into(self._control)
         self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
         self._hidden: Set[clingo.Symbol] = set()
@@ -119,6 +123,14 @@ class Grounding:
         self._base_externals: Set[clingo.Symbol] = set()
         self._tell(self._past.facts)
 
+    def _observe(self) -> None:
+        """Let those observers hear of what is ground that have a use for it."""
+        self._control.register_observer(self._observer)
+        if self.program.external_signatures & self.program.head_signatures:  # else no rule defines an external
+            self._control.register_observer(self._heads)
+        if self._shortest and self._doubts is None:  # nothing is retired of what is only asked about
+            self._control.register_observer(self.recorder)
+
     def _ground_base(self) -> None:
         self.recorder.begin(range(BASE, BASE + 1))
         self._ground([("base", [])], 1)
@@ -134,7 +146,7 @@ class Grounding:
 
     def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
         """Make ``facts`` known to the steps."""
-        doubted = [atom for atom in facts if atom in self._doubts.literals]
+        doubted = [atom for atom in facts if atom in self._told]
         text = "".join(f"#external {atom}.\n" if atom in doubted else f"{atom}.\n" for atom in facts)
         if text:
             self._control.add("__oclingo_past", [], text)
@@ -180,7 +192,7 @@ class Grounding:
     def add(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
         self.satisfied = False
-        guard = self._doubts.literal_of(statement)
+        guard = None if statement.subject is None else self._told.get(statement.subject)
         if lifetime != FOREVER:
             if lifetime not in self._guards:
                 self._guards[lifetime] = self._session.new_external(HOLDS)
@@ -256,7 +268,8 @@ class Grounding:
         ``best``, or else any. Of the facts in doubt all were told but those ``untold``.
         """
         self.atoms.end_definitions()
-        assumptions: List[Any] = [*self._ends.range(first, last), *given, *self._doubts.assumptions(untold)]
+        assumptions: List[Any] = [*self._ends.range(first, last), *given]
+        assumptions += self._doubts.assumptions(untold) if self._doubts else []
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
@@ -278,11 +291,11 @@ class Grounding:
                 if stopped():
                     handle.cancel()
             result = handle.get()
-            core = frozenset() if result.satisfiable is not False else self._doubts.among(handle.core())
+            blamed = self._doubts.among(handle.core()) if self._doubts and result.satisfiable is False else frozenset()
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
-        return Search(bool(result.satisfiable), tuple(answers), horizons[-1], core)
+        return Search(bool(result.satisfiable), tuple(answers), horizons[-1], blamed)
 
 
 def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:

@@ -14,7 +14,6 @@ import clingo
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.return_failures import is_foreseen
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
@@ -22,7 +21,7 @@ from rosoclingo.oclingo.solving.improvement import Improvement
 from rosoclingo.oclingo.solving.inquiry import Inquiry, Verdict
 from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import LoggedSolver, Plan, StreamLog, Taken
-from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
+from rosoclingo.oclingo.solving.stream_state import Setting, StreamState, is_foreseen
 from rosoclingo.oclingo.solving.transaction import Transaction
 
 BLOCK = 8

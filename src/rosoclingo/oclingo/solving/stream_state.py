@@ -1,14 +1,34 @@
-"""What the solver knows of its stream: enough to build the grounding anew at any time; and how it reads updates."""
+"""What the solver knows of its stream: enough to build the grounding anew at any time; and how it reads updates.
+
+Beside a return that is no success it reads ``_failed(A,V,C)``, for programs that declare it. Success is the parameter
+of an action that was committed, anything else is a reason. A program could say so itself,
+
+    failed(A,V,t) :- _return(A,V,t), not _action_lib(A,V,t).
+
+but would be ground for every value that may come; ``_failed/3`` comes when something has failed, and costs nothing
+before. Where nothing was committed for the cycle, it comes with each return: the rule above still tells.
+"""
 
 from dataclasses import dataclass, field, replace
-from typing import Dict, FrozenSet, Iterator, List, Optional, Set, Tuple, Union
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Optional, Set, Tuple, Union
 
 import clingo
 
+from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.return_failures import FAILED, with_failures, with_their_failures
 from rosoclingo.oclingo.progression.strings import strings_apart
-from rosoclingo.oclingo.progression.updates import Assert, Cumulative, Section, Statement, StreamUpdate, Volatile
+from rosoclingo.oclingo.progression.terms import signature_of
+from rosoclingo.oclingo.progression.updates import (
+    Assert,
+    Closed,
+    Cumulative,
+    Item,
+    Over,
+    Section,
+    Statement,
+    StreamUpdate,
+    Volatile,
+)
 
 
 @dataclass(frozen=True)
@@ -193,7 +213,7 @@ class Setting:
     def read(self, update: StreamUpdate, state: StreamState) -> StreamUpdate:
         """Return the update as the program is to see it."""
         update = strings_apart(update) if self.oclingo_strings else update
-        return with_failures(update, state.permanent) if FAILED in self.program.open_signatures else update
+        return _with_failures(update, state.permanent) if FAILED in self.program.open_signatures else update
 
     def open_heads(self, update: Optional[StreamUpdate]) -> List[clingo.Symbol]:
         """Return what the update defines of open signatures."""
@@ -201,3 +221,55 @@ class Setting:
             return []
         heads = [one.head for _, one in self.read(update, self.fresh_state()).sections()]
         return [head for head in heads if head is not None and self.program.is_open_signature(head)]
+
+
+def is_foreseen(update: StreamUpdate, before: Iterable[Statement]) -> bool:
+    """Tell whether ``update`` holds nothing but commitments and the returns of what was done with success.
+
+    ``before`` are the statements that hold for ever before it.
+    """
+    as_planned = _successes(update, before)
+    plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)
+    statements = [one for _, one in update.sections()]
+    return plain and not update.withdrawn and all(one.head in as_planned or _demands_action(one) for one in statements)
+
+
+def with_their_failures(facts: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
+    """Return ``facts`` and what was told of the returns among them."""
+    return facts | {_failure_of(fact) for fact in facts if signature_of(fact) == RETURN}
+
+
+def _with_failures(update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
+    """Return ``update`` with each failure behind its return, given the statements that hold for ever ``before`` it."""
+    told = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
+    failed = told - _successes(update, before) if told else told
+    if not failed:
+        return update
+    items: List[Item] = []
+    for item in update.items:
+        items.append(item)
+        if isinstance(item, Statement) and item.head in failed and not item.body:
+            items.append(Statement(_failure_of(item.head)))
+    return replace(update, items=tuple(items))
+
+
+def _failure_of(answer: clingo.Symbol) -> clingo.Symbol:
+    """Return ``_failed(A,V,C)`` for ``_return(A,V,C)``."""
+    return clingo.Function(FAILED.name, answer.arguments)
+
+
+def _successes(update: StreamUpdate, before: Iterable[Statement]) -> Set[clingo.Symbol]:
+    """Return the returns that tell of success: those of the actions that must be in every plan."""
+    actions = (one.body[0].atom for one in (*before, *_lasting(update)) if _demands_action(one))
+    return {clingo.Function(RETURN.name, action.arguments) for action in actions}
+
+
+def _lasting(update: StreamUpdate) -> Iterator[Statement]:
+    """Yield the facts and constraints of the update that hold for ever."""
+    for section, statement in update.sections():
+        if isinstance(section, Cumulative) and (statement.head is None or not statement.body):
+            yield statement
+
+
+def _demands_action(statement: Statement) -> bool:
+    return statement.is_commitment and is_action(statement.body[0].atom)
