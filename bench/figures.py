@@ -61,7 +61,7 @@ class Row(NamedTuple):
 def parse(parser, **short):
     """Parse a bench's command line; with ``--short`` the values in ``short`` take the place of the defaults."""
     parser.add_argument(
-        "--short", action="store_true", help="the short form, at most a minute; other options still count"
+        "--short", action="store_true", help="the short form, at most two minutes; other options still count"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON lines, too")
     if parser.parse_known_args()[0].short:

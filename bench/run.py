@@ -195,7 +195,7 @@ def command_line():
     )
     parser.add_argument(
         "--work", type=Path, help=argparse.SUPPRESS
-    )  # ./dev's folder; without, the line is only checked
+    )  # ./dev's folder; without, the line is only checked, and the benches' names are printed
     options = parser.parse_args()
     for name in options.names:
         if name not in BENCHES:
@@ -210,6 +210,7 @@ def command_line():
 def main() -> int:
     options = command_line()
     if options.work is None:
+        print(*(options.names or BENCHES))
         return 0
     (options.work / "bench").mkdir(exist_ok=True)
     logs = Path(tempfile.mkdtemp(dir=str(options.work / "bench")))

@@ -157,6 +157,11 @@ def test_every_bench_has_a_short_form_and_hands_its_figures_on(name):
     assert "write(" in text
 
 
+def test_a_checked_command_line_tells_which_benches_are_meant():
+    assert runner("tours", "planner").stdout.split() == ["tours", "planner"]
+    assert runner().stdout.split() == run.BENCHES
+
+
 def test_the_modules_that_benches_share_are_none():
-    assert not {"run", "figures", "ros_system", "tour_floors"} & set(run.BENCHES)
+    assert not {"run", "figures", "ros_system", "tour_floors", "deliveries", "routing"} & set(run.BENCHES)
     assert {"oclingo", "response", "tours"} <= set(run.BENCHES)

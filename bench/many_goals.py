@@ -1,0 +1,321 @@
+#!/usr/bin/env python3
+"""Many requests, at once or in a stream: how soon there is a plan, how good it is, and what is driven in the end.
+
+The pure core with the mailbot's program, plans made soon and improved while actions run, its solver in a process of its
+own, as the node has it. A robot in plain Python answers each action, and refuses what is against the rules. Beside it
+OR-Tools' routing solver has the same requests and the same seconds. Seconds are of processor time, but for "first": so
+much as each would get on a machine of its own, whatever else this one does.
+
+A row of the table:
+  floor     offices in a row, or loops: twenty offices with two loops
+  how       once: all requests are known at the start; stream: one more every --gap actions, sooner if none is left
+  first     the first plan that is found, with --plan-time 0: seconds by the clock, of processor time, and its steps
+  1 s ...   steps of the plan that is known after so many seconds, with nothing done yet: ours and OR-Tools'
+  driven    steps that are really done. While an action runs the plan is improved for --action-time seconds, unless
+            nothing is left to try. OR-Tools drives its plan of --or-seconds; in a stream it plans again with each
+            request, for --or-stream-seconds. The ratio is of ours to its.
+  longest   seconds of processor time until the next action goes out, at most
+  ms        of processor time for an action, improvement aside
+  waited    requests that were put off at most, for want of a plan for all
+
+To be run in the built workspace: ./dev exec python3 bench/many_goals.py; ./dev bench many_goals installs OR-Tools.
+"""
+
+import argparse
+import os
+import time
+from collections import deque
+from contextlib import suppress
+from pathlib import Path
+from statistics import mean
+
+import routing
+from deliveries import World, actions_of_route, floor_named, random_requests
+from figures import Figure, parse, write
+
+from rosoclingo.nodes.core.loading import CoreParameters
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
+
+ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
+TICK = 1.0 / os.sysconf("SC_CLK_TCK")
+HOWS = ("once", "stream")
+
+
+class ProcessorTime:
+    """Seconds of processor time that a solver's process has used, and those that it has replaced."""
+
+    def __init__(self, process):
+        self._process, self._used = process, {}
+
+    def __call__(self):
+        with suppress(OSError):  # it may just have ended
+            text = Path(f"/proc/{self._process.pid}/stat").read_text()
+            self._used[self._process.pid] = TICK * sum(map(int, text.rsplit(")", 1)[1].split()[11:13]))
+        return sum(self._used.values())
+
+
+class Robot:
+    """A core and the world that answers it."""
+
+    def __init__(self, floor, plan_time):
+        program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
+        self.world = World(floor)
+        self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
+        self.used = ProcessorTime(self.process)
+        self.core = Core(program, self.process.solver, self._note, CoreSettings(), self._watch)
+        self.improving, self.longest, self.waited = 0.0, 0.0, 0
+
+    def __enter__(self):
+        self.process.start()
+        self.core.start()
+        return self
+
+    def __exit__(self, *error):
+        self.process.close()
+
+    def ask(self, requests):
+        """Send goals; their packages wait from now on."""
+        self.world.ask(requests)
+        for request in requests:
+            self.core.add_goal(str(request.number), request.goal)
+
+    def plan(self):
+        """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
+        begin = self.used()
+        while self.core.advance(0.0):
+            pass
+        self.longest = max(self.longest, self.used() - begin)
+        self.waited = max(self.waited, len(self.core.queue.waiting))
+        return self.steps()
+
+    def improve(self, seconds):
+        """Improve the plan while an action runs; yield with each better plan."""
+        begin = self.used()
+        while self.core.improve(lambda: self.used() - begin >= seconds):
+            yield self.used() - begin
+        self.improving += self.used() - begin
+
+    def steps(self):
+        """The steps of the plan; raises RuleError where it is none."""
+        actions = self.core.plan.after(self.core.cycle - 1)
+        world = self.world.copy()
+        for action in sorted(actions, key=lambda action: action.cycle):
+            world.do(action.interface_name, str(action.parameter))
+        if world.open > len(self.core.queue.waiting):
+            raise SystemExit(f"the plan leaves {world.open} requests open")
+        return len(actions)
+
+    def act(self):
+        """Do the actions that are out, and answer them; raises RuleError."""
+        for action in self.core.awaited:
+            self.world.do(action.interface_name, str(action.parameter))
+            self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+
+    def _watch(self):
+        """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""
+        begin, queue = self.used(), self.core.queue
+        limit = CoreParameters.search_timeout * queue.patience
+
+        def look():
+            too_long = not queue.unhurried and self.used() - begin >= limit
+            return Halt(f"it took longer than {limit:g} s") if too_long else None
+
+        return look
+
+    @staticmethod
+    def _note(event):
+        if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
+            raise SystemExit(f"request {event.key} can be met, but ended as {event.outcome.name}: {event.message}")
+
+
+class Arrivals:
+    """Requests in the order in which they become known: all at once, or one every ``gap`` actions."""
+
+    def __init__(self, requests, gap):
+        self._left, self._gap, self._count = deque(requests), gap, 0
+
+    def __bool__(self):
+        return bool(self._left)
+
+    def due(self, world):
+        """Take those that are known by now; one at least where nothing else is to do."""
+        found = []
+        while self._left and (self._gap * self._count <= world.actions or not (found or world.open)):
+            found.append(self._left.popleft())
+            self._count += 1
+        return found
+
+
+# ---- What is measured ------------------------------------------------------------------------------------------------
+
+
+def first_plan(floor, requests):
+    """Seconds by the clock and of processor time until there is a plan, and its steps."""
+    with Robot(floor, plan_time=0.0) as robot:
+        begin, used = time.perf_counter(), robot.used()
+        robot.ask(requests)
+        steps = robot.plan()
+        return {"first [s]": time.perf_counter() - begin, "cpu [s]": robot.used() - used, "steps": steps}
+
+
+def plans_after(floor, requests, seconds, plan_time):
+    """Steps of the plan that is known after each of some seconds; None where there was none yet."""
+    with Robot(floor, plan_time) as robot:
+        begin = robot.used()
+        robot.ask(requests)
+        found = [(robot.plan(), robot.used() - begin)]
+        for _ in robot.improve(max(seconds) - found[0][1]):
+            found.append((robot.steps(), robot.used() - begin))
+    known = {limit: [steps for steps, used in found if used <= limit + plan_time / 2] for limit in seconds}
+    return {f"{limit:g} s": min(steps, default=None) for limit, steps in known.items()}
+
+
+def driven(floor, arrivals, options):
+    """What is done in the end, and what it costs."""
+    with Robot(floor, options.plan_time) as robot:
+        begin, own = robot.used(), time.process_time()
+        while arrivals or robot.world.open:
+            robot.ask(arrivals.due(robot.world))
+            robot.plan()
+            if not robot.core.awaited:
+                raise SystemExit(f"nothing is done, though {robot.world.open} requests are open")
+            for _ in robot.improve(options.action_time):
+                robot.steps()
+            robot.act()
+        used = robot.used() - begin - robot.improving + time.process_time() - own
+        actions = robot.world.actions
+        costs = {"longest [s]": robot.longest, "ms": 1000 * used / actions, "waited": robot.waited}
+        return {"driven": actions, **costs}
+
+
+def routes_after(floor, requests, options):
+    """Steps of OR-Tools' plans after each of some seconds, and of the one that it drives."""
+    world = World(floor)
+    world.ask(requests)
+    limits = [*options.seconds, options.or_seconds]
+    found = []
+    for route in routing.routes(floor, world, limits):
+        trial = world.copy()
+        follow(trial, actions_of_route(floor, trial.office, route.visits))
+        found.append(trial.actions)
+    return {**{f"or {limit:g} s": steps for limit, steps in zip(limits, found[:-1])}, "or driven": found[-1]}
+
+
+def routes_driven(floor, arrivals, options):
+    """Steps that are done where OR-Tools plans again with each request."""
+    world, actions = World(floor), deque()
+    while arrivals or world.open:
+        fresh = arrivals.due(world)
+        if fresh:
+            world.ask(fresh)
+            route = routing.routes(floor, world, [options.or_stream_seconds])[0]
+            actions = deque(actions_of_route(floor, world.office, route.visits))
+        world.do(*actions.popleft())
+    return {"or driven": world.actions}
+
+
+def follow(world, actions):
+    """Do all the actions; raises RuleError."""
+    for action in actions:
+        world.do(*action)
+    if world.open:
+        raise SystemExit(f"OR-Tools' route leaves {world.open} requests open")
+
+
+def measure(name, count, how, seed, options):
+    """One row for one seed: column to figure."""
+    floor = floor_named(name)
+    requests = random_requests(floor, count, seed)
+    gap = options.gap if how == "stream" else 0
+    found = {}
+    if how == "once":
+        found.update(first_plan(floor, requests))
+        found.update(plans_after(floor, requests, options.seconds, options.plan_time))
+    found.update(driven(floor, Arrivals(requests, gap), options))
+    if not options.without_or_tools:
+        theirs = routes_after(floor, requests, options) if how == "once" else {}
+        found.update(theirs or routes_driven(floor, Arrivals(requests, gap), options))
+        found["ratio"] = found["driven"] / found["or driven"]
+    return found
+
+
+# ---- What is told ----------------------------------------------------------------------------------------------------
+
+UNITS = {"first [s]": "s", "cpu [s]": "s of processor", "longest [s]": "s of processor", "ms": "ms of processor"}
+UNITS.update({"waited": "requests", "ratio": ""})
+
+
+def columns(options):
+    """The columns of the table, as options ask for them."""
+    seconds = [f"{one:g} s" for one in options.seconds]
+    theirs = [] if options.without_or_tools else [*(f"or {one}" for one in seconds), "or driven", "ratio"]
+    return ["first [s]", "cpu [s]", "steps", *seconds, "driven", *theirs, "longest [s]", "ms", "waited"]
+
+
+def line(head, cells, names):
+    """A line of the table; a cell is text, a figure or None."""
+    shown = []
+    for name in names:
+        value = cells.get(name)
+        digits = 2 if "[s]" in name or name == "ratio" else 0 if name in ("ms", "waited") else 1
+        text = value if isinstance(value, str) else "-" if value is None else f"{value:.{digits}f}"
+        shown.append((text[:-2] if text.endswith(".0") else text).rjust(max(7, len(name))))
+    return "  ".join([head[0].ljust(5), str(head[1]).rjust(8), head[2].ljust(6), *shown])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--floors", nargs="+", default=["4", "20", "50", "loops"], help="(default: %(default)s)")
+    parser.add_argument("--requests", type=int, nargs="+", default=[3, 10, 20, 50, 100], help="(default: %(default)s)")
+    parser.add_argument("--how", nargs="+", choices=HOWS, default=list(HOWS), help="(default: %(default)s)")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1], help="a row is their mean (default: %(default)s)")
+    parser.add_argument("--seconds", type=float, nargs="+", default=[1, 5, 20], help="(default: %(default)s)")
+    parser.add_argument("--plan-time", type=float, default=CoreParameters.plan_time, help="(default: %(default)s)")
+    parser.add_argument(
+        "--action-time",
+        type=float,
+        default=0.2,
+        help="seconds to improve the plan while an action runs; robots take longer (default: %(default)s)",
+    )
+    parser.add_argument("--gap", type=int, default=4, help="actions between two requests (default: %(default)s)")
+    parser.add_argument("--or-seconds", type=float, default=5, help="of the plan it drives (default: %(default)s)")
+    parser.add_argument("--or-stream-seconds", type=float, default=1, help="of each (default: %(default)s)")
+    parser.add_argument("--without-or-tools", action="store_true", help="measure rosoclingo alone")
+    short = {"floors": ["4", "20", "loops"], "requests": [20], "how": ["once"], "seconds": [1, 5], "action_time": 0.05}
+    options = parse(parser, **short)
+    try:
+        for name in options.floors:
+            floor_named(name)
+    except ValueError as error:
+        parser.error(str(error))
+    if not (options.without_or_tools or routing.is_there()):
+        parser.error(routing.HOW)
+    write(options.json, play(options))
+
+
+def averaged(runs):
+    """The mean of some rows, without what some have no figure for."""
+    return {name: mean(run[name] for run in runs) for name in runs[0] if all(run[name] is not None for run in runs)}
+
+
+def play(options):
+    """Print the table row by row; return its figures."""
+    names, figures = columns(options), []
+    print(line(("floor", "requests", "how"), {name: name for name in names}, names), flush=True)
+    for floor in options.floors:
+        for count in options.requests:
+            for how in options.how:
+                row = averaged([measure(floor, count, how, seed, options) for seed in options.seeds])
+                print(line((floor, count, how), row, names), flush=True)
+                ours = [name for name in names if name in row and not name.startswith("or ")]
+                what = f"{floor}/{count} {how}: "
+                figures += [Figure(what + name, row[name], UNITS.get(name, "steps")) for name in ours]
+    print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
+    return figures
+
+
+if __name__ == "__main__":
+    main()

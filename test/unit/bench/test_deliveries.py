@@ -1,0 +1,182 @@
+"""The deliveries that benches measure: instances, the rules, and routes as actions; checked by the mailbot's world."""
+
+import sys
+from pathlib import Path
+
+import pytest
+from mailbot_world import fewest_steps, neighbours
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamUpdate, fact, parse_term
+from rosoclingo.oclingo.program.sources import Source
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.append(str(ROOT / "bench"))
+
+import deliveries  # noqa: E402
+import routing  # noqa: E402
+from deliveries import Request, RuleError, World  # noqa: E402
+
+FLOORS = [deliveries.row(4), deliveries.row(7), deliveries.loops()]
+
+
+def world(*requests, floor=FLOORS[0]):
+    made = World(floor)
+    made.ask(requests)
+    return made
+
+
+@pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.name)
+def test_distances_are_the_fewest_moves_and_ways_are_as_long(floor):
+    graph = neighbours(floor.corridors)
+    distances = floor.distances()
+    assert len(distances) == floor.offices**2, "some office can't be reached"
+    for (start, end), moves in distances.items():
+        way = floor.way(start, end)
+        assert len(way) == moves
+        assert all(there in graph[here] for here, there in zip([start, *way], way))
+        assert [start, *way][-1] == end
+    assert all(abs(distances[a, c] - distances[b, c]) <= 1 for a, b in floor.corridors for c in graph)
+
+
+def test_the_floor_with_loops_has_two():
+    floor = deliveries.loops()
+    assert len(floor.corridors) - floor.offices + 1 == 2
+
+
+def test_requests_are_between_two_offices_and_the_same_for_the_same_seed():
+    requests = deliveries.random_requests(FLOORS[0], 50, seed=1)
+    assert [request.number for request in requests] == list(range(1, 51))
+    assert all(request.start != request.end for request in requests)
+    assert {one for request in requests for one in request[1:]} == {1, 2, 3, 4}
+    assert requests == deliveries.random_requests(FLOORS[0], 50, seed=1)
+    assert requests != deliveries.random_requests(FLOORS[0], 50, seed=2)
+
+
+@pytest.mark.parametrize("name", ["1", "0", "-3", "ring", ""])
+def test_a_floor_that_is_none_is_told(name):
+    with pytest.raises(ValueError, match="a floor is"):
+        deliveries.floor_named(name)
+
+
+def test_floors_by_name():
+    assert deliveries.floor_named("7") == deliveries.row(7)
+    assert deliveries.floor_named("loops") == deliveries.loops()
+
+
+@pytest.mark.parametrize(
+    ("before", "action", "told"),
+    [
+        ([], ("move_base", "office3"), "no corridor leads from office 1 to 3"),
+        ([], ("move_base", "office1"), "no corridor"),
+        ([], ("move_base", "office9"), "no corridor"),
+        ([], ("pickup", "2"), "package 2 does not wait at office 1"),
+        ([], ("pickup", "9"), "package 9 does not wait"),
+        ([("pickup", "1")], ("pickup", "1"), "package 1 does not wait"),
+        ([("pickup", "1"), ("pickup", "3"), ("pickup", "4")], ("pickup", "5"), "one too many"),
+        ([("pickup", "1")], ("deliver", "1"), "does not belong to office 1"),
+        ([("move_base", "office2")], ("deliver", "1"), "package 1 is not on the robot"),
+        (
+            [("pickup", "1"), ("move_base", "office2"), ("deliver", "1")],
+            ("deliver", "1"),
+            "package 1 is not on the robot",
+        ),
+        ([], ("fly", "office2"), "no action fly"),
+    ],
+)
+def test_what_is_against_the_rules_is_refused_and_changes_nothing(before, action, told):
+    here = world(Request(1, 1, 2), Request(2, 2, 1), Request(3, 1, 4), Request(4, 1, 4), Request(5, 1, 4))
+    for one in before:
+        here.do(*one)
+    left = here.copy()
+    with pytest.raises(RuleError, match=told):
+        here.do(*action)
+    assert vars(here) == vars(left)
+
+
+def test_a_copy_goes_its_own_way():
+    here = world(Request(1, 1, 2))
+    there = here.copy()
+    there.do("pickup", "1")
+    assert (here.actions, len(here.waiting), here.carried) == (0, 1, {})
+    assert (there.actions, there.waiting, len(there.carried)) == (1, {}, 1)
+
+
+@pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.name)
+def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
+    requests = deliveries.random_requests(floor, 3, seed=1)
+    program = ReactiveProgram([Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source(floor.name, floor.instance)])
+    told = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
+    result = ReactiveSolver(program, horizon_limit=200, shortest=True).update(StreamUpdate(1, None, told))
+    actions = sorted((one.arguments for one in result.plan.actions), key=lambda action: action[2].number)
+    here = world(*requests, floor=floor)
+    for interface, parameter, _ in actions:
+        here.do(str(interface), str(parameter))
+    assert here.open == 0
+    waiting = [("waits", request.start, request.end) for request in requests]
+    assert here.actions == fewest_steps(neighbours(floor.corridors), deliveries.CAPACITY, 1, waiting)
+
+
+def test_a_route_is_driven_as_actions():
+    floor, first, second = deliveries.row(4), Request(1, 3, 1), Request(2, 2, 4)
+    here = world(first, second, floor=floor)
+    here.do("move_base", "office2")
+    here.do("pickup", "2")
+    visits = [("pickup", first), ("deliver", second), ("deliver", first)]
+    for action in deliveries.actions_of_route(floor, here.office, visits):
+        here.do(*action)
+    assert here.open == 0
+    assert here.actions == 2 + 1 + 1 + 1 + 1 + 3 + 1
+
+
+STAND_IN = """#!{python}
+import json, os, signal, sys
+problem = json.load(sys.stdin)
+assert problem["waiting"] == 1 and problem["carried"] == 1 and problem["capacity"] == 3 and problem["seconds"] == 5
+assert problem["distances"] == [[0, 1, 1, 2], [1, 0, 2, 1], [1, 2, 0, 3], [2, 1, 3, 0]]
+for route in {routes}:
+    print(json.dumps(route), flush=True)
+os.kill(os.getpid(), signal.SIG{end})
+"""
+
+
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """In place of the Python that has OR-Tools: a program that writes routes and ends by a signal."""
+
+    def make(routes, end="PROF"):
+        path = tmp_path / "python"
+        path.write_text(STAND_IN.format(python=sys.executable, routes=routes, end=end))
+        path.chmod(0o755)
+        monkeypatch.setenv(routing.PYTHON, str(path))
+
+    return make
+
+
+def ask(seconds):
+    floor, carried, waiting = deliveries.row(4), Request(1, 1, 4), Request(2, 3, 1)
+    here = world(carried, waiting, floor=floor)
+    here.do("pickup", "1")
+    here.do("move_base", "office2")
+    found = routing.routes(floor, here, seconds)
+    names = {("pickup", waiting): "pick up", ("deliver", waiting): "bring back", ("deliver", carried): "deliver"}
+    return [[names[visit] for visit in route.visits] for route in found]
+
+
+def test_the_best_route_of_each_time_is_taken(stand_in):
+    stand_in([[0.5, [3, 1, 2]], [3.0, [1, 3, 2]]])
+    first, last = ["deliver", "pick up", "bring back"], ["pick up", "deliver", "bring back"]
+    assert ask([0.1, 1, 5]) == [first, first, last]
+
+
+@pytest.mark.parametrize(("routes", "end"), [([], "PROF"), ([[0.5, [3, 1, 2]]], "KILL")])
+def test_a_search_that_fails_is_told(stand_in, routes, end):
+    stand_in(routes, end)
+    with pytest.raises(routing.RoutingError, match="no route"):
+        ask([1, 5])
+
+
+def test_a_python_that_has_no_or_tools_is_none(stand_in, monkeypatch):
+    monkeypatch.setenv(routing.PYTHON, "/no/such/python")
+    assert not routing.is_there()
+    stand_in([])
+    assert not routing.is_there()
