@@ -64,16 +64,32 @@ class _Statements:
         statements, told = state.permanent, frozenset() if state.past is None else state.past.facts
         self._grounding, self._values = grounding, fixed.values
         self._program, self._fixed = program, fixed
-        self._heads = {one.head for one in [*statements, *state.unsettled()]}
+        self._unsettled = {one.head for one in state.unsettled() if one.head is not None}
+        self._heads = self._unsettled | {one.head for one in statements if one.head is not None}
         defined = fixed.defined
         self._past = told | {atom for atom, literal in fixed.literals.items() if literal in defined}
         self.facts = {one.head for one in statements if one.head is not None and not one.body}
         self.kept: List[Statement] = []
         self.false: Set[clingo.Symbol] = set()  # heads that were defined, but never come true
         self.sound = True  # False where a statement still ties the past to what is open
-        for statement in statements:
-            if statement.body:
-                self._take(statement)
+        rules = [one for one in statements if one.body]
+        # heads that something open may make true: what is fixed of these, constraints may have fixed
+        self._undecided = self._heads
+        self._decide(rules)
+        for statement in rules:
+            self._take(statement)
+
+    def _decide(self, rules: List[Statement]) -> None:
+        """Let go of the undecided heads all rules for which are decided, as long as there are any."""
+        before: Set[clingo.Symbol] = set()
+        while before != self._undecided:
+            before = self._undecided
+            heads = {one.head for one in rules if one.head is not None and not self._is_decided(one)}
+            self._undecided = self._unsettled | heads
+
+    def _is_decided(self, rule: Statement) -> bool:
+        values = [(self._value(literal.atom), literal.positive) for literal in rule.body]
+        return all(value is not None for value, _ in values) or any(value is (not sign) for value, sign in values)
 
     def _take(self, statement: Statement) -> None:
         if any(self._value(literal.atom) is (not literal.positive) for literal in statement.body):
@@ -99,8 +115,12 @@ class _Statements:
         """Return what is decided of ``atom`` without regard to constraints, which may be the ones in question."""
         if atom not in self._fixed.literals:
             return False if self._is_gone(atom) else None
-        decided = atom in self._past or atom in self.facts or self._grounding.atoms.is_closed(atom)
+        decided = atom in self._past or atom in self.facts or self.is_settled(atom)
         return self._values.get(atom) if decided else None
+
+    def is_settled(self, atom: clingo.Symbol) -> bool:
+        """Tell whether ``atom`` was closed, or rules of the stream define it of which all is decided."""
+        return self._grounding.atoms.is_closed(atom) and atom not in self._undecided
 
     def _is_gone(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom``, whose name clingo let go of as it is false for good, will not come again."""
@@ -134,7 +154,7 @@ def _move(
     known = {atom for atom in facts if program.is_open_signature(atom) or program.may_declare(atom, first)}
     shown = [one for one in shown if one[0] >= first - SHOWN_STEPS]
     state.past = Past(first, frozenset(filter(matters, told)) | facts - known, tuple(shown))
-    state.permanent = [*map(Statement, known), *statements.kept, *_ties(grounding, fixed, set(statements.kept))]
+    state.permanent = [*map(Statement, known), *statements.kept, *_ties(fixed, statements)]
     state.open_atoms = [atom for atom in state.open_atoms if atom not in fixed.values or matters(atom)]
     state.forgotten = {atom for atom in state.forgotten | (statements.false - true) if matters(atom)}
     # the last one is told for its returns, those before it for the actions that steps to come may yet have of them
@@ -142,13 +162,13 @@ def _move(
     state.closed_cycles = {c: done for c, done in closed if c >= first - 1 or program.may_act(c, first)}
 
 
-def _ties(grounding: Grounding, fixed: FixedAtoms, kept: Set[Statement]) -> List[Statement]:
+def _ties(fixed: FixedAtoms, statements: _Statements) -> List[Statement]:
     """Return constraints for what retired steps have decided of atoms that are not theirs, a choice of base say."""
-    mentioned = fixed.steps.keys() & fixed.base
+    mentioned, kept = fixed.steps.keys() & fixed.base, set(statements.kept)
     found: List[Statement] = []
     for atom, value in fixed.values.items():
         # clingo calls facts what constraints have fixed: whether the atom is one tells nothing
-        if fixed.literals[atom] in mentioned and (value or not grounding.atoms.is_closed(atom)):
+        if fixed.literals[atom] in mentioned and (value or not statements.is_settled(atom)):
             statement = Statement(None, (Literal(atom, not value),))
             found += [statement] if statement not in kept else []
     return found

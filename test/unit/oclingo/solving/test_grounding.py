@@ -1,5 +1,8 @@
 """One grounding: which externals belong to which step, what is grounded at once, and what a search leaves undone."""
 
+from contextlib import contextmanager
+
+import clingo
 import pytest
 from stream_logs import cut
 from test_solver import atoms, play, solver_of
@@ -35,6 +38,40 @@ def test_to_which_steps_externals_belong(shortest, blocks):
     assert steps[4] == []
     assert declared(1, 3) == ["both(1)", "door", "e(1)", "e(2)", "e(3)"]
     assert declared(1, 3, base=False) == ["both(1)", "e(1)", "e(2)", "e(3)"]
+
+
+def test_open_atoms_may_be_given_in_any_way():
+    program = ReactiveProgram.from_text("#external sees/1. a(X) :- sees(X). #cumulative t. #volatile t.")
+    grounding = Grounding(program, iter([parse_atom("sees(1)"), parse_atom("sees(2)")]), set())
+    assert all(grounding.atoms.is_open(parse_atom(f"sees({one})")) for one in (1, 2))
+
+
+@pytest.mark.parametrize("shortest", [True, False])
+def test_changes_are_handed_over_before_clingo_grounds_or_searches(shortest, monkeypatch, compacts_at_once):
+    opened, backend = [], clingo.Control.backend
+
+    @contextmanager
+    def noted(control):
+        with backend(control) as session:
+            opened.append(control)
+            yield session
+        opened.remove(control)
+
+    def checked(step):
+        def call(control, *arguments, **named):
+            assert control not in opened
+            return step(control, *arguments, **named)
+
+        return call
+
+    monkeypatch.setattr(clingo.Control, "backend", noted)
+    monkeypatch.setattr(clingo.Control, "ground", checked(clingo.Control.ground))
+    monkeypatch.setattr(clingo.Control, "solve", checked(clingo.Control.solve))
+    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.", shortest=shortest)
+    for step in (1, 2, 3, 4):
+        solver.forget_before(step)
+        assert atoms(play(solver, f"#step {step}. #volatile. e({step}). :- not c({step})."))[-1] == f"e({step})"
+    assert (solver.state.past is not None) is shortest
 
 
 @pytest.mark.parametrize("shortest", [True, False])

@@ -176,6 +176,39 @@ def test_the_program_is_ground_anew_where_steps_are_retired_and_only_there(choic
     assert len(groundings) == made
 
 
+def test_steps_that_are_over_with_the_present_update_are_retired_along_with_another_grounding(monkeypatch):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 100)
+    text = EXTERNALS.replace("late", "s(X,t) :- sees(X). late") + " :- late(t), not e(t)."
+    retiring = stream("#external sees/1. " + text)
+    for step in range(1, 6):
+        play(retiring, f"#step {step}.")
+    retiring.forget_before(6)
+    play(retiring, "#step 6. sees(y).")
+    assert first(retiring) == 6
+
+
+@pytest.mark.parametrize(
+    ("step", "rules", "reached"),
+    [
+        ("d(t) :- sees(t).", ["", "sees(6) :- x. :- sees(6)."], 6),
+        ("d(t) :- sees(t).", ["", "sees(6) :- x. :- not sees(6)."], 6),
+        ("d(t) :- sees(t).", ["", "sees(6) :- x. note :- sees(6). :- note."], 6),
+        ("d(t) :- sees(t).", ["", "sees(6) :- x. sees(8) :- sees(6). :- sees(8)."], 6),
+        ("d(t) :- sees(t).", ["", "sees(6) :- c(1). #assert : r. sees(6) :- x. #cumulative. :- sees(6)."], 7),
+        ("", ["", "", "", "", "e(5) :- x. :- e(5)."], 5),
+        ("", ["", "", "", "", "e(5) :- x. :- not e(5)."], 5),
+        ("s(t) :- door, t > 1. :- door, t = 1.", ["", "door :- x."], 7),
+        ("s(t) :- door, t > 1. :- not door, t = 3.", ["", "door :- x."], 7),
+        ("s(t) :- door, t > 1. :- door, t = 1.", ["", "door :- c(1). door :- x."], 7),
+        ("s(t) :- door, t > 1.", ["", "door :- c(1). door :- x."], 2),
+        ("s(t) :- door, t > 6.", ["", "door :- x. door :- c(1).", "sees(6) :- door."], 7),
+    ],
+)
+def test_what_constraints_have_made_of_rules_that_stay_is_not_lost(step, rules, reached):
+    text = EXTERNALS.replace("#program volatile", step + " #program volatile")
+    assert first(retire("{ x }. #external door. #external sees/1. " + text, *rules, steps=8)) == reached
+
+
 @pytest.mark.parametrize(
     "rules",
     [
@@ -286,7 +319,7 @@ def test_a_rule_for_what_no_step_sees_keeps_none():
 @pytest.mark.parametrize(
     ("step", "rules", "reached"),
     [
-        ("s(t) :- door.", ["door :- x.", ":- x."], 2),
+        ("s(t) :- door.", ["door :- x.", ":- x."], 6),
         ("", ["", "", "", "", "e(5) :- x."], 5),
         ("", ["", "", "sees(a,3) :- c(1), x."], 6),
     ],
