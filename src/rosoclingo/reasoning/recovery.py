@@ -122,7 +122,7 @@ class _Attempts:
             result = fresh.update(update)
         except SolverError:  # what is left of the goals takes too long, or is refused, as well
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
-        return Recovery(fresh, update, result, self._withhold, tuple(map(UnmetGoal, dropped)))
+        return Recovery(fresh, update, result, self._withhold)
 
     def met(self, kept: Sequence[Goal], seen: Sequence[Observation], steps: int = 0) -> bool:
         """As ``can_have``, while there is time."""

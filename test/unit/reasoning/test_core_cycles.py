@@ -1,14 +1,17 @@
 """The core before its first update, between two cycles, and at each limit: what is told, and what is not."""
 
+import re
 from dataclasses import replace
 
+import pytest
 from core_driver import ERRANDS, Driver, shortest
-from test_core import Picky, Procrastinator
+from test_core import ALONE, Picky, Procrastinator
+from test_core_interrupted import Leaving
 from test_late_facts import BATTERY
 
-from rosoclingo.oclingo import ReactiveSolver, SolveOutcome
-from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.reasoning import CoreSettings, PlanMade
+from rosoclingo.oclingo import DroppedError, ReactiveSolver, SolveOutcome
+from rosoclingo.oclingo.progression.updates import Anew, Volatile
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalProgress, PlanMade, UpdateSent, stream_planner
 
 #: A goal ``told(Id)`` is under way as long as nothing ends it, and needs no action.
 UNDER_WAY = """
@@ -30,9 +33,12 @@ class Relenting(Procrastinator):
 
 
 class Undecided(Driver):
-    """A driver whose searches are over before they come to a result while ``halts`` says so of their updates."""
+    """A driver whose searches are over before they come to a result while ``halts`` says so of their updates.
 
-    halts = staticmethod(lambda _update: False)
+    Updates that it ``drops`` are not taken at all.
+    """
+
+    halts = drops = staticmethod(lambda _update: False)
     asked = None  # the solver that took the latest update
 
     def __init__(self, **others):
@@ -43,6 +49,8 @@ class Undecided(Driver):
 
         class Halting(ReactiveSolver):
             def update(self, update, stopped=None):
+                if driver.drops(update):
+                    raise DroppedError("ended by the test")
                 result, driver.asked = super().update(update, stopped), self
                 return replace(result, outcome=SolveOutcome.INTERRUPTED, answers=()) if driver.halts(update) else result
 
@@ -57,8 +65,8 @@ def putting_off(solver):
 class Replaceable(Driver):
     """A driver that knows the solver in use, by which ``refused`` updates can be refused; a further one takes all."""
 
-    def __init__(self, text=ERRANDS):
-        super().__init__(text, solver=self._make)
+    def __init__(self, text=ERRANDS, settings=None):
+        super().__init__(text, settings, solver=self._make)
 
     def _make(self, program):
         self.solver = shortest(program, Picky)
@@ -69,7 +77,13 @@ def test_a_core_that_has_not_begun_has_no_plan():
     driver = putting_off(Procrastinator)
     core = driver.core
     assert (core.cycle, core.plan.actions, core.live_goals, core.awaited) == (1, (), [], ())
+    assert not core.improve(lambda: False), "nor is there one to improve"
     assert not driver.journal.events
+
+
+def test_what_the_program_does_in_the_first_cycle_by_itself_goes_out():
+    driver = Driver(ALONE.replace("t = 2", "t = 1").replace("t < 2", "t < 1"))
+    assert driver.awaited == ["_action_lib(wake,up,1)"]
 
 
 def test_an_update_that_nothing_was_taken_of_is_not_told():
@@ -84,6 +98,17 @@ def test_a_solver_that_takes_nothing_any_more_is_replaced():
     driver.solver.refused = lambda _text: True
     assert driver.succeed().states("a")[-1] == "aborted"
     assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+
+
+def test_the_goals_of_a_solver_that_takes_nothing_any_more_are_over_for_the_program_too():
+    driver = Replaceable(settings=CoreSettings(horizon_limit=8, goals_at_once=1)).goal("a", "do(walk,1)")
+    driver.core.add_goal("b", "do(walk,2)")
+    driver.solver.refused = lambda _text: True
+    driver.succeed()
+    assert driver.message("a") == "do(walk,1) is given up: the solver takes no update any more"
+    assert driver.message("b") == "do(walk,2) is given up: the solver takes no update any more", "though it waited"
+    driver.goal("c", "do(run,3)")
+    assert "_request(cancel(1),2)." in driver.journal.updates[-1]
 
 
 def test_a_fact_that_was_not_taken_is_new_when_it_is_told_again():
@@ -102,6 +127,12 @@ def test_a_plan_that_is_put_off_from_the_start_is_given_up_at_the_limit():
     assert driver.journal.problems == ["the plan was put off 5 times in a row: it is given up"]
 
 
+def test_a_plan_is_put_off_for_so_many_cycles_after_what_has_come():
+    driver = putting_off(Procrastinator).begin().facts("_seen(ball)")
+    assert driver.core.cycle == 5 + 1 + 5
+    assert len(driver.journal.problems) == 2
+
+
 def test_a_plan_that_comes_to_nothing_at_the_limit_is_not_given_up():
     driver = putting_off(Relenting).begin()
     assert driver.core.cycle == 5
@@ -116,6 +147,17 @@ def test_nothing_is_fed_once_a_request_has_been_seen():
     driver = Driver(UNDER_WAY).goal("a", "told(1)")
     assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."], "the request's own cycle is the second"
     assert driver.states("a") == ["active"]
+
+
+def test_what_an_open_request_saw_is_not_over():
+    driver = Driver(UNDER_WAY + "#external _seen/1.")
+    for number in range(40):
+        if number in (12, 20):
+            driver.goal(f"g{number}", f"told({number})")
+        driver.facts(f"_seen({number})")
+    over = [int(number) for number in re.findall(r"#over (\d+)", driver.journal.stream)]
+    assert over == [*range(1, 14)]
+    assert "#step 13.\n_request(told(12),14)." in "".join(driver.journal.updates)
 
 
 def test_a_fact_that_came_too_late_and_was_not_taken_is_new_when_it_is_told_again():
@@ -168,6 +210,35 @@ def test_where_it_stays_open_whether_there_is_an_answer_nothing_is_given_up_nor_
     assert driver.goal("c", "do(walk,3)").finish().states("c")[-1] == "succeeded"
 
 
+def test_a_search_that_is_cut_before_there_was_a_plan_is_made_again():
+    driver = Undecided()
+    driver.halts = lambda _update: True
+    driver.core.receive("interface", ["_seen(ball)"])
+    assert driver.core.advance(1.0)
+    assert driver.core.plan.actions == ()
+    driver.halts = lambda _update: False
+    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+
+
+def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done():
+    watch = Leaving()
+    driver = Undecided(watch=watch)
+    for number in (1, 2, 3):
+        driver.core.add_goal(str(number), f"do(walk,{number})")
+    *_, one, last = [str(action.parameter) for action in driver.run().core.plan.actions]
+    watch.number = 1
+    driver.core.receive("interface", [f"_return(walk,{driver.core.awaited[0].parameter},1)"])
+    assert driver.core.advance(1.0)
+    assert (driver.core.cycle, driver.core.plan.actions) == (2, ()), "the search was left"
+    driver.halts = lambda update: not any(isinstance(item, Volatile) for item in update.items)
+    driver.run()
+    later = [str(action.atom) for action in driver.core.plan.remaining(3)]
+    assert later == [f"_action_lib(walk,{one},3)", f"_action_lib(walk,{last},4)"]
+    assert driver.awaited == [f"_action_lib(walk,{one},3)"]
+    told = [type(event) for event in driver.journal.events if event.cycle == 3]
+    assert told.index(UpdateSent) < told.index(GoalProgress) < told.index(ActionsDispatched)
+
+
 def test_a_proof_that_comes_late_is_one():
     driver = Undecided()
     for number in (1, 2, 3):
@@ -216,3 +287,37 @@ def test_where_it_cannot_begin_anew_the_goals_are_given_up():
     assert driver.message("b") == f"do(run,2) cannot be met: {why}"
     assert driver.problems[0] == f"no answer was found, whatever goals are given up: {why}"
     assert not any("begins anew" in text for text in driver.problems)
+    assert not driver.core.awaited
+
+
+def test_of_many_cycles_each_update_by_which_the_program_begins_anew_is_told(monkeypatch):
+    monkeypatch.setattr(stream_planner, "MANY_STEPS", 20)
+    driver = Driver(IMPOSSIBLE + "#external _tick/1.", settings=CoreSettings(horizon_limit=4))
+    for number in range(20):
+        driver.facts(f"_tick({number})")
+    driver.goal("a", "do(walk,1)").succeed().core.add_goal("b", "do(run,2)")
+    driver.succeed()
+    assert driver.awaited == ["_action_lib(run,2,24)"]
+    begun = driver.journal.stream.index("#anew")
+    assert driver.journal.stream[begun:].replace("\n", " ").split("#step ")[1:] == [
+        "23 : 4. #closed 20..22. #over 13. #end step. ",
+        "24 : 4. #closed 23. _request(do(run,2),25). #end step. ",
+    ]
+
+
+@pytest.mark.parametrize("how", ["halts", "drops"])
+def test_nothing_is_forgotten_where_it_is_not_found_out_in_time_whether_that_helps(how):
+    driver = Undecided(text=IMPOSSIBLE)
+    driver.goal("a", "do(walk,1)").core.add_goal("c", "do(rest,9)")
+    driver.succeed()
+    setattr(driver, how, lambda update: any(isinstance(item, Anew) for item in update.items))
+    driver.core.receive("interface", ["_return(rest,failed,2)"])
+    assert driver.core.advance(1.0)
+    assert driver.states("c") == []
+    assert driver.problems == [
+        "there is no plan of at most 9 steps, and it was not found out in time which goals cannot be met: "
+        "the search goes on"
+    ]
+    setattr(driver, how, lambda _update: False)
+    driver.run()
+    assert driver.message("c") == "do(rest,9) is given up: the program begins anew"

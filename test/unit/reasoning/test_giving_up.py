@@ -31,6 +31,11 @@ def seen(letter):
     return Observation(parse_term(f"_seen({letter})"), 2)
 
 
+def name(fact):
+    """The goal or observation that a fact is about."""
+    return str(fact.arguments[0].arguments[0] if fact.name == "_request" else fact.arguments[0])
+
+
 def request(number):
     return parse_term(f"_request(go({number}),3)")
 
@@ -40,7 +45,8 @@ class World:
 
     No ``conflicts``, sets of both such as "1 2 a", can be had. ``slow`` are sets of the goals that are left for which
     the search is interrupted, ``refused`` those for which the solver refuses the update. ``ways`` tells, by whether
-    goals are withheld, how a search without any goal ends.
+    goals are withheld, how a search without any goal ends. With ``cores`` a question that is refuted comes with the
+    facts of one conflict.
     """
 
     def __init__(self, goals=3, observations="", conflicts=(), **others):
@@ -54,6 +60,7 @@ class World:
         self.late = [set(one) for one in others.pop("late", ())]
         self.slow_without = others.pop("slow_without", {})
         self.time = others.pop("time", None)
+        self.cores = others.pop("cores", False)
         assert not others
         self.asked, self.updates, self.without, self.left = [], [], [], 0
 
@@ -104,7 +111,11 @@ class Beside:
         requests = {request(one.key) for one in self._world.goals}
         outcome = self._outcome(update, untold, untold & requests, steps)
         satisfiable = None if outcome is INTERRUPTED else outcome is SATISFIABLE
-        return Verdict(satisfiable, frozenset() if satisfiable else doubted)
+        if satisfiable or not self._world.cores:
+            return Verdict(satisfiable, frozenset() if satisfiable else doubted)
+        told = set(self._world.asked[-1].split())
+        whole = next((one for one in self._world.conflicts if one <= told), None)
+        return Verdict(False, frozenset(fact for fact in doubted if whole is None or name(fact) in whole))
 
     def _outcome(self, update, untold, withdrawn, steps):
         world = self._world
@@ -202,6 +213,13 @@ def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(s
     assert of(world, world.question)
 
 
+def test_an_update_that_the_solver_refuses_tells_nothing():
+    world = World(2, refused=[""])
+    with pytest.raises(UndecidedError):
+        is_answerable(world, world.question)
+    assert len(world.asked) == 2
+
+
 def test_without_goals_there_is_nothing_to_give_up():
     world = World(0)
     assert is_answerable(world, world.question) is False
@@ -252,6 +270,23 @@ def test_no_question_is_asked_twice():
         *asked, planned = world.asked
         assert len(asked) == len(set(asked)), asked
         assert planned in asked
+
+
+@pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])
+def test_what_follows_from_the_facts_that_a_refutation_names_is_not_asked(ways):
+    world = World(8, "ab", conflicts=["5 a", "6", "7", "8"], cores=True, ways=ways)
+    assert lost(world) == ["5 a", "6", "7", "8"]
+    asked = [set(one.split()) for one in world.asked]
+    for number, one in enumerate(asked):
+        conflict = next((some for some in world.conflicts if some <= one), None)
+        if conflict is not None:
+            assert not any(conflict <= later for later in asked[number + 1 :]), conflict
+
+
+def test_all_questions_are_asked_of_one_planner():
+    world = World(4, "ab", conflicts=["3 a", "4 b"])
+    assert lost(world) == ["3 a", "4 b"]
+    assert len(world.without) == 2, "and one is the way on"
 
 
 def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():

@@ -4,6 +4,7 @@ from functools import partial
 
 import pytest
 from core_driver import Driver
+from test_core_interrupted import Leaving
 
 from rosoclingo.oclingo import ReactiveSolver
 from rosoclingo.reasoning import GoalProgress, PlanMade
@@ -28,11 +29,14 @@ done(M,t) :- _action_lib(do,M,t).
 """
 
 
+#: Makes solvers that are content with the first plan.
+quickest = partial(ReactiveSolver, shortest=True, oclingo_strings=False, plan_time=0.0)
+
+
 @pytest.fixture
 def driver():
     """A core whose first action is under way, with a plan that is not the shortest."""
-    solver = partial(ReactiveSolver, shortest=True, oclingo_strings=False, plan_time=0.0)
-    one = Driver(SLOW, solver=solver).goal("a", "do(4,1)")
+    one = Driver(SLOW, solver=quickest).goal("a", "do(4,1)")
     assert len(one.core.awaited) == 1
     return one
 
@@ -78,3 +82,14 @@ def test_nothing_is_asked_where_nothing_is_left_to_try(driver):
     assert not driver.core.improve(lambda: pytest.fail("asked again"))
     driver.finish()
     assert not driver.core.improve(lambda: pytest.fail("nothing runs"))
+
+
+def test_nothing_is_asked_while_nothing_runs():
+    watch = Leaving()
+    driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")
+    driver.core.receive("interface", [f"_return(do,1,{driver.core.cycle})"])
+    watch.number = 1
+    assert driver.core.advance(1.0)
+    assert driver.core.awaited == (), "the search was left"
+    assert not driver.core.improve(lambda: pytest.fail("asked"))
+    assert driver.run().core.improve(lambda: True)
