@@ -32,8 +32,11 @@ def test_a_fact_may_be_told_again(external):
         assert play(external, update).warnings == ()
 
 
-def test_what_a_rule_has_defined_for_good_is_closed(external):
+@pytest.mark.parametrize("restored", [False, True])
+def test_what_a_rule_has_defined_for_good_is_closed(external, restored):
     play(external, "#step 1. e(1) :- a.")
+    if restored:
+        external.restore(cut(external))
     assert play(external, "e(1).").warnings == (IGNORED.format("e(1)"),)
 
 
@@ -196,6 +199,34 @@ def test_readers_ground_no_more_of_an_update_that_was_stopped(external):
     assert {"c(9)", "e(9)"} <= set(atoms(play(reader, "#step 9.")))
 
 
+@pytest.mark.parametrize("shortest", [False, True])
+def test_readers_ground_as_much_as_the_writer_did(shortest):
+    ahead = "" if shortest else "q(t) :- p(t+1)."  # which no step sees that is ground alone
+    solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.", shortest=shortest)
+    found = play(solver, "#step 1.")
+    reader = ReactiveSolver(solver.program, shortest=shortest)
+    reader.restore(copied(solver.log))
+    assert reader.state.horizon == solver.horizon >= 5
+    assert atoms(reader.solve()) == atoms(found)
+
+
+def test_cycles_before_the_first_are_not_closed():
+    solver = solver_of("#cumulative t. _action_lib(go,x,t-1). #volatile t.", shortest=True)
+    result = play(solver, "#step 2. #closed 0..1. :- not _action_lib(go,x,1).")
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    assert sorted(solver.state.closed_cycles) == [1]
+
+
+def test_what_was_executed_in_a_cycle_that_an_update_closes_is_kept():
+    solver = solver_of("#cumulative t. { _action_lib(go,(x;y),t) }. #volatile t.", models=0)
+    play(solver, "#step 1.")
+    for _ in range(2):
+        answers = play(solver, "#step 2 : 0. #closed 1..1. :- not _action_lib(go,x,1).").answers
+        assert len(answers) == 4
+        assert not any(parse_atom("_action_lib(go,y,1)") in answer for answer in answers)
+        solver.restore(cut(solver))
+
+
 ALWAYS, IF_A, NEVER = (
     [["a", "r(x,2)", "w(x,2)"], ["r(x,2)", "w(x,2)"]],
     [[], ["a", "r(x,2)", "w(x,2)"]],
@@ -224,16 +255,24 @@ ALWAYS, IF_A, NEVER = (
 )
 @pytest.mark.parametrize("before", ["", "#step 1."])
 def test_what_an_update_may_say_of_an_open_predicate(before, update, now, later):
-    """Whether it was ground up to that step before or comes to it with the update; its log leads there as well."""
+    """Whether it was ground up to that step before or comes to it with the update; its log and state lead there too."""
     solver = solver_of("{ a }. #external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.", models=0)
     if before:
         play(solver, before)
     assert sorted(map(sorted, texts(play(solver, f"#step 2. {update}")))) == now
-    reader = ReactiveSolver(solver.program, models=0)
-    reader.restore(copied(solver.log))
-    for one in (solver, reader):
+    readers = [ReactiveSolver(solver.program, models=0) for _ in range(2)]
+    for reader, log in zip(readers, (copied(solver.log), cut(solver))):
+        reader.restore(log)
+    for one in (solver, *readers):
         assert sorted(map(sorted, texts(one.solve()))) == now
         assert sorted(map(sorted, texts(play(one, "#step 3.")))) == later
+
+
+def test_what_is_told_of_an_open_predicate_again_and_again_is_kept_once():
+    solver = solver_of("#external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.")
+    for step in (1, 2, 3):
+        play(solver, f"#step {step}. #volatile. r(x,1).")
+    assert solver.state.open_atoms == [parse_atom("r(x,1)")]
 
 
 def test_the_last_step_that_may_be_grounded():
