@@ -32,7 +32,10 @@ def test_an_unknown_scenario_is_told_the_known_ones_before_any_set_up():
         assert f" {path.stem} " in said
 
 
-@pytest.mark.parametrize("scenario", ["house", str(ROOT / "config" / "scenarios" / "house.yaml"), "--help"])
+HOUSE = ROOT / "config" / "scenarios" / "house.yaml"
+
+
+@pytest.mark.parametrize("scenario", ["house", str(HOUSE), "--help", "rviz:=true"])
 def test_a_known_scenario_is_set_up_for(scenario):
     _, said = dev("demo", scenario)
     assert "/proc/no/folder" in said

@@ -14,6 +14,10 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "rosoclingo"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "doc").glob("*.md"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+#: A file of the repository, from its root.
+FILE = re.compile(
+    r"(?<![\w/.:-])(?:bench|config|doc|encodings|launch|scripts|test|worlds|src/rosoclingo)/[\w./-]*\.[a-z]+\b"
+)
 STEP = re.compile(r"(?P<lead>[ |]*)(?:\+(?P<arrow>-->|\.\.>|==>|~~>) )?(?P<file>[\w/]+\.py)(?P<words>  .*)?")
 
 
@@ -40,6 +44,13 @@ def test_links_lead_somewhere(path):
         target = (path.parent / name).resolve() if name else path
         assert target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_the_files_that_are_named_exist(path):
+    for name in FILE.findall(path.read_text(encoding="utf-8")):
+        from_workspace = name.replace("src/rosoclingo/", "", 1)  # where this folder is src/rosoclingo
+        assert (ROOT / name).is_file() or (ROOT / from_workspace).is_file(), name
 
 
 def test_the_index_has_every_page():
