@@ -15,7 +15,7 @@ from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import Signature
 
 ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
@@ -33,8 +33,8 @@ _VARIABLE = "C__"
 
 
 def is_action(atom: clingo.Symbol) -> bool:
-    """Tell whether ``atom`` is an ``_action_lib(A,P,C)``."""
-    return signature_of(atom) == ACTION
+    """Tell whether ``atom``, or any other symbol of an answer, is an ``_action_lib(A,P,C)``."""
+    return atom.match(*ACTION)
 
 
 def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:

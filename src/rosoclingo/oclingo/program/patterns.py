@@ -19,6 +19,7 @@ class Pattern:
 
     Attributes:
         parameter: name of the part's step parameter, empty in base.
+        offset: the position of the first argument that is the parameter plus a number, and this number; None for none.
 
     """
 
@@ -27,7 +28,7 @@ class Pattern:
         self.parameter = parameter
         arguments = term.arguments if term.ast_type == ASTType.Function else ()
         self._matches = _test(term, parameter, constants)
-        self._offset = _offset(arguments, parameter, constants)  # the first argument that is t + c, and c
+        self.offset = _offset(arguments, parameter, constants)
         # an argument T such that t - T is at most the second number
         self._look_back = _look_back(arguments, parameter, statement, constants)
 
@@ -57,9 +58,9 @@ class Pattern:
 
     def _pinned_step(self, atom: clingo.Symbol) -> Optional[int]:
         """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
-        if self._offset is None:
+        if self.offset is None:
             return None
-        position, offset = self._offset
+        position, offset = self.offset
         value = atom.arguments[position]
         return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
 

@@ -12,6 +12,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION, closing_text, cycle_
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directives import Directives, Placed
+from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, rule_edges
@@ -35,6 +36,8 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         advises: whether ``#heuristic`` statements tell the solver where to look first.
+        steps_apart: whether no step sees what a later one defines, so that steps may as well be ground together.
+        domains: what the rules of a step could use of open signatures, where they tell.
         warnings: what is odd but usable, as text.
 
     """
@@ -97,7 +100,7 @@ class ReactiveProgram:
                 builder.add(part.header)
                 for statement in part.statements:
                     builder.add(statement)
-        for opened in self._open_parts.values():
+        for opened in (*self._open_parts.values(), *(domain[:3] for domain in self.domains.values())):
             control.add(*opened)
 
     def open_part(self, atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
@@ -169,6 +172,7 @@ class ReactiveProgram:
             for signature in sorted(self.open_signatures)
             for fact in (False, True)
         }
+        self.domains: Dict[Signature, Domain] = {}
         self.optimizes = self.advises = False
         for part in self.parts:
             for statement in part.statements:
@@ -198,6 +202,9 @@ class ReactiveProgram:
                     (self._declarations if external else self._heads).setdefault(one.signature, []).append(pattern)
                 if not one.head or one.signature in self.open_signatures:
                     self._patterns.setdefault(one.signature, []).append(pattern)
+        self.steps_apart = not any(may_see_later(self._patterns, one) for one in (self._heads, self._declarations))
+        free = self.open_signatures - self.head_signatures - self._declarations.keys()
+        self.domains = domains(self.parts, free, self._values)
 
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""

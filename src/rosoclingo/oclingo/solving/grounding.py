@@ -5,6 +5,8 @@ away and built anew at any time from the solver's state.
 """
 
 import re
+from functools import cached_property
+from math import prod
 from typing import (
     Any,
     Callable,
@@ -27,7 +29,9 @@ from clingo.propagator import Propagator
 from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.domains import Domain
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_table import (
     HOLDS,
@@ -46,6 +50,9 @@ from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, Str
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
+
+DOMAIN_LIMIT = 100
+"""Atoms of an open signature that are declared with each step, at most; more would cost more than to ground anew."""
 
 BASE = -(2**31)
 """The base part among the steps of a recorder."""
@@ -112,6 +119,7 @@ class Grounding:
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
         self.satisfied = False
+        self._options: Dict[str, str] = {}
         self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
         self._past = past or Past(program.first_step, frozenset())
         self._retired = frozenset(atom for _, atom in self._past.shown)
@@ -169,7 +177,8 @@ class Grounding:
     def ground_to(self, last: int) -> None:
         """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
         steps = range(self.horizon + 1, last + 1)
-        parts = [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")]
+        names = ("cumulative", "volatile", *self._domain_parts)
+        parts = [(part, [clingo.Number(step)]) for step in steps for part in names]
         self.horizon, self.satisfied = last, False
         self.recorder.begin(steps)
         self._ground(parts, steps[0])
@@ -180,6 +189,21 @@ class Grounding:
             self._ends.link(last)
         self._actions.forbid_late()
         self.atoms.resolve_absent()
+
+    @cached_property
+    def _domain_parts(self) -> List[str]:
+        """The parts that declare what else a step could use of open signatures; to be asked for once base is ground.
+
+        Where steps are retired there are none: what nobody has defined would hold them.
+        """
+        known = () if self._shortest else self.program.domains.values()
+        return [domain.part for domain in known if self._size(domain) <= DOMAIN_LIMIT]
+
+    def _size(self, domain: Domain) -> int:
+        """Return how many atoms it may have at most."""
+        atoms = self._control.symbolic_atoms
+        counts = {one: sum(1 for _ in atoms.by_signature(*one)) for bound in domain.bounds for one in bound}
+        return sum(prod(counts[one] for one in bound) for bound in domain.bounds)
 
     def _bound(self, step: int) -> None:
         """Tie the volatile rules of ``step`` to the horizon."""
@@ -208,7 +232,7 @@ class Grounding:
     def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
         for atom, literal in self._externals.fresh():
-            if literal in self._declared and atom not in self.atoms.stepless:
+            if literal in self._declared and not self._is_stepless(atom):
                 step = self._declared[literal]
                 block = self.recorder.blocks.get(step, range(step, step + 1))
                 self._declarations.setdefault(self.program.declaring_step(atom, block), []).append(atom)
@@ -217,6 +241,11 @@ class Grounding:
         steps = [step for step in self._declarations if first <= step <= last]
         found = [atom for step in steps for atom in self._declarations[step] if self.atoms.is_open(atom)]
         return found if base else [one for one in found if one not in self._base_externals]
+
+    def _is_stepless(self, atom: clingo.Symbol) -> bool:
+        """Whether ``atom`` is of an open signature, and the program's own statements declare it at no step."""
+        domains = self.program.domains
+        return atom in self.atoms.stepless or (not self._shortest and signature_of(atom) in domains)
 
     def show(self, propagator: Propagator) -> None:
         """Let ``propagator`` read the program as it stands, without a search."""
@@ -273,11 +302,10 @@ class Grounding:
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons = [last]
-        options: Any = self._control.configuration.solve
-        options.models = str(models)
-        options.solve_limit = "umax,umax" if conflicts is None else f"{conflicts},umax"
+        self._set("models", str(models))
+        self._set("solve_limit", "umax,umax" if conflicts is None else f"{conflicts},umax")
         if self.program.optimizes:
-            options.opt_mode = "optN" if best else "ignore"
+            self._set("opt_mode", "optN" if best else "ignore")
 
         def keep(model: clingo.Model) -> None:
             """Take a model for an answer; where there is something to optimize, only one that is proven best."""
@@ -296,6 +324,12 @@ class Grounding:
         if result.interrupted or result.unknown:
             return Search(None)
         return Search(bool(result.satisfiable), tuple(answers), horizons[-1], blamed)
+
+    def _set(self, option: str, value: str) -> None:
+        """Give an option of clasp's search a value; which takes longer than to see that it has it."""
+        if self._options.get(option) != value:
+            setattr(self._control.configuration.solve, option, value)
+            self._options[option] = value
 
 
 def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:
@@ -343,7 +377,7 @@ def build_grounding(
     facts -= with_their_failures(doubted)
     open_atoms = dict.fromkeys([*state.open_atoms, *coming])
     grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted)
-    for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest else 1):
+    for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest or program.steps_apart else 1):
         if dropped():
             raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
         grounding.ground_to(last)

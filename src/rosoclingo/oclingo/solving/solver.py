@@ -306,7 +306,7 @@ class ReactiveSolver(LoggedSolver):
             result = self._search(transaction, update, self._halting(stopped))
         log = self._log.then(Taken(update, transaction.state.horizon))
         log.state = transaction.state
-        log.plan = result.plan or log.plan
+        log.plan = (result.plan if self.shortest else None) or log.plan
         self._log = self._read = log.checkpoint() if transaction.compacted or log.is_longer(self._log_limit) else log
         return result
 

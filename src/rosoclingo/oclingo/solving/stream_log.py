@@ -14,7 +14,6 @@ import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
 from rosoclingo.oclingo.solving.state_text import (
     Message,
@@ -42,10 +41,8 @@ class Plan(NamedTuple):
 
     @classmethod
     def of(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
-        """Return the plan in an answer's ``atoms``."""
-        return cls(
-            frozenset(atom for atom in atoms if signature_of(atom) == ACTION and _has_number(atom)), horizon, shortest
-        )
+        """Return the plan in an answer, whose ``atoms`` may be other symbols as well that a ``#show`` has named."""
+        return cls(frozenset(atom for atom in atoms if atom.match(*ACTION) and _has_number(atom)), horizon, shortest)
 
     def since(self, cycle: int) -> "Plan":
         """Return what is to be done from ``cycle`` on."""

@@ -297,3 +297,11 @@ def test_a_base_that_cannot_be_ground_is_told_by_the_search():
     assert not idling.may_idle(program, lambda: False)
     with pytest.raises(SolverError, match="Integer overflow"):
         ReactiveSolver(program, shortest=True).solve()
+
+
+@pytest.mark.parametrize("shortest", [True, False])
+def test_answers_may_show_any_term(shortest):
+    program = ReactiveProgram.from_text('p(3). p("s"). #show X : p(X). #cumulative t. _action_lib(a,b,t).')
+    result = ReactiveSolver(program, shortest=shortest).update(parse_update("#step 1. #endstep."))
+    assert {"3", '"s"'} <= set(map(str, result.answers[0]))
+    assert {str(one) for one in result.plan.actions} == {"_action_lib(a,b,1)"}
