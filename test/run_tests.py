@@ -36,7 +36,7 @@ LINTERS: Dict[str, List[str]] = {
 GROUPS = ("lint", "unit", "rostest", "python38", "install")  # and "quick"
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
-ONCE = ("crowd", "late_world", "request_lost")  # long, and not about what differs: not on Python 3.8 as well
+ONCE = ("burst", "crowd", "late_world", "request_lost")  # long, and not about what differs: not on Python 3.8 as well
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")

@@ -33,24 +33,27 @@ class BusySolver(ReactiveSolver):
     """Searches for as long as ``ends`` says for an update: its search is ended at once where that is True."""
 
     ends = staticmethod(lambda update: False)
+    needed = staticmethod(lambda: 0.0)
 
     def update(self, update, stopped=None):
         """Take the update; it is in force, whether or not there is time for a search."""
         if self.ends(update) and not stopped():
             raise AssertionError("nobody ends the search")
-        return super().update(update, stopped)
+        result = super().update(update, stopped)
+        result.statistics["needed"] = self.needed()
+        return result
 
 
 class BusyDriver(Driver):
     """A driver of a core that plans in time for ``most`` goals and no more, and now and then for none at all.
 
     Whether the last plan is still one is seen at once. ``heavy`` are goals for which alone there is never time, unless
-    the core has the patience for it that they are listed with.
+    the core has the patience for it that they are listed with. A plan takes so many ``seconds`` by the number of goals.
     """
 
     def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, heavy=None):
         self.most, self.heavy, self.chance, self.random = most, heavy or {}, chance, Random(1)
-        self.searches, self.cut = [], False
+        self.searches, self.cut, self.seconds = [], False, lambda goals: 0.0
         settings = settings or CoreSettings(horizon_limit=30)
         super().__init__(text, settings, program, self.make_solver, lambda: self.look, start=False, events=10**6)
         self.begin()
@@ -58,7 +61,7 @@ class BusyDriver(Driver):
     def make_solver(self, program):
         """A solver that asks this driver."""
         solver = shortest(program, BusySolver)
-        solver.ends = self.ends
+        solver.ends, solver.needed = self.ends, lambda: self.seconds(len(self.core.queue.served))
         return solver
 
     def look(self):

@@ -1,7 +1,7 @@
 """Clients of a goal manager without a solver: what they ask for, what reaches the program, and what they are told."""
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import GoalChanged, GoalProgress, Outcome
+from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalProgress, Outcome
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.input_feeder import InputFeeder
 
@@ -9,10 +9,11 @@ from rosoclingo.reasoning.input_feeder import InputFeeder
 class Clients:
     """A goal manager with its feeder, and what was told. Goal ``go(N)`` has the key ``gN``."""
 
-    def __init__(self, text="#external _request/2.", **limits):
+    def __init__(self, text="#external _request/2.", at_once=0, overtaking_limit=0, search_timeout=0.0):
         self.feeder, self.told, self.step = InputFeeder(), [], 0
         program = ReactiveProgram.from_text(text)
-        self.goals = GoalManager(program, self.feeder, self.told.append, lambda: 7, **limits)
+        settings = CoreSettings(goals_at_once=at_once, overtaking_limit=overtaking_limit, search_timeout=search_timeout)
+        self.goals = GoalManager(program, self.feeder, self.told.append, lambda: 7, settings)
 
     def add(self, *numbers):
         for number in numbers:
@@ -35,10 +36,9 @@ class Clients:
         self.feeder.taken(batch)
         return batch
 
-    def plan(self, times=1):
-        """So many plans are found for all that are with the program."""
-        for _ in range(times):
-            self.goals.plan_found()
+    def plan(self, seconds=0.0):
+        """A plan is found, in so many seconds, for all that are with the program, of which some are new."""
+        self.goals.plan_found(seconds)
         return self
 
     def no_plan(self, *fresh):
@@ -53,6 +53,12 @@ class Clients:
     def put_off(self, *chosen):
         """These goals wait."""
         self.goals.put_off([self.goal(number) for number in chosen], "too much", self.step)
+        return self
+
+    def cancel(self, *chosen):
+        """These goals are cancelled."""
+        for number in chosen:
+            self.goals.cancel(f"g{number}")
         return self
 
     def end(self, *chosen):

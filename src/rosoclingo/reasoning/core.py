@@ -59,8 +59,7 @@ class Core:
         self._speaks = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
-        limits = settings.goals_at_once, settings.overtaking_limit
-        self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, *limits)
+        self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
@@ -217,8 +216,9 @@ class Core:
         self._problem(str(disturbance))
 
     def _take_nothing(self, now: Optional[float]) -> None:
-        """Nothing of the update was taken: it comes again, with all goals if that took too long just ``now``."""
+        """Nothing of the update was taken: it comes again, with more time, with all goals if it took long ``now``."""
         self._plan, self._planner = TaskPlan(), self._planner.restarted()
+        self.queue.give_time()
         if now is None:
             why = "is given up: the solver takes no update any more"
             self._goals.drop(self._goals.fed, why)
@@ -239,7 +239,7 @@ class Core:
         self._goals.reject_undeclared(batch.goals, result.warnings)
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._announce.update(self._step, self._planner.in_force)
-            self._use(result, now)
+            self._use(result, now, bool(batch.goals))
             return
         self._announce.plan(result, self._shown())
         if result.outcome is SolveOutcome.UNSATISFIABLE:
@@ -247,10 +247,10 @@ class Core:
         elif batch.goals or not self._keep_plan(now):
             self._too_much(batch, self._planner.why_none(result), now)
 
-    def _use(self, result: SolveResult, now: float) -> None:
+    def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         plan, statuses = self._follow(result), GoalStatuses(result.answers[0], self._step)
         self._improvable = not result.shortest
-        self._goals.plan_found()
+        self._goals.plan_found(result.statistics["needed"] if new_goals else None)
         for fault in (*plan.faults, *statuses.faults):
             self._problem(fault)
         for goal in self._goals.fed:

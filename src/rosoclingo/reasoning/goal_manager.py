@@ -9,6 +9,7 @@ from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRe
 from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, request
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.waiting_queue import GoalQueue
 
 #: Seconds that a goal rests at first which alone was dropped by the solver; then twice as many, and so on.
@@ -32,15 +33,16 @@ class GoalManager:
         feeder: InputFeeder,
         tell: Callable[[Event], None],
         cycle: Callable[[], int],
-        at_once: int = 0,
-        overtaking_limit: int = 0,
+        settings: CoreSettings,
     ) -> None:
         self._program = program
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
         self._book = GoalBook()
-        self.queue = GoalQueue(lambda: self._book.live, at_once, overtaking_limit)
+        self.queue = GoalQueue(
+            lambda: self._book.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
+        )
 
     @property
     def live(self) -> List[Goal]:
@@ -117,9 +119,12 @@ class GoalManager:
 
     # -- goals that are too much for now
 
-    def plan_found(self) -> None:
-        """There is a plan for the goals that are with the program: there may be room for more."""
-        self.queue.found()
+    def plan_found(self, seconds: Optional[float]) -> None:
+        """There is a plan for the goals that are with the program: there may be room for more.
+
+        It took so many ``seconds``, None where no goal is new.
+        """
+        self.queue.found(seconds)
         self._admit()
 
     def put_off(self, goals: Sequence[Goal], why: str, told: int) -> None:

@@ -12,6 +12,8 @@ class CoreSettings:
     whether an action under way that a new plan does not want is ended at once. ``goals_at_once``: goals that the
     program is told of at the same time; more of them wait, the oldest first; 0 for no limit. ``overtaking_limit``: so
     many goals may come later than a goal and end before it; then no newer one is fed until it has ended; 0: any number.
+    ``search_timeout``: seconds of processor time after which the watch over a search ends it, 0 for never: so many
+    goals are planned for at a time as that is far from.
     """
 
     horizon_limit: int = 100
@@ -19,3 +21,4 @@ class CoreSettings:
     preempt: bool = False
     goals_at_once: int = 0
     overtaking_limit: int = 20
+    search_timeout: float = 10.0

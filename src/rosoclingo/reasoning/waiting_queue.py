@@ -5,6 +5,7 @@ so many that came later have ended, no newer goal is fed until it has ended itse
 plan in time lets the others go before it, and then has more time.
 """
 
+import math
 from typing import Callable, List, Optional, Sequence, Set
 
 from rosoclingo.reasoning.goals import Goal
@@ -12,21 +13,31 @@ from rosoclingo.reasoning.goals import Goal
 #: A goal that was in vain may have so many times the usual time for a search, a power of two.
 MOST_PATIENCE = 8
 
-#: Plans that have to be found in time with all the goals that there is room for, before there is room for more.
-PLANS = 8
+#: Goals that the program is told of before it is known how long plans for them take.
+FIRST = 8
+
+#: The part of the time for a search that a plan with new goals is to take.
+SHARE = 0.03
+
+#: So many times as many goals as before there may be at the next time, and after a search took too long.
+FASTER, SLOWLY = 2.0, 1.25
 
 
 class GoalWindow:
-    """The room for goals, sought as TCP seeks its window (Jacobson 1988): fewer at once after a loss, then slowly more.
+    """The room for goals, sought as TCP seeks its window (Jacobson 1988), lest it be too much and have to be undone.
 
-    There is room for any number, or for ``most``, until a search takes too long. From then on there is room for those
-    that were kept, and after each ``PLANS`` plans for all of them for a quarter more.
+    Goals join in batches, as each time the program is ground anew: once there is no room left, none joins before half
+    of it is free. With each plan for new goals there is room for so many that the next one takes a ``SHARE`` of the
+    time for a search, as it grows with the square of their number: goals times steps. Where none was found in time
+    there is room for those that were kept. ``most`` goals have room, 0 for any number; ``seconds`` is the time for a
+    search, 0 for no limit: then there is room for any number as long as a plan is found.
     """
 
-    def __init__(self, most: int = 0) -> None:
-        self._most = most
-        self._size: Optional[int] = None
-        self._plans = 0
+    def __init__(self, most: int = 0, seconds: float = 0.0) -> None:
+        self._most, self._wanted = most, SHARE * seconds
+        self._size = FIRST if seconds else None
+        self._growth = FASTER
+        self._full = False
         self._before: Optional[int] = None  # the size when a plan was last found in time
         self._lost = False  # none was found since then
 
@@ -37,35 +48,36 @@ class GoalWindow:
 
     def has_room(self, goals: int) -> bool:
         """Whether there is room for one more beside so many ``goals``."""
-        return self.size is None or goals < self.size
+        size = self._size
+        self._full = size is not None and (goals >= size or (self._full and goals > size // 2))
+        return not self._full and not 0 < self._most <= goals
 
-    def found(self, goals: int) -> None:
-        """A plan for so many goals was found in time."""
+    def found(self, goals: int, seconds: Optional[float]) -> None:
+        """A plan for so many goals was found in so many ``seconds``; None where none of the goals is new."""
         self._lost = False
-        if self._size is not None and goals >= self._size:
-            self._plans += 1
-            if self._plans >= PLANS:
-                self._resize(self._size + max(1, self._size // 4))
+        if self._size is None or seconds is None:
+            return
+        factor = math.sqrt(self._wanted / seconds) if self._wanted and seconds else self._growth
+        size = math.ceil(goals * max(1 / FASTER, min(factor, self._growth)))
+        if factor < 1 or goals >= self._size:
+            self._size = size
 
     def shrink(self, kept: int) -> None:
         """No plan was found in time; so many goals are kept."""
         self._before = self._before if self._lost else self._size
-        self._lost = True
-        self._resize(kept)
+        self._lost, self._growth = True, SLOWLY
+        self._size = max(1, kept)
 
     def restore(self) -> None:
         """It was a single goal that took too long, which says nothing of how many others there is room for."""
-        self._resize(self._before if self._lost else self._size)
-
-    def _resize(self, size: Optional[int]) -> None:
-        self._size, self._plans = size, 0
+        self._size = self._before if self._lost else self._size
 
 
 class GoalQueue:
     """Knows which of the ``live`` goals, oldest first, wait; all others are with the program, or on their way to it.
 
     At most ``at_once`` goals (0: any number) are with the program at a time. So many goals as ``overtaking_limit`` says
-    may come later than a goal and end before it, 0 for any number.
+    may come later than a goal and end before it, 0 for any number. A search has so many ``seconds``, 0 for no limit.
 
     Attributes:
         now: the time in seconds of whatever clock.
@@ -74,11 +86,13 @@ class GoalQueue:
 
     """
 
-    def __init__(self, live: Callable[[], List[Goal]], at_once: int = 0, overtaking_limit: int = 0) -> None:
+    def __init__(
+        self, live: Callable[[], List[Goal]], at_once: int = 0, overtaking_limit: int = 0, seconds: float = 0.0
+    ) -> None:
         self._live = live
         self._limit = overtaking_limit
         self._waiting: Set[Goal] = set()
-        self.window = GoalWindow(at_once)
+        self.window = GoalWindow(at_once, seconds)
         self.stuck = 0
         self._held: Set[Goal] = set()  # what could not be taken out
         self.now = 0.0
@@ -165,13 +179,13 @@ class GoalQueue:
     def _movable(self) -> List[Goal]:
         return [goal for goal in self.served if not goal.cancelling]
 
-    def found(self) -> None:
-        """There is a plan for all goals that are with the program."""
+    def found(self, seconds: Optional[float] = None) -> None:
+        """There is a plan for all goals that are with the program; if some are new, it took so many ``seconds``."""
         served = self.served
         for goal in served:
             goal.tries = 0
         self.go_on()
-        self.window.found(len(served))
+        self.window.found(len(served), seconds)
 
     def stay(self, goals: Sequence[Goal]) -> None:
         """No goal can be taken out, nor can these, which are in hand: the next search has more time.
@@ -182,6 +196,10 @@ class GoalQueue:
             self.stuck += 1
         self._held.update(goals)
 
+    def give_time(self) -> None:
+        """Nothing of an update could be taken in time: the next search has more."""
+        self.stuck += 1
+
     def go_on(self) -> None:
         """There is something else to plan for."""
         self.stuck = 0
@@ -191,7 +209,7 @@ class GoalQueue:
     def patience(self) -> int:
         """How many times the usual time a search may take."""
         tries = min((goal.tries for goal in self._movable), default=0)
-        return int(min(2 ** max(tries, self.stuck), MOST_PATIENCE))
+        return int(max(min(2**tries, MOST_PATIENCE), 2**self.stuck))
 
     @property
     def unhurried(self) -> bool:

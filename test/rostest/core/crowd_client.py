@@ -21,8 +21,8 @@ from rosoclingo.common.action_clients import cancel_goal
 class CrowdClient:
     """Sends its errands and notes how they end: number to terminal state and message."""
 
-    def __init__(self, client):
-        self._errands = errands(client)
+    def __init__(self, client, offices, cancels):
+        self._errands = errands(client, offices, cancels)
         self._client = ActionClient("rosoclingo", ROSoClingoAction)
         self._client.wait_for_server()
         self.ends = {}
@@ -54,9 +54,9 @@ class CrowdClient:
 
 
 if __name__ == "__main__":
-    number = int(rospy.myargv()[1])
+    number, offices, cancels = map(int, rospy.myargv()[1:])
     rospy.init_node(f"crowd_client_{number}")
-    crowd_client = CrowdClient(number)
+    crowd_client = CrowdClient(number, offices, bool(cancels))
     print("connected", flush=True)
     sys.stdin.readline()
     crowd_client.run()

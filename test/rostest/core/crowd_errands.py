@@ -3,7 +3,6 @@
 import random
 from typing import List, NamedTuple, Optional
 
-OFFICES = ("office1", "office2")
 CLIENTS = 4
 GOALS = 25  # of each client, all at once
 
@@ -22,12 +21,18 @@ class Errand(NamedTuple):
         return f"goal({self.origin},{self.destination},{self.number})"
 
 
-def errands(client: int) -> List[Errand]:
-    """The errands of one client, 0 to CLIENTS - 1."""
+def names(offices: int) -> List[str]:
+    """The offices by name, in a row."""
+    return [f"office{number}" for number in range(1, offices + 1)]
+
+
+def errands(client: int, offices: int, cancels: bool) -> List[Errand]:
+    """The errands of one client, 0 to CLIENTS - 1, between so many offices, all to be met or some to be cancelled."""
     draw = random.Random(client)
-    return [_errand(draw, client * GOALS + number) for number in range(1, GOALS + 1)]
+    patience = [None, None, 0, 1, 2, 4] if cancels else [None]
+    return [_errand(draw, client * GOALS + number, offices, patience) for number in range(1, GOALS + 1)]
 
 
-def _errand(draw: random.Random, number: int) -> Errand:
-    origin, destination = draw.sample(OFFICES, 2)
-    return Errand(number, origin, destination, draw.choice([None, None, 0, 1, 2, 4]))
+def _errand(draw: random.Random, number: int, offices: int, patience: List[Optional[int]]) -> Errand:
+    origin, destination = draw.sample(names(offices), 2)
+    return Errand(number, origin, destination, draw.choice(patience))

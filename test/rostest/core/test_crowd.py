@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""A hundred goals from four clients at once, many of them cancelled: all are accounted for, no package is lost."""
+"""A hundred goals from four clients at once, some of them cancelled: all are accounted for, no package is lost.
+
+Parameters: ``~offices``, how many there are, and ``~cancels``, whether some goals are cancelled; if not, all are met.
+"""
 
 import collections
 import json
@@ -12,7 +15,7 @@ import rospy
 import rostest
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus
-from crowd_errands import CLIENTS, GOALS, OFFICES, errands
+from crowd_errands import CLIENTS, GOALS, errands, names
 from move_base_msgs.msg import MoveBaseAction
 from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult, ROSoClingoActionResult
 
@@ -32,10 +35,10 @@ CANCELED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 class QuickRobot:
     """The servers of the robot, with an office behind them; whatever is asked is done at once."""
 
-    def __init__(self, labels, packages):
+    def __init__(self, labels, packages, offices):
         self._labels = labels
         self._at = "office1"
-        self.office = PackageOffice.from_mapping(packages, OFFICES)
+        self.office = PackageOffice.from_mapping(packages, offices)
         self.faults = []
         self._servers = [
             self._serve("move_base", MoveBaseAction, self._drive),
@@ -67,9 +70,11 @@ class QuickRobot:
 
 class Crowd(unittest.TestCase):
     def test_all_are_accounted_for(self):
-        wanted = [errand for client in range(CLIENTS) for errand in errands(client)]
-        packages = {office: [one.number for one in wanted if one.origin == office] for office in OFFICES}
-        robot = QuickRobot(LabelTable.from_mapping(rospy.get_param("rosoclingo/labels")), packages)
+        self.kind = rospy.get_param("~offices"), rospy.get_param("~cancels")
+        offices = names(self.kind[0])
+        wanted = [errand for client in range(CLIENTS) for errand in errands(client, *self.kind)]
+        packages = {office: [one.number for one in wanted if one.origin == office] for office in offices}
+        robot = QuickRobot(LabelTable.from_mapping(rospy.get_param("rosoclingo/labels")), packages, offices)
         results = collections.Counter()
         subscriber = rospy.Subscriber(
             "rosoclingo/result", ROSoClingoActionResult, lambda one: results.update([one.status.goal_id.id])
@@ -95,7 +100,7 @@ class Crowd(unittest.TestCase):
         clients, ends = [], {}
         self.addCleanup(lambda: [one.kill() for one in clients])
         for number in range(CLIENTS):
-            command = [sys.executable, client, str(number)]
+            command = [sys.executable, client, *(str(int(one)) for one in (number, *self.kind))]
             clients.append(subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
             self.assertEqual(clients[-1].stdout.readline(), "connected\n")
         for one in clients:

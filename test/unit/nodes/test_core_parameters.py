@@ -40,7 +40,7 @@ def test_all_parameters(program):
     }
     found = core_parameters(values)
     assert found == CoreParameters(
-        (program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 5, 7), 0.0, 2.0, "shortest", 3.0
+        (program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 5, 7, 0.0), 2.0, "shortest", 3.0
     )
 
 
@@ -126,7 +126,7 @@ def test_documented_defaults_are_the_real_ones():
     node = Path(module.__file__).with_name("core_node.py").read_text()
     documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false|soon)\)", node))
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
-    real.update(search_timeout=CoreParameters.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
+    real.update(search_timeout=CoreSettings.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
     real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
     real.update(overtaking_limit=CoreSettings.overtaking_limit)
     real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time)

@@ -88,7 +88,7 @@ class Procrastinator:
     def update(self, update, stopped=None):
         self.log = self.log.then(Taken(update, update.step + 1))
         later = parse_atom(f"_action_lib(go,1,{update.step + 1})")
-        seconds = {"ground": 0.0, "solve": 0.0}
+        seconds = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
         return SolveResult(
             SolveOutcome.SATISFIABLE, (frozenset([later]),), update.step + 1, update.step, statistics=seconds
         )

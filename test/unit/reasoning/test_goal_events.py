@@ -6,7 +6,7 @@ import clingo
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import GoalEvent, GoalState, Outcome, TaskPlan
+from rosoclingo.reasoning import CoreSettings, GoalEvent, GoalState, Outcome, TaskPlan
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
 from rosoclingo.reasoning.goals import TERMINAL
@@ -28,7 +28,7 @@ def table():
 def a_goal(state):
     """A goal manager with a goal that was fed and is in a state, what it went through from there, and the manager."""
     told = []
-    manager = GoalManager(PROGRAM, InputFeeder(), told.append, lambda: 5)
+    manager = GoalManager(PROGRAM, InputFeeder(), told.append, lambda: 5, CoreSettings())
     manager.add("key", "go(1)")
     goal = manager.live[0]
     goal.feed(4)

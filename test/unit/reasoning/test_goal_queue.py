@@ -14,37 +14,54 @@ def crowd(goals, **limits):
 # -- room
 
 
-@pytest.mark.parametrize(("kept", "more"), [(1, 1), (2, 1), (7, 1), (8, 2), (11, 2), (12, 3)])
-def test_after_eight_plans_there_is_room_for_a_quarter_more(kept, more):
-    clients = crowd(kept + 9)
-    clients.put_off(*range(kept + 1, kept + 10))
-    assert len(clients.plan(7).served) == kept
-    assert len(clients.plan().served) == kept + more
-    assert len(clients.plan(7).served) == kept + more
-    assert len(clients.plan().served) > kept + more
+def test_at_first_there_is_room_for_a_few():
+    assert len(crowd(30, search_timeout=10.0).served) == 8
+    assert len(crowd(30).served) == 30, "without a limit in time nothing tells that they are too many"
 
 
-def test_plans_for_fewer_goals_than_there_is_room_for_tell_nothing():
-    clients = crowd(4)
-    clients.put_off(3, 4).end(2, 3, 4)
-    clients.plan(20).add(5, 6)
-    assert clients.served == [1, 5]
+@pytest.mark.parametrize(
+    ("seconds", "size"), [(0.0, 16), (0.01, 16), (0.075, 16), (0.15, 12), (0.3, 8), (1.2, 4), (9.0, 4)]
+)
+def test_so_many_goals_have_room_that_plans_take_the_time_that_they_may(seconds, size):
+    """A plan takes four times as long for twice as many goals, up to which their number changes at a time."""
+    clients = crowd(60, search_timeout=10.0).plan(seconds)
+    assert clients.goals.queue.window.size == size
+    assert len(clients.served) == (16 if size == 16 else 8), "more than half of the room is taken"
 
 
-def test_plans_count_from_the_last_loss_on():
-    clients = crowd(9)
-    clients.put_off(4, 5, 6, 7, 8, 9).plan(7).put_off(3)
-    assert clients.plan(7).served == [1, 2]
-    assert clients.plan().served == [1, 2, 3]
+def test_goals_join_once_half_of_the_room_is_free():
+    clients = crowd(30, search_timeout=10.0).plan(0.3)
+    assert clients.end(1, 2, 3).served == [4, 5, 6, 7, 8]
+    assert clients.end(4).served == [*range(5, 13)]
+    clients.plan(0.3).cancel(*range(13, 31))
+    assert clients.end(5, 6, 7, 8).served == [9, 10, 11, 12]
+    assert clients.add(40).served == [9, 10, 11, 12, 40], "the room is not full"
+
+
+def test_only_plans_for_new_goals_and_full_rooms_tell_that_there_may_be_more():
+    clients = crowd(30, search_timeout=10.0)
+    clients.goals.plan_found(None)
+    assert len(clients.served) == 8
+    few = crowd(7, search_timeout=10.0).plan(0.01).add(*range(8, 30))
+    assert len(few.served) == 8
+    slow = crowd(7, search_timeout=10.0).plan(1.2)
+    assert slow.goals.queue.window.size == 4
+
+
+@pytest.mark.parametrize(("kept", "more"), [(1, 1), (2, 1), (7, 2), (8, 2), (9, 3), (12, 3)])
+def test_after_a_loss_there_is_slowly_more_room(kept, more):
+    clients = crowd(40)
+    clients.put_off(*range(kept + 1, 41))
+    assert len(clients.served) == clients.goals.queue.window.size == kept
+    assert clients.plan().goals.queue.window.size == kept + more
 
 
 def test_room_never_exceeds_what_is_set():
     clients = crowd(5, at_once=3)
     assert clients.put_off(2, 3).served == [1]
-    assert clients.plan(8).served == [1, 2]
-    assert clients.plan(8).served == [1, 2, 3]
-    assert clients.plan(16).served == [1, 2, 3]
-    assert clients.put_off(3).served == [1, 2]
+    assert clients.plan().served == [1, 2]
+    assert clients.plan().end(1).served == [2, 3, 4]
+    assert clients.plan().plan().end(2).served == [3, 4, 5]
 
 
 def test_a_single_goal_that_took_too_long_says_nothing_of_the_others():
@@ -60,12 +77,12 @@ def test_room_is_as_it_was_when_there_was_a_plan_last():
     clients.put_off(5, 6, 7, 8).plan().no_plan()
     assert clients.no_plan() == [2]
     assert clients.no_plan() == [1]
-    assert clients.served == [2, 3, 4, 5]
+    assert clients.served == [2, 3, 4, 5, 6]
     clients.no_plan()
     assert clients.no_plan() == [3]
     clients.plan()
-    assert clients.no_plan() == [2]
-    assert clients.served == [3], "there was a plan for one since"
+    assert [clients.no_plan(), clients.no_plan()] == [[3], [2]]
+    assert clients.served == [3, 4], "there was a plan since"
 
 
 # -- who waits

@@ -60,16 +60,16 @@ class CoreNode:
         ~plan_time (float, default 1.0): seconds of the solver's processor time in which it looks for a shorter plan
             than the first one that it has found; 0 takes the first.
         ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the
-            oldest first. 0 for no limit: as many as a plan is found for in ``~search_timeout``.
+            oldest first. 0 for no limit: as many as plans are found for well within ``~search_timeout``.
         ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it; then no newer one
             is fed until it has ended. 0 for no limit.
-        ~search_timeout (float, default 10.0): seconds of wall time that one search may go on before goals wait, the
-            newest first. 0 for no limit.
+        ~search_timeout (float, default 10.0): seconds of the solver's processor time that one search may go on before
+            goals wait, the newest first. 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
             failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
-        ~recovery_timeout (float, default 5.0): seconds of wall time in which to look for the fewest goals to give up,
-            and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit. The check under way
-            still ends.
+        ~recovery_timeout (float, default 5.0): seconds of the solver's processor time in which to look for the fewest
+            goals to give up, and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit.
+            The check under way still ends.
         ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
@@ -209,7 +209,7 @@ class CoreNode:
 
     def _watch_search(self) -> Callable[[], Optional[Halt]]:
         """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
-        start, too_long = time.monotonic(), self._watch_time(self._parameters.search_timeout)
+        start, too_long = time.monotonic(), self._watch_time(self._parameters.settings.search_timeout)
 
         def look() -> Optional[Halt]:
             """Return why the search is to end now, None while it may go on."""
@@ -229,11 +229,11 @@ class CoreNode:
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
         """End what takes longer than some seconds, 0 for never, or as long as the core has the patience for."""
         queue = self._core.queue
-        start, limit = time.monotonic(), seconds * queue.patience
+        worked, limit = self._solvers.stopwatch(), seconds * queue.patience
 
         def look() -> Optional[Halt]:
             """Return why to end it now, None while it may go on."""
-            if not 0 < limit <= time.monotonic() - start:
+            if not limit > 0 or worked() < limit:
                 return None
             if not queue.unhurried:
                 return Halt(f"it took longer than {limit:g} s")

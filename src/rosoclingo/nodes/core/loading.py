@@ -19,14 +19,13 @@ PLANS = ("soon", "shortest")
 class CoreParameters:
     """The parameters of the core node.
 
-    ``search_timeout`` and ``recovery_timeout`` are in seconds of wall time, ``plan_time`` in seconds of processor time.
+    ``recovery_timeout`` and ``plan_time`` are in seconds of processor time.
     """
 
     program_files: Tuple[str, ...]
     constants: Dict[str, str]
     labels: Tuple[str, ...]
     settings: CoreSettings
-    search_timeout: float = 10.0
     recovery_timeout: float = 5.0
     plan: str = PLANS[0]
     plan_time: float = 1.0
@@ -43,6 +42,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
     limit = "seconds, 0 for no limit"
     settings = CoreSettings(
         horizon_limit=given.at("horizon_limit").whole(defaults.horizon_limit, low=1),
+        search_timeout=given.at("search_timeout").number(defaults.search_timeout, low=0.0, wanted=limit),
         action_timeout=given.at("action_timeout").number(defaults.action_timeout, low=0.0, wanted=limit),
         preempt=given.at("preempt").flag(defaults.preempt),
         goals_at_once=given.at("goals_at_once").whole(defaults.goals_at_once, low=0),
@@ -53,7 +53,6 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         constants={name: _term(value, str(value.value)) for name, value in _constants(given.at("constants"))},
         labels=_labels(given.at("labels")),
         settings=settings,
-        search_timeout=given.at("search_timeout").number(CoreParameters.search_timeout, low=0.0, wanted=limit),
         recovery_timeout=given.at("recovery_timeout").number(CoreParameters.recovery_timeout, low=0.0, wanted=limit),
         plan=given.at("plan").choice(PLANS, CoreParameters.plan),
         plan_time=given.at("plan_time").number(CoreParameters.plan_time, low=0.0, wanted="seconds"),

@@ -5,6 +5,7 @@ import selectors
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, List, Optional
 
@@ -45,6 +46,7 @@ class WorkerProcess:
         self._replies: IO[bytes] = self._process.stdout
         self._lines = Lines()
         self._messages: List[Message] = []
+        self._worked = 0.0
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._replies, selectors.EVENT_READ)
 
@@ -61,6 +63,15 @@ class WorkerProcess:
         except OSError:
             return 0
         return pages * os.sysconf("SC_PAGE_SIZE")
+
+    @property
+    def worked(self) -> float:
+        """Seconds of processor time that the child has used, as far as that can be read."""
+        with suppress(OSError):
+            stat = Path(f"/proc/{self.pid}/stat").read_text(encoding="ascii", errors="replace")
+            user, system = stat.rsplit(")", 1)[1].split()[11:13]
+            self._worked = (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+        return self._worked
 
     @property
     def alive(self) -> bool:

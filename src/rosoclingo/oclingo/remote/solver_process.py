@@ -39,13 +39,16 @@ POLL_PREPARING = 0.02
 """The same while a child takes a program or a log: that is often done in a moment, and would be asked for again."""
 
 GRACE = 1.0
-"""Seconds of wall time that a grounding may go on after a stop request before it is dropped between two pieces."""
+"""Seconds of processor time that a grounding may go on after a stop request before it is dropped between two pieces."""
 
 PATIENCE = 2.0
-"""Seconds of wall time that the process is given to heed a stop request before it is killed."""
+"""Seconds of processor time that the process is given to heed a stop request before it is killed."""
 
 GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
+
+LOAD = 20
+"""Seconds of wall time that count for one second of work: a solver that does not work at all is not waited for."""
 
 Stopped = Callable[[], bool]
 
@@ -140,7 +143,7 @@ class SolverProcess:
         Args:
             program: the reactive logic program.
             models: how many answers to compute for an update, 0 for all.
-            patience: seconds of wall time that the child has to heed a stop request.
+            patience: seconds of processor time that the child has to heed a stop request.
             grace: those of them in which a grounding may come to its end.
             spare: whether to keep another child ready.
             options: what else :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` takes; plain values.
@@ -160,6 +163,7 @@ class SolverProcess:
         self._spare: Optional[WorkerProcess] = None
         self._closed = False
         self._first_memory: Optional[int] = None  # that of the child when its log was shortened first
+        self._worked = 0.0  # processor time of the children that were
         self._respawn()
 
     @property
@@ -171,6 +175,19 @@ class SolverProcess:
     def spare_pid(self) -> Optional[int]:
         """Process id of the child that is kept ready, None where there is none."""
         return None if self._spare is None else self._spare.pid
+
+    @property
+    def worked(self) -> float:
+        """Seconds of processor time that the children have used up to now, but for the one that is kept ready."""
+        return self._worked + (0.0 if self._child is None else self._child.worked)
+
+    def stopwatch(self) -> Callable[[], float]:
+        """Return what tells how many seconds of processor time the solvers have worked since now.
+
+        A machine that has other things to do changes nothing; but it is taken to be at most ``LOAD`` times slower.
+        """
+        worked, start = self.worked, time.monotonic()
+        return lambda: max(self.worked - worked, (time.monotonic() - start) / LOAD)
 
     def __enter__(self) -> "SolverProcess":
         return self
@@ -307,23 +324,23 @@ class SolverProcess:
     def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:
         """Wait for the child's reply; on a stop ask it to heed that, and after some patience give it up."""
         assert self._child is not None
-        begin: Optional[float] = None
+        since_stop: Optional[Callable[[], float]] = None
         dropped = False
         while True:
             reply = self._child.receive(POLL if kills else POLL_PREPARING)
             if reply is not None:
                 return reply
-            if begin is None:
+            if since_stop is None:
                 if stopped is None or not stopped():
                     continue
                 if not kills:
                     raise NotReadyError("the solver still takes again what led here; ask again")
-                begin = time.monotonic()
+                since_stop = self.stopwatch()
                 self._child.send({"do": "interrupt"})
-            if time.monotonic() - begin >= self._grace and not dropped:
+            if since_stop() >= self._grace and not dropped:
                 dropped = True
                 self._child.send({"do": "drop"})
-            if time.monotonic() - begin > self._patience:
+            if since_stop() > self._patience:
                 raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
 
     def _spawn(self) -> None:
@@ -363,6 +380,7 @@ class SolverProcess:
     def _discard(self) -> None:
         child, self._child = self._child, None
         if child is not None:
+            self._worked += child.worked
             child.kill()
 
     def _discard_spare(self) -> None:

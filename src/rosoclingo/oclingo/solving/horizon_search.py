@@ -17,6 +17,8 @@ class HorizonSearch:
 
     Attributes:
         seconds: wall time spent in clingo's search so far.
+        answered: the processor time of this process when there was an answer that would do, None where only the end
+            gives it.
         permanent: True once nothing can make the program satisfiable again.
         proven: True once an answer is known to be of the least horizon.
 
@@ -30,6 +32,7 @@ class HorizonSearch:
         self._models, self._shortest, self._hint, self._halt = models, shortest, hint, halt
         self._block = block
         self.seconds = 0.0
+        self.answered: Optional[float] = None
         self.permanent = False
         self.proven = False
 

@@ -79,6 +79,7 @@ class PlanSearch(HorizonSearch):
         found = self._best or self._find(transaction)
         if self._best is None:
             return found
+        self.answered = time.process_time()
         self._halt = self._is_over
         self._shorten(transaction)
         self.proven = self._least >= self._best.horizon

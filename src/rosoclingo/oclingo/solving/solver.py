@@ -55,7 +55,8 @@ class SolveResult:
         warnings: what was ignored and why.
         permanent: True where no further step and no external can make the program satisfiable.
         shortest: True where it is proven that no answer has a lesser horizon.
-        statistics: seconds of wall time spent in ``ground`` and ``solve``.
+        statistics: seconds of wall time spent in ``ground`` and ``solve``; and seconds of processor time that were
+            ``needed`` for an answer, less what went on improving it.
 
     """
 
@@ -322,7 +323,7 @@ class ReactiveSolver(LoggedSolver):
     def _search(
         self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]
     ) -> SolveResult:
-        start = time.perf_counter()
+        start, began = time.perf_counter(), time.process_time()
         search = self._make_search(update, halt)
         found = Search(None)
         if transaction.begin(update, halt):
@@ -333,6 +334,7 @@ class ReactiveSolver(LoggedSolver):
         if found.satisfiable is not None:
             outcome = SolveOutcome.SATISFIABLE if found.satisfiable else SolveOutcome.UNSATISFIABLE
         spent = {"solve": search.seconds, "ground": time.perf_counter() - start - search.seconds}
+        spent["needed"] = (search.answered or time.process_time()) - began
         state, warnings = transaction.state, (*transaction.warnings, *transaction.remarks())
         horizon = found.horizon if found.satisfiable else state.horizon
         if search.permanent:

@@ -132,6 +132,18 @@ def test_a_stop_ends_grounding_and_drops_the_update():
         assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
 
 
+def test_the_work_of_all_children_is_counted():
+    with process_of(EXPLODING, patience=0.1) as process:
+        solver, elapsed = process.solver(), process.stopwatch()
+        solver.update(parse_update("#step 1. e(1). #endstep."))
+        before = process.worked
+        assert before > 0.0
+        with pytest.raises(DroppedError):
+            solver.update(parse_update("#step 2. e(2). #endstep."), lambda: process.worked > before + 0.1)
+        assert process.worked > before + 0.2, "what was ended has worked as well: until the stop, and after it"
+        assert elapsed() > 0.2
+
+
 def test_a_grounding_in_pieces_is_dropped_between_them():
     with process_of(IN_PIECES, patience=600.0, grace=0.0) as process:
         solver = process.solver()
