@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -14,7 +15,9 @@ from service_helpers import Client
 
 from rosoclingo.oclingo.service.command import main
 
-SCRIPT = Path(__file__).resolve().parents[4] / "scripts" / "oclingo"
+ROOT = Path(__file__).resolve().parents[4]
+SCRIPT = ROOT / "scripts" / "oclingo"
+PAGE = ROOT / "doc" / "oclingo_service.md"
 
 PROGRAM = """\
 #const n = 2.
@@ -308,3 +311,12 @@ def test_a_time_for_plans_needs_shortest_ones(files, capsys):
         with pytest.raises(SystemExit):
             main(["program.lp", "--stream", "updates.str", *words])
         assert told in capsys.readouterr().err
+
+
+def test_the_page_has_all_options(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    options = set(re.findall(r"--[a-z-]+", capsys.readouterr().out)) - {"--help", "--const"}  # -c is the short form
+    usage, _, table = PAGE.read_text(encoding="utf-8").partition("## Options")[2].partition("\n|")
+    assert set(re.findall(r"--[a-z-]+", usage)) == options
+    assert set(re.findall(r"^\| `(--[a-z-]+)", table, re.MULTILINE)) == options
