@@ -8,9 +8,10 @@ are tested in that order.
 from collections import deque
 from dataclasses import dataclass
 from functools import partial
-from typing import Callable, Deque, Dict, FrozenSet, Generic, List, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, Deque, Dict, FrozenSet, Generic, Iterable, List, Optional, Sequence, Tuple, TypeVar
 
 T = TypeVar("T")
+Found = TypeVar("Found")
 Met = Callable[[Tuple[T, ...]], bool]
 
 
@@ -74,6 +75,25 @@ def choose(things: Sequence[T], met: Met[T]) -> Optional[Choice[T]]:
             conflict = find_conflict(kept, met)
             conflicts.append(conflict)
         waiting.extend([*choice, (thing, conflict)] for thing in conflict.things)
+    return None
+
+
+def first_found(candidates: Iterable[T], find: Callable[[T], Optional[Found]]) -> Optional[Found]:
+    """What the first candidate gives that gives anything; None where none does.
+
+    Raises UndecidedError where none does, but it was not known of each in its time.
+    """
+    undecided = False
+    for one in candidates:
+        try:
+            found = find(one)
+        except UndecidedError:
+            undecided = True
+            continue
+        if found is not None:
+            return found
+    if undecided:
+        raise UndecidedError
     return None
 
 

@@ -12,7 +12,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
-from rosoclingo.reasoning.conflicts import Met, UndecidedError, choose, least_number, remembering
+from rosoclingo.reasoning.conflicts import Met, UndecidedError, choose, first_found, least_number, remembering
 from rosoclingo.reasoning.input_feeder import Batch, Clock
 from rosoclingo.reasoning.keywords import CANCEL, REQUEST, Action, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
@@ -88,16 +88,7 @@ class _Mender:
 
     def mend(self) -> Optional[Mend]:
         """Doubt more and more observations until there is an answer."""
-        undecided = False
-        for pool in self._pools():
-            try:
-                if self._answers(pool):
-                    return self._least(pool)
-            except UndecidedError:
-                undecided = True
-        if undecided:
-            raise UndecidedError
-        return None
+        return first_found(self._pools(), lambda pool: self._least(pool) if self._answers(pool) else None)
 
     def _pools(self) -> Iterator[Tuple[Observation, ...]]:
         """Yield what is doubted, newest first: facts that come late, this update's, earlier ones, returns."""

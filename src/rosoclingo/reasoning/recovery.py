@@ -4,14 +4,22 @@ Goals are given up in the next update, by the program's own means, ``_request(ca
 sent stays a true record. What would be without a goal or an observation is found out on a solver beside it.
 """
 
-from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.reasoning.conflicts import Choice, Conflict, UndecidedError, choose, find_conflict, remembering
+from rosoclingo.reasoning.conflicts import (
+    Choice,
+    Conflict,
+    UndecidedError,
+    choose,
+    find_conflict,
+    first_found,
+    remembering,
+)
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
@@ -61,32 +69,26 @@ def recover(planner: Planner, question: Question) -> Optional[Recovery]:
 
     Raises UndecidedError where it is not known in time which goals cannot be met.
     """
-    undecided = False
-    for withhold in (False, True) if question.goals else ():
-        attempts = _Attempts(planner, question, withhold)
-        try:
-            helps = attempts.can_have((), question.observations)
-        except UndecidedError:
-            undecided = True
-            continue
-        if helps:
-            return _fewest(attempts, question)
-    if undecided:
-        raise UndecidedError
-    return None
+
+    def helping(attempts: _Attempts) -> Optional[_Attempts]:
+        """Give back what helps if all goals go."""
+        return attempts if attempts.can_have((), question.observations) else None
+
+    attempts = first_found(_both_ways(planner, question), helping)
+    return None if attempts is None else _fewest(attempts, question)
 
 
 def is_answerable(planner: Planner, question: Question) -> bool:
     """Whether there is an answer without the goals, be they cancelled or withheld; raises UndecidedError."""
-    undecided = False
-    for withhold in (False, True) if question.goals else ():
-        outcome = _Attempts(planner, question, withhold).without(question.goals).result.outcome
-        if outcome is SolveOutcome.SATISFIABLE:
-            return True
-        undecided = undecided or outcome is SolveOutcome.INTERRUPTED
-    if undecided:
-        raise UndecidedError
-    return False
+
+    def answer(attempts: _Attempts) -> Optional[Recovery]:
+        """Plan without any goal."""
+        found = attempts.without(question.goals)
+        if found.result.outcome is SolveOutcome.INTERRUPTED:
+            raise UndecidedError
+        return found if found.met else None
+
+    return first_found(_both_ways(planner, question), answer) is not None
 
 
 class _Attempts:
@@ -162,6 +164,12 @@ class _Attempts:
         """The cancellations of the goals, of the oldest first; none where goals are withheld."""
         oldest_first: Iterable[Goal] = () if self._withhold else reversed(goals)
         return [cancellation(one.identifier, self._question.step) for one in oldest_first]
+
+
+def _both_ways(planner: Planner, question: Question) -> Iterator[_Attempts]:
+    """Yield what would be if goals were cancelled, then if they were withheld; nothing where there are none."""
+    for withhold in (False, True) if question.goals else ():
+        yield _Attempts(planner, question, withhold)
 
 
 class _Refuted(NamedTuple):

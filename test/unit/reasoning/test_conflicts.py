@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.reasoning.conflicts import Conflict, UndecidedError, choose, find_conflict, remembering
+from rosoclingo.reasoning.conflicts import Conflict, UndecidedError, choose, find_conflict, first_found, remembering
 
 THINGS = tuple("abcdefg")
 CONFLICTS = st.lists(st.frozensets(st.sampled_from(THINGS), min_size=1, max_size=4), max_size=6)
@@ -123,3 +123,20 @@ def test_remembering():
     assert not met(("a", "c"))
     assert not met(("c",))
     assert asked == [("a", "b")]
+
+
+@pytest.mark.parametrize(
+    ("gives", "found"),
+    [("a", "a"), (" a", "a"), ("?a", "a"), ("ab?", "a"), ("", None), ("  ", None), ("? ", "?"), (" ?", "?")],
+)
+def test_the_first_that_gives_something(gives, found):
+    def find(one):
+        if one == "?":
+            raise UndecidedError
+        return one.strip() or None
+
+    if found == "?":
+        with pytest.raises(UndecidedError):
+            first_found(gives, find)
+    else:
+        assert first_found(gives, find) == found
