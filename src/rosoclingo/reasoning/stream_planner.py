@@ -148,9 +148,9 @@ class Planner:
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
     def still(self, actions: Sequence[Action]) -> Optional[SolveResult]:
-        """The answer of a plan that ends with these actions, and has them all; None where there is none."""
+        """The answer of a plan that ends with these actions, one at least, and has all; None where there is none."""
         step = self.log.step
-        steps = max((action.cycle for action in actions), default=step) - step
+        steps = max(action.cycle for action in actions) - step
         update = StreamUpdate(step, steps, (Volatile(), *(commitment(action.atom) for action in actions)))
         try:
             result = self.restarted()._search(update)

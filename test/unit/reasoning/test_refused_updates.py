@@ -56,11 +56,11 @@ def fed(planner, facts=True):
 
 @pytest.mark.parametrize("times", [1, 2])
 def test_of_an_update_that_is_refused_goals_are_left_out_then_all_but_commitments(times):
-    planner = Planner(*[SolverError("no")] * times, ended_by="it took too long")
+    planner = Planner(*[SolverError("no"), SolverError("nor that")][:times], ended_by="it took too long")
     result, ends, problems = fed(planner)
     assert result is RESULT
     assert ends == [("a", Outcome.REJECTED, "is refused by the solver: no")]
-    assert problems == ["update 5 is refused by the solver: no"] * times
+    assert problems == [f"update 5 is refused by the solver: {why}" for why in ("no", "nor that")[:times]]
     calls = [f"update {COMMITMENT} {FACT}", f"update {COMMITMENT}"]
     assert planner.calls == calls[:times]
 
@@ -76,10 +76,11 @@ def test_one_that_was_dropped_is_fed_without_looking_ahead(times):
     assert planner.calls == [f"take {call}" for call in calls][:times]
 
 
-@pytest.mark.parametrize("error", [SolverError("no"), DroppedError("ended")])
-def test_nothing_is_taken(error):
-    planner = Planner(*[error] * 9)
+@pytest.mark.parametrize(("kind", "times"), [(SolverError, 2), (DroppedError, 3)])
+def test_nothing_is_taken(kind, times):
+    errors = [kind(str(number)) for number in range(times)]
+    planner = Planner(*errors)
     with pytest.raises(SolverError) as raised:
         fed(planner, facts=False)
-    assert raised.value is error
+    assert raised.value is errors[-1]
     assert len(set(planner.calls)) == len(planner.calls), "without facts only the commitments are left, and tried once"

@@ -9,6 +9,7 @@ from rosoclingo.oclingo import (
     ReactiveProgram,
     ReactiveSolver,
     SolveOutcome,
+    SolverError,
     SolveResult,
     StreamUpdate,
     parse_atom,
@@ -16,8 +17,10 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.progression.updates import Over
 from rosoclingo.oclingo.solving import transaction
+from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
-from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner
+from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner, steps_for
 
 
 class Solver(ReactiveSolver):
@@ -163,10 +166,14 @@ def test_a_planner_beside_knows_all_but_what_is_left_out():
 
 
 class Told:
-    """A solver that keeps its log, asks a few times whether to stop, and has an answer ready."""
+    """A solver that keeps its log, asks a few times whether to stop, and has an answer ready.
 
-    def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0):
+    In place of taking an update it raises the ``error``; it has the answer to one inquiry ready as well.
+    """
+
+    def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0, verdict=None):
         self.log, self.outcome, self.asks, self.late = StreamLog(), outcome, asks, late
+        self.verdict, self.inquired, self.error = verdict, [], None
 
     @property
     def step(self):
@@ -179,10 +186,23 @@ class Told:
         if self.late:
             self.late -= 1
             raise NotReadyError("not yet")
+        if self.error is not None:
+            raise self.error
         for _ in range(self.asks):
             stopped()
         self.log = self.log.then(Taken(update, update.step + 9))
         return SolveResult(self.outcome, (), update.step, update.step)
+
+    def inquire(self, *question):
+        *question, stopped = question
+        self.inquired.append(question)
+        stopped()
+        return self.verdict
+
+    def improve(self, stopped):
+        if self.error is not None:
+            raise self.error
+        return stopped()
 
 
 def words(update):
@@ -205,6 +225,7 @@ def fed(planner, *texts):
 def test_what_the_solver_is_told():
     planner = Planner(Told, 8)
     assert (planner.taken, planner.ended_by) == (None, "")
+    assert words(planner.in_force) == "#step 1."
     planner.solve()
     assert planner.over(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
     fed(planner, "#step 11. #over 2. _seen(a).", "#step 14. #over 2. #over 3. _seen(b).")
@@ -229,6 +250,11 @@ def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
     assert len(told(planner)) == 2
 
 
+def test_a_planner_beside_has_the_horizon_that_the_step_needs():
+    planner = fed(Planner(Told, 8), "#step 1.", "#step 30.")
+    assert planner.restarted().log.horizon == 30, "what was looked ahead for cycle 1 lies before"
+
+
 def test_another_update_in_place_of_the_last_one():
     planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
@@ -240,6 +266,85 @@ def test_another_update_in_place_of_the_last_one():
     assert told(again) == told(planner), "the past is told once"
     beside, _ = Planner(Told, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
+
+
+@pytest.mark.parametrize(
+    ("goals", "alone", "steps"),
+    [(0, 100, 100), (1, 100, 100), (2, 100, 110), (5, 100, 140), (3, 8, 10), (2, 11, 13), (2, 10, 11)],
+)
+def test_each_further_goal_has_a_tenth_more_steps(goals, alone, steps):
+    assert steps_for(goals, alone) == steps
+
+
+@pytest.mark.parametrize("outcome", SolveOutcome)
+def test_whether_a_plan_still_is_one_is_asked_beside(outcome):
+    made = []
+
+    def make():
+        made.append(Told(outcome))
+        return made[-1]
+
+    planner = fed(Planner(make, 8), "#step 1. _seen(a).", "#step 2. _seen(b).")
+    actions = [action_of(parse_atom(text)) for text in ("_action_lib(go,1,3)", "_action_lib(go,2,5)")]
+    result = planner.still(actions)
+    assert (result is None) == (outcome is not SolveOutcome.SATISFIABLE)
+    asked = made[-1].log.entries[-1].update
+    assert words(asked) == "#step 2 : 3. #volatile. :- not _action_lib(go,1,3). :- not _action_lib(go,2,5)."
+    assert told(planner) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(b)."], "nothing is taken"
+
+
+def test_a_plan_that_is_refused_is_none_any_more():
+    solvers = [Told(), Told()]
+    planner = fed(Planner(iter(solvers).__next__, 8), "#step 1.")
+    solvers[1].error = SolverError("no")
+    assert planner.still([action_of(parse_atom("_action_lib(go,1,3)"))]) is None
+
+
+@pytest.mark.parametrize(
+    ("satisfiable", "halt", "ended_by"),
+    [
+        (True, None, ""),
+        (False, None, ""),
+        (None, None, ""),
+        (None, Halt("the test"), "the test"),
+        (True, Halt("the test", disturbed=True), ""),
+        (False, Halt("the test"), ""),
+    ],
+)
+def test_an_inquiry_is_asked_as_an_update_that_is_not_taken(satisfiable, halt, ended_by):
+    solver = Told(verdict=Verdict(satisfiable))
+    planner = Planner(lambda: solver, 8, lambda: lambda: halt)
+    planner.update(parse_update("#step 1. _seen(a). #endstep."))
+    a, b = frozenset([parse_atom("_seen(a)")]), frozenset([parse_atom("_seen(b)")])
+    planner.ended_by = "another search"
+    assert planner.inquire(parse_update("#step 3. _seen(b). #endstep."), a | b, b, 5) is solver.verdict
+    ((update, *facts),) = solver.inquired
+    assert (words(update), facts) == ("#step 3 : 5. #closed 1..2. _seen(b).", [a | b, b])
+    assert planner.ended_by == ended_by
+    assert len(told(planner)) == 1
+
+
+def test_an_inquiry_is_left_for_what_comes():
+    planner = Planner(lambda: Told(verdict=Verdict(None)), 8, lambda: lambda: Halt("news", disturbed=True))
+    with pytest.raises(DisturbedError):
+        planner.inquire(parse_update("#step 1. #endstep."), frozenset(), frozenset(), 5)
+
+
+def test_an_improvement_that_fails_is_none():
+    solver = Told()
+    planner = Planner(lambda: solver, 8)
+    assert planner.improve(lambda: "better") == "better"
+    solver.error = SolverError("lost")
+    assert planner.improve(lambda: "better") is None
+
+
+@pytest.mark.parametrize(("outcome", "may"), [*zip(SolveOutcome, (True, False, True))])
+def test_what_a_plan_may_begin_with_is_asked_without_consequences(outcome, may):
+    solver = Told()
+    planner = fed(Planner(lambda: solver, 8), "#step 4.")
+    solver.outcome = outcome
+    assert planner.may_begin_with(parse_atom("_action_lib(go,1,4)"), 3) is may
+    assert told(planner)[-1] == "#step 4 : 3. #volatile. :- not _action_lib(go,1,4)."
 
 
 @pytest.mark.parametrize(
