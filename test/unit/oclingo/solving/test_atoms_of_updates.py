@@ -32,6 +32,12 @@ def test_a_fact_may_be_told_again(external):
         assert play(external, update).warnings == ()
 
 
+def test_what_the_parser_ignored_is_told_with_the_answer(external):
+    (told, ignored) = play(external, "#step 1. #step 3. c(1).").warnings
+    assert "#step 3." in told
+    assert ignored == IGNORED.format("c(1)")
+
+
 @pytest.mark.parametrize("restored", [False, True])
 def test_what_a_rule_has_defined_for_good_is_closed(external, restored):
     play(external, "#step 1. e(1) :- a.")

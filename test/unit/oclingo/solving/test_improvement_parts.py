@@ -184,11 +184,12 @@ def test_idle_steps_at_the_end_are_cut_off_where_the_rest_is_a_plan(answer, firs
     assert result == (reply if reply.satisfiable and question else answer)
 
 
-def test_where_no_shorter_plan_does_the_same_now_there_is_nothing_to_try():
+@pytest.mark.parametrize("horizon", [9, 17])
+def test_where_no_shorter_plan_does_the_same_now_there_is_nothing_to_try(horizon):
     asked = Asked(NONE)
-    tried = Improvement(plan(9, 1, 9), 1, 1)
+    tried = Improvement(plan(horizon, 1, horizon), 1, 1)
     assert tried.run(asked, asked.halt_after(50)) is None
-    assert asked.asked == ["1..8/100"]
+    assert asked.asked == [f"1..{horizon - 1}/100"]
 
 
 @pytest.mark.parametrize("size", [2, 16])
@@ -214,6 +215,23 @@ def test_a_plan_that_gets_too_short_on_the_way_is_left_at_once(detours):
         assert tried.run(asked, asked.halt_after(50)) == found(2, 2)
         assert tried.run(asked, asked.halt_after(50)) is None
         assert len(asked.asked) == before + 1
+
+
+@pytest.mark.parametrize(("horizon", "questions"), [(3, 0), (4, 1)])
+def test_a_plan_that_gets_too_short_between_two_windows_is_left_at_once(horizon, questions, detours, monkeypatch):
+    monkeypatch.setattr(improvement, "SIZE", 2)
+    asked = Asked(OPEN, found(horizon, horizon))
+    tried = Improvement(plan(6, 6), 1, 3)
+    assert tried.run(asked, asked.halt_after(50)) == found(horizon, horizon)
+    assert tried.run(asked, asked.halt_after(3)) is None
+    assert len(asked.asked) == 2 + questions
+
+
+def test_a_plan_with_one_step_too_many_has_a_detour_too(detours, monkeypatch):
+    monkeypatch.setattr(improvement, "MOST_CONFLICTS", 100)
+    asked = Asked()
+    Improvement(plan(2, 2), 1, 1).run(asked, asked.halt_after(50))
+    assert asked.asked == ["1..1/100", "1..1/100 -2"]
 
 
 def test_it_goes_on_with_the_same_plan_alone(detours):

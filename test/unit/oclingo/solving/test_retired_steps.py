@@ -155,6 +155,12 @@ def test_what_has_been_closed_is_not_awaited_from_a_later_step():
     assert first(retire(text, "", "", "", "e(9).")) == 6
 
 
+@pytest.mark.parametrize("cycle", ["soon(t)", "t-2", "t+1"])
+def test_actions_of_any_cycle_and_of_none_keep_no_step(cycle):
+    text = EXTERNALS.replace("#program volatile", f"_action_lib(go,x,{cycle}) :- e(t), t > 2. #program volatile")
+    assert first(retire(text, "", "", "e(3).")) >= 5
+
+
 def test_what_the_stream_alone_has_defined_is_defined_for_good():
     assert first(retire("{ x }. " + EXTERNALS, "p(1).", "#assert : r. :- p(1), x.", "", "", "p(1) :- x.")) == 6
 
