@@ -71,7 +71,8 @@ class _Statements:
         self.facts = {one.head for one in statements if one.head is not None and not one.body}
         self.kept: List[Statement] = []
         self.false: Set[clingo.Symbol] = set()  # heads that were defined, but never come true
-        self.sound = True  # False where a statement still ties the past to what is open
+        # False where a statement still ties the past to what is open
+        self.sound = not any(self._is_over(entry.statement.head) for entry in state.lapsing)
         rules = [one for one in statements if one.body]
         # heads that something open may make true: what is fixed of these, constraints may have fixed
         self._undecided = self._heads
@@ -99,12 +100,14 @@ class _Statements:
         body = tuple(literal for literal in statement.body if self._value(literal.atom) is None)
         if statement.head is None or body:
             self.kept.append(Statement(statement.head, body))
-            self.sound = self.sound and (statement.head is None or not self._is_over(statement.head))
+            self.sound = self.sound and not self._is_over(statement.head)
         else:
             self.facts.add(statement.head)
 
-    def _is_over(self, head: clingo.Symbol) -> bool:
+    def _is_over(self, head: Optional[clingo.Symbol]) -> bool:
         """Tell whether retired steps may have decided of ``head``, and by that of the rules that define it."""
+        if head is None:
+            return False
         literal, last = self._fixed.literals.get(head), self._fixed.first - 1
         if literal is not None:
             return literal in self._fixed.steps and literal not in self._fixed.base

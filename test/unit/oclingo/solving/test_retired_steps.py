@@ -151,8 +151,12 @@ def test_what_has_been_closed_is_not_opened_again_by_a_later_step():
 
 
 def test_what_has_been_closed_is_not_awaited_from_a_later_step():
-    text = "#program cumulative(t). #external e(9) : t \\ 4 = 1. c(t) :- e(9). #program volatile(t)."
-    assert first(retire(text, "", "", "", "e(9).")) == 6
+    retiring = stream("#program cumulative(t). #external e(9) : t \\ 4 = 1. c(t) :- e(9). #program volatile(t).")
+    for step in (1, 2, 3, 4, 5):
+        retiring.forget_before(step - 1)
+        result = play(retiring, f"#step {step} : 0." + (" e(9)." if step == 4 else ""))
+        assert warnings(result) == (["e(9)"] if step == 4 else [])
+    assert (first(retiring), atoms(result)) == (4, [])
 
 
 @pytest.mark.parametrize("cycle", ["soon(t)", "t-2", "t+1"])
@@ -200,7 +204,7 @@ def test_steps_that_are_over_with_the_present_update_are_retired_along_with_anot
         ("d(t) :- sees(t).", ["", "sees(6) :- x. :- not sees(6)."], 6),
         ("d(t) :- sees(t).", ["", "sees(6) :- x. note :- sees(6). :- note."], 6),
         ("d(t) :- sees(t).", ["", "sees(6) :- x. sees(8) :- sees(6). :- sees(8)."], 6),
-        ("d(t) :- sees(t).", ["", "sees(6) :- c(1). #assert : r. sees(6) :- x. #cumulative. :- sees(6)."], 7),
+        ("d(t) :- sees(t).", ["", "sees(6) :- c(1). #assert : r. sees(6) :- x. #cumulative. :- sees(6)."], 6),
         ("", ["", "", "", "", "e(5) :- x. :- e(5)."], 5),
         ("", ["", "", "", "", "e(5) :- x. :- not e(5)."], 5),
         ("s(t) :- door, t > 1. :- door, t = 1.", ["", "door :- x."], 7),
@@ -269,6 +273,19 @@ def test_what_statements_mention_that_lapse_or_wait(rules):
 )
 def test_rules_that_tie_what_is_over_to_what_is_open_keep_their_steps(rules):
     assert first(retire("{ x ; y }. " + EXTERNALS, *rules)) is None
+
+
+@pytest.mark.parametrize(
+    ("rules", "reached"),
+    [
+        (["", ":- c(1). #volatile : 9. e(1) :- x."], None),
+        (["", ":- c(1). #volatile : 3. e(1) :- x."], 6),
+        (["", ":- not c(1). #volatile : 3. e(1)."], None),
+        (["", ":- c(1). #assert : r. e(1) :- x.", "", "", "#retract : r."], 6),
+    ],
+)
+def test_a_rule_that_will_lapse_keeps_the_steps_that_it_is_for(rules, reached):
+    assert first(retire("{ x }. " + EXTERNALS, *rules)) == reached
 
 
 @pytest.mark.parametrize("rule", ["e(2) :- c(1).", "e(2) :- c(1). e(3) :- e(2), not e(4)."])
