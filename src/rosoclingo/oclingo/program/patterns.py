@@ -1,5 +1,6 @@
 """Atoms as rules write them: at which steps a rule could see a given ground atom, told without grounding."""
 
+from functools import cached_property
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import clingo
@@ -19,18 +20,34 @@ class Pattern:
 
     Attributes:
         parameter: name of the part's step parameter, empty in base.
-        offset: the position of the first argument that is the parameter plus a number, and this number; None for none.
 
     """
 
     def __init__(self, term: AST, parameter: str, statement: AST, constants: Constants) -> None:
         """Take the atom's term, the part's parameter, the statement that the atom stands in, and all constants."""
         self.parameter = parameter
-        arguments = term.arguments if term.ast_type == ASTType.Function else ()
-        self._matches = _test(term, parameter, constants)
-        self.offset = _offset(arguments, parameter, constants)
-        # an argument T such that t - T is at most the second number
-        self._look_back = _look_back(arguments, parameter, statement, constants)
+        self._term, self._statement, self._constants = term, statement, constants
+
+    def prepare(self) -> None:
+        """Work out at once all that is to be known of it; else it is when it is asked for, as most never are."""
+        self._matches, self.offset, self._look_back  # noqa: B018
+
+    @cached_property
+    def _matches(self) -> Test:
+        return _test(self._term, self.parameter, self._constants)
+
+    @cached_property
+    def offset(self) -> Optional[Tuple[int, int]]:
+        """The position of the first argument that is the parameter plus a number, and this number; None for none."""
+        return _offset(self._arguments(), self.parameter, self._constants)
+
+    @cached_property
+    def _look_back(self) -> List[Tuple[int, int]]:
+        """Arguments T such that t - T is at most the second number."""
+        return _look_back(self._arguments(), self.parameter, self._statement, self._constants)
+
+    def _arguments(self) -> Sequence[AST]:
+        return self._term.arguments if self._term.ast_type == ASTType.Function else ()
 
     def may_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
         """Tell whether a ground instance at some step first..last (base: always grounded) could be ``atom``.

@@ -194,6 +194,8 @@ class ReactiveProgram:
         for part in self.parts:
             for statement, one in part.atoms:
                 pattern = Pattern(one.term, part.parameter, statement, self._values)
+                if one.signature in self.external_signatures:
+                    pattern.prepare()  # it is asked for by each update
                 if one.head and one.signature == ACTION:
                     alone = cycle_alone(one.term)
                     self._action_cycles.append(Pattern(alone, part.parameter, statement, self._values))

@@ -28,9 +28,10 @@ class Occurrence(NamedTuple):
 
 def term_signature(term: AST) -> Signature:
     """Return the signature of an atom's term."""
-    if term.ast_type == ASTType.UnaryOperation:
+    kind = term.ast_type
+    if kind == ASTType.UnaryOperation:
         return term_signature(term.argument)._replace(positive=False)
-    if term.ast_type == ASTType.SymbolicTerm:
+    if kind == ASTType.SymbolicTerm:
         return Signature(term.symbol.name, 0, term.symbol.positive)
     return Signature(term.name, len(term.arguments))
 

@@ -113,8 +113,9 @@ def _named(fault: Fault, name: str) -> Fault:
 
 def _relocate(node: AST, name: str) -> None:
     """Let ``node`` and all below it say that they stand in file ``name``."""
-    if hasattr(node, "location"):
-        begin, end = node.location.begin, node.location.end
+    location = getattr(node, "location", None)
+    if location is not None:
+        begin, end = location.begin, location.end
         node.location = Location(Position(name, begin.line, begin.column), Position(name, end.line, end.column))
     for key in node.child_keys:
         child = getattr(node, key)
