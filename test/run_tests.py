@@ -11,9 +11,10 @@ import sys
 import time
 import uuid
 import xml.etree.ElementTree as ElementTree
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
 
 from importable import rostests_within
 from outcome import Outcome, count, judge, report
@@ -22,7 +23,7 @@ from processes import ROOT, run
 PYTHON_FOLDERS = ("src", "scripts", "test", "bench", "doc", "setup.py")
 UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 900.0, 600.0, 180.0  # seconds
 CORES = min(os.cpu_count() or 1, 4)  # so many unit tests run at a time
-ROSTESTS_AT_ONCE = CORES + 1  # they wait a good part of their time
+ROSTESTS_AT_ONCE = CORES + 2  # each uses a third to four fifths of a core, and waits else
 ROSTEST_MARGIN = 60.0  # seconds for master and nodes to start and stop, besides the tests' own time limits
 
 LINTERS: Dict[str, List[str]] = {
@@ -40,6 +41,7 @@ ONCE = ("burst", "crowd", "late_world", "request_lost")  # long, and not about w
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
+NOT_ONCE = ("-m", "not once")
 BRIEF = {"HYPOTHESIS_PROFILE": "brief"}
 NO_PYTHON38 = 3  # the exit code of ./dev exec-python38 where there is none
 
@@ -72,17 +74,29 @@ class Tests:
     def quick(self, _names: Sequence[str]) -> Outcome:
         """What finds most faults in little time: no slow linter and test, few random examples, two rostests."""
         outcome = self._lint([name for name in LINTERS if name not in SLOW_LINTERS])
-        outcome += self._unit("unit", {**os.environ, **BRIEF}, [*IN_PARALLEL, *NOT_SLOW])
-        return outcome + self._rostests(_chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ)
+        with _beside(self._rostests, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ) as rostests:
+            outcome += self._unit("unit", {**os.environ, **BRIEF}, [*IN_PARALLEL, *NOT_SLOW])
+            return outcome + rostests.result()
+
+    def whole(self) -> Outcome:
+        """All groups; what uses one core or waits is run beside others, in a workspace that these do not use."""
+        outcome = self.lint(()) + self.unit(())
+        with _beside(_python38_environment) as environment:
+            outcome += self.rostest(())
+        with _beside(self.install, ()) as installed:
+            outcome += self._python38(environment.result())
+            return outcome + installed.result()
 
     def python38(self, _names: Sequence[str]) -> Outcome:
         """On Python 3.8, if there is one: the unit tests, and the rostests that need no compiled module."""
-        environment = _python38_environment()
+        return self._python38(_python38_environment())
+
+    def _python38(self, environment: Mapping[str, str]) -> Outcome:
         if not environment:
             print("none   python38: what is above says why", flush=True)
             return Outcome()
         suffix = " on Python 3.8"
-        outcome = self._unit("unit" + suffix, {**environment, **BRIEF}, IN_PARALLEL)
+        outcome = self._unit("unit" + suffix, {**environment, **BRIEF}, [*IN_PARALLEL, *NOT_ONCE])
         again = [path for path in ROSTESTS if path.stem not in ONCE]
         return outcome + self._rostests(rostests_within(environment, again), suffix, environment)
 
@@ -126,6 +140,13 @@ class Tests:
         outcome = judge(name, finished, counted)
         report(name, outcome, time.monotonic() - begin, log)
         return outcome
+
+
+@contextmanager
+def _beside(function: Callable[..., Any], *arguments: Any) -> "Iterator[Future[Any]]":
+    """Runs a function in a thread beside what is done meanwhile, and waits for its end."""
+    with ThreadPoolExecutor(1) as pool:
+        yield pool.submit(function, *arguments)
 
 
 def _python38_environment() -> Dict[str, str]:
@@ -178,9 +199,7 @@ def main() -> int:
     # a shell that runs this in the background has it ignored, and every process of the tests would do so too
     signal.signal(signal.SIGINT, signal.default_int_handler)
     tests, begin = Tests(arguments.work), time.monotonic()
-    outcome = Outcome()
-    for group in [arguments.group] if arguments.group else GROUPS:
-        outcome += getattr(tests, group)(arguments.names)
+    outcome = getattr(tests, arguments.group)(arguments.names) if arguments.group else tests.whole()
     if outcome.failures:
         print("What failed:", *outcome.failures, sep="\n    ")
     print(f"took {time.monotonic() - begin:.0f} s, logs and reports in {tests.results}")

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Callable, List, Optional
 
 from core_journal import Journal
+from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Problem
@@ -50,9 +51,9 @@ class Driver:
         return self.run()
 
     @classmethod
-    def from_files(cls, *files: Path) -> "Driver":
-        """A driver of a program in files, with the core's own settings."""
-        return cls(settings=CoreSettings(), program=ReactiveProgram.from_files(files))
+    def of_shipped(cls, *names: str) -> "Driver":
+        """A driver of the program of shipped files, with the core's own settings."""
+        return cls(settings=CoreSettings(), program=shipped(*names))
 
     def run(self) -> "Driver":
         """Advance until the core waits."""

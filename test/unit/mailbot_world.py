@@ -6,7 +6,9 @@ nothing is left to do for it. The distance of a state is found by breadth-first 
 """
 
 from collections import deque
-from pathlib import Path
+from functools import lru_cache
+
+from shipped import ENCODINGS
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
@@ -19,11 +21,9 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.program.sources import Source
 
-ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
 TRIES, MEMORY, TOLD = 3, 6, 20
 BLOCKED = ("blocked", "unreachable")
 MISSING = ("not_here", "unknown_package", "not_carried")
-_PROGRAMS = {}
 
 
 def atom(text, *values):
@@ -86,16 +86,13 @@ def reachable(graph, shut, office):
     return found
 
 
+@lru_cache(maxsize=16)
 def program(count, corridors, start, capacity):
     """Return the reactive program of a floor with offices o1 .. o``count``; corridors are pairs of numbers."""
-    key = (count, corridors, start, capacity)
-    if key not in _PROGRAMS:
-        facts = [f"office(o{number})." for number in range(1, count + 1)]
-        facts += [f"corridor(o{a},o{b})." for a, b in corridors] + [f"start(o{start})."]
-        sources = [Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", "#program base. " + " ".join(facts))]
-        _PROGRAMS.clear()
-        _PROGRAMS[key] = ReactiveProgram(sources, {"capacity": str(capacity)})
-    return _PROGRAMS[key]
+    facts = [f"office(o{number})." for number in range(1, count + 1)]
+    facts += [f"corridor(o{a},o{b})." for a, b in corridors] + [f"start(o{start})."]
+    sources = [Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", "#program base. " + " ".join(facts))]
+    return ReactiveProgram(sources, {"capacity": str(capacity)})
 
 
 class Ways:

@@ -1,17 +1,6 @@
-"""The office of the mailbot, modelled apart from its program, and that program."""
+"""The office of the mailbot, modelled apart from its program."""
 
-from functools import lru_cache
-from pathlib import Path
-
-from rosoclingo.oclingo import ReactiveProgram
-
-ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
 OFFICES = ("office1", "office2", "office3", "office4")
-
-
-@lru_cache(maxsize=None)
-def mailbot():
-    return ReactiveProgram.from_files([ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"])
 
 
 class World:

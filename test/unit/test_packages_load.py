@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 SOURCES = Path(__file__).resolve().parents[2] / "src"
+OTHERS = ("common", "interfaces", "nodes", "oclingo", "runs")
 
 
 @pytest.mark.parametrize("package", ["rosoclingo.robot.navigation", "rosoclingo.robot.simulation"])
@@ -41,7 +42,10 @@ for name in sys.argv[2].split(","):
 """
 
 
-@pytest.mark.parametrize("package", ["common", "interfaces", "nodes", "oclingo", "reasoning", "runs"])
+@pytest.mark.parametrize(
+    "package",
+    ["reasoning", *(pytest.param(one, marks=pytest.mark.slow) for one in OTHERS)],
+)
 def test_who_has_a_robot_of_his_own_needs_nothing_of_the_stand_ins(package):
     """numpy is the rviz tools' too."""
     if subprocess.run([sys.executable, "-c", "import rospy, rosoclingo.msg"], check=False, timeout=120).returncode:

@@ -24,6 +24,12 @@ PARAMETERS = {
     "simulator": ["~speed (float, default 1.0)"],
     "move_base": ["~controller_frequency (float, default 20.0)", "doc/simulator_and_navigation.md"],
 }
+BRIEFLY = ("core", "interface", "map_server", "oclingo")  # not slow: one of each kind
+
+
+def some_slow(scripts):
+    """The scripts in order, all but those of BRIEFLY marked slow."""
+    return [pytest.param(one, marks=[pytest.mark.slow] * (one not in BRIEFLY)) for one in sorted(scripts)]
 
 
 def run(script, *arguments, **environment):
@@ -37,7 +43,7 @@ def run(script, *arguments, **environment):
     )
 
 
-@pytest.mark.parametrize("script", sorted(PARAMETERS))
+@pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_help_names_the_parameters_and_needs_no_master(script):
     done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")
     if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
@@ -58,15 +64,16 @@ def test_arguments_that_nobody_reads_are_refused():
     assert "unrecognized arguments: program.lp" in done.stderr
 
 
-def run_without(module, folder, script, *arguments):
-    text = f"No module named '{module}'"
-    (folder / f"{module}.py").write_text(f"raise ModuleNotFoundError({text!r}, name={module!r})\n")
+def run_without(modules, folder, script, *arguments):
+    for module in modules:
+        text = f"No module named '{module}'"
+        (folder / f"{module}.py").write_text(f"raise ModuleNotFoundError({text!r}, name={module!r})\n")
     return run(script, *arguments, PYTHONPATH=os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")]))
 
 
 @pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
 def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
-    done = run_without("clingo", tmp_path, script, "--help")
+    done = run_without(["clingo"], tmp_path, script, "--help")
     if script == "request":
         assert done.returncode in (0, 1)
     else:
@@ -81,14 +88,14 @@ def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
     ("script", "module", "package"),
     [
         ("simulator", "numba", "numba"),
-        ("simulator", "llvmlite", "numba"),
-        ("move_base", "numba", "numba"),
-        ("map_server", "PIL", "Pillow"),
+        pytest.param("simulator", "llvmlite", "numba", marks=pytest.mark.slow),
+        pytest.param("move_base", "numba", "numba", marks=pytest.mark.slow),
+        pytest.param("map_server", "PIL", "Pillow", marks=pytest.mark.slow),
         ("stage_world", "PIL", "Pillow"),
     ],
 )
 def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, module, package, tmp_path):
-    done = run_without(module, tmp_path, script, "--help")
+    done = run_without([module], tmp_path, script, "--help")
     if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
         pytest.skip("tf2_ros is compiled, and not for this Python")
     assert done.returncode == 1
@@ -98,10 +105,11 @@ def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, modu
     assert line.endswith(" numba Pillow")
 
 
-@pytest.mark.parametrize("script", ["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])
-@pytest.mark.parametrize("module", ["numba", "PIL", "numpy"])
-def test_the_others_do_without_it(script, module, tmp_path):
-    done = run_without(module, tmp_path, script, "--help")
+@pytest.mark.parametrize(
+    "script", some_slow(["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])
+)
+def test_the_others_do_without(script, tmp_path):
+    done = run_without(["numba", "PIL", "numpy"], tmp_path, script, "--help")
     assert done.returncode == 0, done.stderr
 
 

@@ -1,20 +1,18 @@
 """Whatever is told late, twice or falsely: each action and each end is right, and nothing on the robot is lost."""
 
-from pathlib import Path
 from random import Random
 
 import pytest
 from carrying_world import HOUSE, OFFICE, ROBOT, Play, Thing
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo import ReactiveSolver
 from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, GoalRefused, Halt, Problem
 
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 FILES = {"office": ("mailbot.lp", "office.lp"), "house": ("house.lp", "home.lp")}
 DOMAINS = {"office": OFFICE, "house": HOUSE}
-PROGRAMS = {name: ReactiveProgram.from_files([ENCODINGS / file for file in files]) for name, files in FILES.items()}
 
 
 def some_attempts():
@@ -27,7 +25,7 @@ class Stage:
     """A core in this process, and a play around it."""
 
     def __init__(self, name, seed, goals):
-        program = PROGRAMS[name]
+        program = shipped(*FILES[name])
         self.play = Play(DOMAINS[name], self, Random(seed), goals)
         self._commands, self._ends, self.problems = [], [], []
         make = lambda: ReactiveSolver(program, shortest=True, oclingo_strings=False)  # noqa: E731

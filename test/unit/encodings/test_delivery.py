@@ -60,7 +60,9 @@ def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_m
     assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period"}
 
 
-@pytest.mark.parametrize("thing", ["window", "told", "memory", "period"])
+@pytest.mark.parametrize(
+    "thing", ["window", *(pytest.param(one, marks=pytest.mark.slow) for one in ("told", "memory", "period"))]
+)
 def test_a_thing_may_have_any_name(thing):
     files = [ENCODINGS / "house.lp", ENCODINGS / "home.lp"]
     sources = [*map(Source.from_file, files), Source("more", f"#program base. thing({thing},kitchen).")]

@@ -5,7 +5,8 @@ import pytest
 from clingo.backend import Observer
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mailbot_world import ENCODINGS, fewest_steps, neighbours, program
+from mailbot_world import fewest_steps, neighbours, program
+from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram
 
@@ -108,6 +109,8 @@ def first_step(graph, office, targets):
     raise AssertionError("no way")
 
 
+@pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("corridors", "number"), [(ROW[:3], 20), (ROW, 8), (STAR, 8), (TWO_RINGS, 8), (THETA, 10), (MESH, 8)]
 )
@@ -121,7 +124,7 @@ def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, num
     assert sum(one.arguments[0].name == "deliver" for one in found) == number
 
 
-@pytest.mark.parametrize(("offices", "number"), [(4, 20), (20, 8)])
+@pytest.mark.parametrize(("offices", "number"), [(4, 20), pytest.param(20, 8, marks=pytest.mark.slow)])
 def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, number):
     requests = errands(number, offices)
     fewest = nearest_first(ROW[: offices - 1], requests)
@@ -129,12 +132,15 @@ def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, numbe
     assert len(plan(control)) < fewest
 
 
+@pytest.mark.slow
+@pytest.mark.once
 def test_without_a_heuristic_so_few_conflicts_do_not_do():
     requests = errands(20, 4)
     control, _ = ground(mailbot(ROW[:3]), requests, nearest_first(ROW[:3], requests), heuristic="Vsids")
     assert plan(control) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
 def test_with_a_way_shut_a_plan_is_found_soon(way):
     requests = errands(8, 12)
@@ -173,6 +179,8 @@ def all_plans(program, requests, horizon):
         return {actions(model) for model in handle}
 
 
+@pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("corridors", [ROW, STAR])
 def test_the_rules_of_a_step_are_no_more_than_places_and_requests(corridors):
     def cost(offices, number):
@@ -189,6 +197,6 @@ def test_the_rules_of_a_step_are_no_more_than_places_and_requests(corridors):
 
 
 def test_what_a_domain_adds_is_heeded_in_the_house_too():
-    house = ReactiveProgram.from_files([ENCODINGS / "house.lp", ENCODINGS / "home.lp"])
+    house = shipped("house.lp", "home.lp")
     kinds = {str(one.ast_type) for part in house.parts for one in part.statements}
     assert any("Heuristic" in kind for kind in kinds)

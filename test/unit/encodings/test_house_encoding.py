@@ -1,16 +1,12 @@
 """The house encoding on the shared rules of delivery, through the pure core."""
 
-from pathlib import Path
-
 import pytest
 from core_driver import Driver
-
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 
 
 @pytest.fixture
 def house():
-    return Driver.from_files(ENCODINGS / "house.lp", ENCODINGS / "home.lp")
+    return Driver.of_shipped("house.lp", "home.lp")
 
 
 def moves(driver):

@@ -7,7 +7,8 @@ import pytest
 from core_driver import Driver
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mailbot_world import ENCODINGS, Mailbot, fewest_steps, neighbours
+from mailbot_world import Mailbot, fewest_steps, neighbours
+from shipped import ENCODINGS, shipped
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
 from rosoclingo.reasoning import CoreSettings
@@ -120,6 +121,7 @@ def ends(robot):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("corridors", [ROW, RING, FLOOR])
 @pytest.mark.parametrize("capacity", [1, 2, 3])
 def test_more_packages_than_fit(corridors, capacity):
@@ -130,6 +132,7 @@ def test_more_packages_than_fit(corridors, capacity):
     assert set(ends(robot).values()) == {"succeeded"}
 
 
+@pytest.mark.slow
 def test_idle_cycles_do_no_harm():
     robot = Mailbot(6, ROW)
     robot.request(1, 4, 2)
@@ -158,6 +161,7 @@ def test_no_failure_is_tried_for_ever(reason):
     assert ends(robot) == {1: "canceled", 2: "succeeded"}
 
 
+@pytest.mark.slow
 def test_a_place_that_was_unknown_is_tried_again_when_somebody_asks_for_it():
     robot = Mailbot(3, ROW[:2])
     robot.request(1, 1, 3)
@@ -173,6 +177,7 @@ def test_a_place_that_was_unknown_is_tried_again_when_somebody_asks_for_it():
     assert ends(robot) == {1: "canceled", 2: "succeeded", 3: "succeeded"}
 
 
+@pytest.mark.slow
 def test_a_detour_is_taken_while_a_connection_is_blocked():
     robot = Mailbot(6, RING)
     robot.request(1, 3, 1)
@@ -186,7 +191,7 @@ def test_a_detour_is_taken_while_a_connection_is_blocked():
     assert ends(robot) == {1: "succeeded", 2: "succeeded"}
 
 
-@pytest.mark.parametrize("first", [1, 2])
+@pytest.mark.parametrize("first", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_who_is_driven_by_somebody_else_gives_up_until_somebody_asks(first):
     robot = Mailbot(6, ROW)
     robot.request(1, first, 1)
@@ -264,13 +269,13 @@ def test_what_could_not_be_put_down_is_asked_for_again():
 @pytest.mark.parametrize(
     ("moves", "then"),
     [
-        (0, ["deliver,7", "pickup,7", "move_base,office1", "deliver,7"]),
+        pytest.param(0, ["deliver,7", "pickup,7", "move_base,office1", "deliver,7"], marks=pytest.mark.slow),
         (1, ["move_base,office2", "move_base,office1", "deliver,7"]),
     ],
 )
 def test_what_is_being_brought_back_is_asked_for_again(moves, then):
     """As long as it is on the robot it stays there; that it is being put down is too late to change."""
-    robot = Driver.from_files(ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
+    robot = Driver.of_shipped("mailbot.lp", "office.lp")
     robot.goal("first", "goal(office2,office4,7)").until("pickup")
     for _ in range(moves):
         robot.succeed()
@@ -313,6 +318,7 @@ def test_cancel_and_failure_together():
     assert ends(robot) == {1: "canceled"}
 
 
+@pytest.mark.slow
 def test_a_package_that_cannot_be_brought_back_stays_on_the_robot():
     """Until the way is open again: then it is brought back after all."""
     robot = Mailbot(6, ROW)
@@ -341,15 +347,15 @@ def test_a_request_replaces_a_live_one_of_the_same_id():
     assert len(robot.plan()) == fewest_steps(robot.graph, 3, "o2", [("waits", "o2", "o1")])
 
 
-def answers(update, *files, models=1):
-    solver = ReactiveSolver(ReactiveProgram.from_files(files), models=models, shortest=True, oclingo_strings=False)
+def answers(update, program, models=1):
+    solver = ReactiveSolver(program, models=models, shortest=True, oclingo_strings=False)
     return solver.update(parse_update(update)).answers
 
 
 @pytest.mark.parametrize("offices", ["nowhere,office1", "office1,nowhere", "7,f(x)"])
 def test_unknown_offices_are_rejected(offices):
     update = f"#step 1. _request(goal({offices},1),2). #endstep."
-    found = answers(update, ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")[0]
+    found = answers(update, shipped("mailbot.lp", "office.lp"))[0]
     assert {str(one)[: len("_status(1,rejected(")] for one in found} == {"_status(1,rejected("}
     unknown = [one for one in offices.split(",", 1) if one != "office1"]
     assert sorted(str(one) for one in found) == sorted(
@@ -358,9 +364,8 @@ def test_unknown_offices_are_rejected(offices):
 
 
 def test_a_string_is_no_constant():
-    found = answers(
-        '#step 1. _request(goal("office1",office2,1),2). #endstep.', ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"
-    )
+    update = '#step 1. _request(goal("office1",office2,1),2). #endstep.'
+    found = answers(update, shipped("mailbot.lp", "office.lp"))
     texts = [text_of(one.arguments[1].arguments[0]) for one in found[0]]
     assert texts == ['there is no place "office1": this is a string, write it without quotes']
 
@@ -369,12 +374,20 @@ def test_an_office_without_a_way_to_it_is_rejected(tmp_path: Path):
     island = tmp_path / "island.lp"
     island.write_text("office(attic).", encoding="utf-8")
     update = "#step 1. _request(goal(office1,attic,1),2). #endstep."
-    found = answers(update, ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp", island)[0]
+    program = ReactiveProgram.from_files([ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp", island])
+    found = answers(update, program)[0]
     assert [str(one) for one in found] == ['_status(1,rejected(("no way leads to ",attic)),1)']
 
 
 @pytest.mark.parametrize(
-    "absent", [["search.lp"], ["heuristic.lp"], ["faults.lp"], ["search.lp", "heuristic.lp", "floor.lp"]]
+    "absent",
+    [
+        ["search.lp", "heuristic.lp", "floor.lp"],
+        *(
+            pytest.param([one], marks=(pytest.mark.slow, pytest.mark.once))
+            for one in ["search.lp", "heuristic.lp", "faults.lp"]
+        ),
+    ],
 )
 def test_bounds_change_no_plan_and_neither_do_failures_that_never_came(absent, tmp_path: Path):
     """Without these files there are exactly the same shortest plans: the other rules are whole."""
@@ -383,12 +396,12 @@ def test_bounds_change_no_plan_and_neither_do_failures_that_never_came(absent, t
     kept = [line for line in lines if not any(f'"delivery/{name}"' in line for name in absent)]
     assert len(kept) == len(lines) - len(absent)
     (tmp_path / "delivery.lp").write_text("\n".join(kept), encoding="utf-8")
-    files = [tmp_path / "mailbot.lp", ENCODINGS / "office.lp"]
-    assert ReactiveProgram.from_files(files).warnings == []
+    program = ReactiveProgram.from_files([tmp_path / "mailbot.lp", ENCODINGS / "office.lp"])
+    assert program.warnings == []
     update = "#step 1. _request(goal(office3,office1,1),2). _request(goal(office2,office4,2),2). #endstep."
-    fewer = answers(update, *files, models=0)
+    fewer = answers(update, program, models=0)
     assert len(set(fewer)) == len(fewer)
-    assert set(fewer) == set(answers(update, ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp", models=0))
+    assert set(fewer) == set(answers(update, shipped("mailbot.lp", "office.lp"), models=0))
     assert fewer
 
 
@@ -404,6 +417,7 @@ def test_the_search_that_plans_are_compared_with():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_what_is_remembered_of_a_long_run_does_not_grow():
     """As long as a bound is kept (``_window``), the requests of its cycle are; all else that is over is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
@@ -420,7 +434,7 @@ def test_what_is_remembered_of_a_long_run_does_not_grow():
 
 @pytest.mark.slow
 def test_a_place_that_navigation_does_not_know_may_be_left():
-    driver = Driver.from_files(ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
+    driver = Driver.of_shipped("mailbot.lp", "office.lp")
     driver.core.add_goal("first", "goal(office1,office3,1)")
     driver.goal("second", "goal(office1,office3,2)").succeed().fail("not_at_label")
     assert driver.awaited == ["_action_lib(move_base,office1,3)"]

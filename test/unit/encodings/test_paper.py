@@ -1,13 +1,10 @@
 """The case study of the paper (section IV): its three printed updates and Table I, through the pure core."""
 
-from pathlib import Path
-
 import pytest
 from core_driver import Driver
+from shipped import ENCODINGS
 
 from rosoclingo.reasoning import PlanMade
-
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 
 UPDATE_1 = """
 #step 1.
@@ -34,13 +31,13 @@ PLAN_3 = ["move_base,office2,1", "move_base,office3,2", "pickup,2,4", "move_base
 
 @pytest.fixture(params=["paper.lp", "mailbot.lp office.lp"])
 def mailbot(request):
-    return Driver.from_files(*(ENCODINGS / name for name in request.param.split()))
+    return Driver.of_shipped(*request.param.split())
 
 
 @pytest.fixture
 def talking_mailbot():
     """The one that says by _status what has become of goals."""
-    return Driver.from_files(ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
+    return Driver.of_shipped("mailbot.lp", "office.lp")
 
 
 def test_the_paper_in_one_file_is_short_and_needs_no_other():

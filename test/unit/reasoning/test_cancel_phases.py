@@ -2,7 +2,8 @@
 
 import pytest
 from core_driver import Driver
-from office_world import World, mailbot
+from office_world import World
+from shipped import shipped
 
 from rosoclingo.reasoning import ActionsPreempted, CoreSettings
 
@@ -14,7 +15,7 @@ class Office(Driver):
 
     def __init__(self, preempt=False):
         self.world = World()
-        super().__init__(settings=CoreSettings(preempt=preempt), program=mailbot())
+        super().__init__(settings=CoreSettings(preempt=preempt), program=shipped("mailbot.lp", "office.lp"))
 
     def ask(self, start, end, package):
         """A goal, whose key is the package's number, and its package."""
@@ -163,7 +164,7 @@ def test_a_goal_that_cannot_be_met_is_told_in_the_programs_words():
     assert office.ask(3, 4, 2).finish().states("2")[-1] == "succeeded", "asked again, it is tried again"
 
 
-@pytest.mark.parametrize("tries", [2, 3, 4])
+@pytest.mark.parametrize("tries", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
 def test_somebody_else_drives_the_robot(tries):
     office = Office().ask(3, 2, 1)
     for _ in range(min(tries, 3)):
@@ -180,6 +181,7 @@ def test_somebody_else_drives_the_robot(tries):
     assert office.ask(3, 2, 2).finish().states("2")[-1] == "succeeded", "asked again it tries again"
 
 
+@pytest.mark.slow
 def test_what_the_core_ended_itself_is_counted_for_nobody():
     office = Office(preempt=True)
     for package in range(1, 6):
@@ -202,6 +204,7 @@ def test_put_down_failed_and_asked_for_again():
     assert office.world.places["4"] == "office1"
 
 
+@pytest.mark.slow
 def test_cut_off_and_asked_for_again():
     office = Office().ask(2, 3, 4).until("pickup").succeed()
     for _ in range(3):

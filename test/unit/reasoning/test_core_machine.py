@@ -11,7 +11,8 @@ from core_driver import Driver
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from office_world import OFFICES, World, mailbot
+from office_world import OFFICES, World
+from shipped import shipped
 from stream_replay import check_replay
 
 from rosoclingo.oclingo.solving import compaction
@@ -55,7 +56,8 @@ class CoreMachine(RuleBasedStateMachine):
         for module, name, value in FORGETFUL if forgetful else ():
             self.patches.enter_context(patch.object(module, name, value))
         self.driver = Driver(
-            settings=CoreSettings(horizon_limit=60, action_timeout=TIMEOUT, preempt=preempt), program=mailbot()
+            settings=CoreSettings(horizon_limit=60, action_timeout=TIMEOUT, preempt=preempt),
+            program=shipped("mailbot.lp", "office.lp"),
         )
         self.world = World()
         self.goals = {}  # key -> (from, to, package)

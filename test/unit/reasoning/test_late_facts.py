@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, FactTaken, Halt
+from rosoclingo.reasoning import FactTaken, Halt
 
 ROOT = Path(__file__).resolve().parents[3]
 BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
@@ -194,14 +193,9 @@ def test_facts_of_cycles_long_over_are_taken_for_the_present():
     assert driver.finish().states("b")[-1] == "succeeded"
 
 
-@pytest.fixture(scope="module")
-def house():
-    return ReactiveProgram.from_files([ROOT / "encodings" / "house.lp", ROOT / "encodings" / "home.lp"])
-
-
 @pytest.mark.parametrize("fact", ["_blocked(hallway,living_room,1)", "_blocked(hallway,living_room,now)"])
-def test_the_house(house, fact):
-    driver = Driver(settings=CoreSettings(), program=house)
+def test_the_house(fact):
+    driver = Driver.of_shipped("house.lp", "home.lp")
     driver.goal("a", "bring(bedroom,newspaper)").finish().facts(fact)
     assert driver.goal("b", "bring(kitchen,newspaper)").finish().states("b")[-1] == "succeeded"
     assert len(driver.journal.of(FactTaken)) == 1

@@ -1,7 +1,6 @@
 """Random programs of the delivery kind, and the shipped ones, under random facts of old, present and future cycles."""
 
 from functools import lru_cache
-from pathlib import Path
 
 from core_driver import Driver
 from hypothesis import HealthCheck, given, settings
@@ -11,7 +10,6 @@ from stream_replay import check_replay
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import CoreSettings, GoalChanged
 
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 ROOMS = ("hall", "den", "attic", "loft")
 
 #: A robot goes from room to room; doors are shut and batteries low for some cycles, so a plan may always wait.
@@ -155,12 +153,6 @@ def test_no_fact_ends_a_goal(doors, shut, power, events):
     check_replay(driver.program, driver.journal)
 
 
-@lru_cache(maxsize=None)
-def house():
-    """The house."""
-    return ReactiveProgram.from_files([ENCODINGS / "house.lp", ENCODINGS / "home.lp"])
-
-
 THINGS = st.sampled_from(["cup", "newspaper", "book"])
 HOUSE_ROOMS = st.sampled_from(["hallway", "living_room", "kitchen", "bedroom", "bathroom"])
 HOUSE_FACTS = st.one_of(
@@ -184,7 +176,7 @@ HOUSE_EVENTS = st.lists(
 @settings(max_examples=settings.default.max_examples // 10, suppress_health_check=[HealthCheck.too_slow])
 @given(HOUSE_EVENTS)
 def test_the_house_goes_on(events):
-    driver = Driver(settings=CoreSettings(), program=house())
+    driver = Driver.of_shipped("house.lp", "home.lp")
     play = Play(driver, lambda what, number: f"bring({what[0]},{what[1]})")
     for event in events:
         play.do(*event)

@@ -1,13 +1,11 @@
 """Whether programs and constants are fit for the core, and what is said where they are not."""
 
-from pathlib import Path
-
 import pytest
+from shipped import ENCODINGS, shipped
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.reasoning.program_fitness import constant_remarks, program_warnings
 
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 RULES = (ENCODINGS / "delivery" / "rules.lp").read_text().splitlines()
 ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < n."
 EXTERNALS = "#external _request/2. #external _return/3."
@@ -29,7 +27,7 @@ def remarks(**given):
 
 @pytest.mark.parametrize("files", [["mailbot.lp", "office.lp"], ["house.lp", "home.lp"]])
 def test_the_shipped_programs_are_fit(files):
-    program = ReactiveProgram.from_files(ENCODINGS / name for name in files)
+    program = shipped(*files)
     assert program_warnings(program) == []
     assert constant_remarks(program, {"capacity": parse_term("1"), "tries": parse_term("5")}) == ([], [])
     (fault,), _ = constant_remarks(program, {"capacity": parse_term("three")})

@@ -4,7 +4,8 @@ from random import Random
 
 import pytest
 from busy_driver import BusyDriver
-from office_world import OFFICES, World, mailbot
+from office_world import OFFICES, World
+from shipped import shipped
 
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
 
@@ -64,6 +65,8 @@ def test_the_last_plan_is_kept_where_it_still_is_one():
     assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 4)}
 
 
+@pytest.mark.slow
+@pytest.mark.once
 def test_there_is_slowly_room_for_more_goals_again():
     """After searches that were cut; goals join once half of the room is free."""
     driver = ask(BusyDriver(most=3), *range(1, 60)).run()
@@ -174,7 +177,7 @@ def stream(limit):
     return driver
 
 
-@pytest.mark.parametrize("limit", [3, 10])
+@pytest.mark.parametrize("limit", [3, pytest.param(10, marks=pytest.mark.slow)])
 def test_a_far_goal_is_not_overtaken_for_ever(limit):
     driver = stream(limit)
     order = driver.order()
@@ -187,11 +190,13 @@ def test_a_far_goal_is_not_overtaken_for_ever(limit):
     assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
 
 
+@pytest.mark.slow
 def test_without_a_limit_it_is():
     assert "far" not in stream(0).order()
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_thousand_goals_with_failures_and_searches_that_are_cut():
     """Each errand can be done; whatever fails is tried again, whatever is too much waits."""
     driver, draw, asked = BusyDriver(most=5, chance=0.1), Random(7), 0
@@ -209,10 +214,12 @@ def test_a_thousand_goals_with_failures_and_searches_that_are_cut():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("seed", range(3))
 def test_packages_are_delivered_whatever_search_is_cut(seed):
     """The world is modelled apart from the program; what was picked up for a goal that waits is not forgotten."""
-    driver = BusyDriver(program=mailbot(), settings=CoreSettings(horizon_limit=60), most=4, chance=0.15)
+    program = shipped("mailbot.lp", "office.lp")
+    driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=4, chance=0.15)
     world, draw, wanted = World(), Random(seed), {}
     for _ in range(400):
         while len(wanted) < 14 and len(driver.core.live_goals) < 7:

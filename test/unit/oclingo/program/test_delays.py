@@ -1,13 +1,11 @@
 """After how many cycles facts bear on actions, and the cycle of facts of now."""
 
-from pathlib import Path
-
 import pytest
+from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning.input_feeder import Clock
 
-ENCODINGS = Path(__file__).resolve().parents[4] / "encodings"
 RULES = """
 #external _request/2. #external low/1. #external far/1. #external fire/2. #external wet/2. #external quiet/1.
 #external mood/1. #external seen/2. #external base_told/2.
@@ -68,7 +66,7 @@ def test_delays(predicate, condition, constraint, delay):
 
 @pytest.mark.parametrize("files", [("house.lp", "home.lp"), ("mailbot.lp", "office.lp")])
 def test_what_the_shipped_programs_observe_counts_from_the_next_cycle_on(files):
-    program = ReactiveProgram.from_files([ENCODINGS / file for file in files])
+    program = shipped(*files)
     expected = {"_blocked": 1, "_opened": 1, "_seen": 1 if "house.lp" in files else None}
     assert {name: program.delay_of(name, 3) for name in expected} == expected
 

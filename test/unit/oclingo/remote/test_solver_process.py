@@ -13,6 +13,7 @@ import pytest
 from children import ended, kill
 from core_journal import Journal
 from plain_walk import RUN
+from shipped import shipped
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -30,7 +31,6 @@ from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving import compaction
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 
-ENCODINGS = Path(__file__).resolve().parents[4] / "encodings"
 DATA = Path(__file__).parents[3] / "data"
 CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
@@ -144,6 +144,7 @@ def test_the_work_of_all_children_is_counted():
         assert elapsed() > 0.2
 
 
+@pytest.mark.slow
 def test_a_grounding_in_pieces_is_dropped_between_them():
     with process_of(IN_PIECES, patience=600.0, grace=0.0) as process:
         solver = process.solver()
@@ -157,6 +158,7 @@ def test_a_grounding_in_pieces_is_dropped_between_them():
         assert process.pid == pid
 
 
+@pytest.mark.slow
 def test_a_short_grounding_comes_to_its_end():
     with process_of(IN_PIECES, patience=600.0, grace=600.0) as process:
         solver = process.solver()
@@ -167,6 +169,7 @@ def test_a_short_grounding_comes_to_its_end():
         assert process.pid == pid
 
 
+@pytest.mark.slow
 def test_a_process_that_is_lost_is_replaced_by_one_kept_ready():
     with process_of(EXPLODING, patience=0.1, spare=True) as process:
         solver = process.solver()
@@ -202,11 +205,12 @@ def test_the_process_kept_ready_may_be_lost_as_well():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("files", [["mailbot.lp", "office.lp"], ["house.lp", "home.lp"]], ids=["office", "house"])
 def test_stops_at_any_time_cost_no_process_with_our_encodings(files, monkeypatch):
     monkeypatch.setattr(process_module, "GROWTH", 2**60)  # none is replaced for its size
     chance, looks = random.Random(3), [0]
-    program = ReactiveProgram.from_files([ENCODINGS / name for name in files])
+    program = shipped(*files)
 
     def watch():
         """Every other search is left for something that has come, at some time or other."""

@@ -219,6 +219,7 @@ def test_a_client_that_does_not_read_holds_nobody_up(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_ten_thousand_updates_in_one_connection(echo, client):
     count = 10_000
     message = b"#volatile. #endstep.\0"
@@ -253,6 +254,7 @@ def test_a_client_that_stops_and_goes():
         found.join()
 
 
+@pytest.mark.slow
 def test_a_new_update_ends_a_search_without_end():
     with running(GOAL, models=1) as found:
         first, second = found.client(), found.client()

@@ -39,7 +39,7 @@ def worse(plan, step, idle):
     return Plan(later.actions | at(plan, 0, step), plan.horizon + idle)
 
 
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples * 2 // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=1, max_size=4), st.integers(0, 3), st.none() | st.integers(0, 30))
 def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news, idle, looks):
     walk, solver, done = Walk(), solver_of(advice), set()

@@ -52,7 +52,7 @@ def play(solver, news, bound=None):
         yield walk, result, before
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.integers(0, 12), st.lists(NEWS, min_size=1, max_size=5))
 def test_every_answer_is_one_and_the_shortest_where_it_says_so(advice, plan_time, news):
     for walk, result, _ in play(solver_of(advice, plan_time), news):
@@ -62,7 +62,7 @@ def test_every_answer_is_one_and_the_shortest_where_it_says_so(advice, plan_time
             assert walk.least(walk.step, result.horizon) == result.horizon
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=1, max_size=5))
 def test_with_time_enough_plans_are_shortest(advice, news):
     for walk, result, before in play(solver_of(advice, FOREVER), news):
@@ -71,7 +71,7 @@ def test_with_time_enough_plans_are_shortest(advice, news):
         assert before is None or result.horizon >= walk.step
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=2, max_size=6))
 def test_a_plan_that_still_is_one_is_kept_where_there_is_no_time(advice, news):
     for walk, result, before in play(solver_of(advice, 0.0), news):
@@ -82,7 +82,7 @@ def test_a_plan_that_still_is_one_is_kept_where_there_is_no_time(advice, news):
                 assert result.horizon <= max(horizon, walk.step)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.integers(0, 6), st.integers(0, 5), st.lists(NEWS, min_size=1, max_size=4))
 def test_what_is_refused_is_refuted_up_to_the_bound(advice, plan_time, bound, news):
     for walk, result, _ in play(solver_of(advice, plan_time), news, bound):
@@ -92,7 +92,7 @@ def test_what_is_refused_is_refuted_up_to_the_bound(advice, plan_time, bound, ne
             assert walk.allows(result.horizon, actions_from(result, walk.step))
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=2, max_size=5))
 def test_a_solver_that_reads_the_log_gives_answers_as_well(advice, news):
     solver = solver_of(advice, 0.0, log_limit=2)

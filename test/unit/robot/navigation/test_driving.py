@@ -32,6 +32,7 @@ WALL = (2.9, 0.0, 3.1, 4.0)  # between two halves of a room, with a way round it
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_the_labels_of_the_office():
     world = Simulation(load_world(ROOT / "worlds" / "office_world.yaml"))
     labels = yaml.safe_load((ROOT / "config" / "office_labels.yaml").read_text())
@@ -44,7 +45,7 @@ def test_the_labels_of_the_office():
     assert drive.collisions == []
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(one, marks=pytest.mark.slow) for one in range(1, 4))])
 def test_tours_of_random_goals_among_unmapped_obstacles(seed):
     random = np.random.default_rng(seed)
     walls = [

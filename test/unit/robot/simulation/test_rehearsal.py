@@ -91,6 +91,7 @@ def test_without_a_folder_it_is_compiled_nevertheless(monkeypatch, tmp_path):
     assert said
 
 
+@pytest.mark.slow
 def test_the_build_puts_a_copy_where_a_node_begins_with_it(tmp_path):
     """What is in the space's share folder is taken over by who has nothing yet."""
     share = tmp_path / "space" / "share" / "rosoclingo" / "numba"

@@ -1,0 +1,14 @@
+"""The shipped encodings, as texts and as programs."""
+
+from functools import lru_cache
+from pathlib import Path
+
+from rosoclingo.oclingo import ReactiveProgram
+
+ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
+
+
+@lru_cache(maxsize=None)
+def shipped(*names: str) -> ReactiveProgram:
+    """The program of these files of the encodings; it is read once for all tests, since no solver changes it."""
+    return ReactiveProgram.from_files([ENCODINGS / name for name in names])
