@@ -130,7 +130,7 @@ WAYS = [the_same_log, its_text, a_checkpoint, a_checkpoint_and_the_rest, piece_b
 class LentChild:
     """One child for many solver processes, one after the other: to start one for each takes most of the time."""
 
-    alive, memory, pid = True, 0, 0
+    alive, memory, pid, worked = True, 0, 0, 0.0
 
     def __init__(self):
         self.child, self.owed = None, 0
