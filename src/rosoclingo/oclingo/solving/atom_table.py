@@ -163,13 +163,9 @@ class AtomTable:
     def _new_or_known(self, atom: clingo.Symbol) -> int:
         backend = self._session.backend
         fresh = not self.knows(atom)
-        literal = backend.add_atom(atom)
-        if fresh:
-            opposite = self._control.symbolic_atoms[clingo.Function(atom.name, atom.arguments, not atom.positive)]
-            if opposite is not None:
-                backend.add_rule([], [literal, opposite.literal])
-            if atom in self._absent:
-                backend.add_rule([self._absent.pop(atom)], [literal])
+        literal = backend.add_atom(atom)  # clingo sees to it that it does not hold together with its opposite
+        if fresh and atom in self._absent:
+            backend.add_rule([self._absent.pop(atom)], [literal])
         return int(literal)
 
     def _body_literal(self, literal: Literal) -> int:

@@ -75,6 +75,27 @@ def test_what_is_told_and_its_opposite_cannot_both_be():
     assert set(found.answers) == {frozenset(map(parse_atom, held)) for held in (["p(1)"], ["p(1)", "-p(2)"])}
 
 
+@pytest.mark.parametrize(
+    "updates",
+    [
+        ["#step 1. q(1) :- x. -q(1) :- y."],
+        ["#step 1. q(1) :- x.", "-q(1) :- y."],
+        ["#step 1. -q(1) :- y.", "#step 2. q(1) :- x."],
+        ["#step 1. #volatile. q(1) :- x.", "#step 2. -q(1) :- y. q(1) :- x.", "#step 3."],
+    ],
+)
+def test_opposites_that_the_stream_alone_knows_cannot_both_be(updates):
+    solver = solver_of("{ x ; y }. #cumulative t. #volatile t.", models=0)
+    for update in updates:
+        result = play(solver, update)
+    assert texts(result) == {frozenset(), frozenset(["q(1)", "x"]), frozenset(["-q(1)", "y"])}
+
+
+def test_what_the_stream_alone_knows_may_be_told_again_when_it_has_lapsed(external):
+    for update in ("#step 1. #volatile. new(x).", "#volatile. new(x).", "#step 2. new(x).", "#step 3."):
+        assert "new(x)" in atoms(play(external, update)), update
+
+
 def test_a_body_may_mention_what_a_later_update_defines(external):
     assert atoms(play(external, "#step 1. e(1) :- fresh(x). :- a.")) == []
     assert atoms(play(external, "#step 2.")) == []

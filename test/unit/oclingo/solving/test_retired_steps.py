@@ -204,6 +204,8 @@ def test_steps_that_are_over_with_the_present_update_are_retired_along_with_anot
         ("d(t) :- sees(t).", ["", "sees(6) :- x. :- not sees(6)."], 6),
         ("d(t) :- sees(t).", ["", "sees(6) :- x. note :- sees(6). :- note."], 6),
         ("d(t) :- sees(t).", ["", "sees(6) :- x. sees(8) :- sees(6). :- sees(8)."], 6),
+        ("d(t) :- sees(t).", ["e(1).", "sees(6) :- c(1), x. :- sees(6)."], 6),
+        ("d(t) :- sees(t).", ["e(1).", "sees(6). sees(6) :- x. e(2) :- sees(6), c(1)."], 7),
         ("d(t) :- sees(t).", ["", "sees(6) :- c(1). #assert : r. sees(6) :- x. #cumulative. :- sees(6)."], 6),
         ("", ["", "", "", "", "e(5) :- x. :- e(5)."], 5),
         ("", ["", "", "", "", "e(5) :- x. :- not e(5)."], 5),
@@ -232,6 +234,8 @@ def test_what_constraints_have_made_of_rules_that_stay_is_not_lost(step, rules, 
         ["", ":- not x, not y.", ":- c(2), not x, y."],
         ["e(1).", "e(2) :- c(1), e(1).", ":- x, e(2), c(2)."],
         ["e(1).", "e(3) :- c(1), not e(2).", ":- x, e(3)."],
+        ["", "e(2) :- c(1), x.", "e(3) :- e(2), y."],
+        ["", "e(2) :- c(1), x.", "e(3) :- not e(2)."],
     ],
 )
 def test_what_rules_of_the_stream_have_decided(rules):
