@@ -40,8 +40,8 @@ ENDLESS = ECHO + "#volatile t.\n:- not c(t).\n"
 EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
 #: Grounding a fact big(1) takes some tenths of a second, and every step of it can be seen by all.
 HEAVY = "#external big/1.\nn(1..300000,B) :- big(B).\n#show big/1.\n"
-#: The same, but for every step, which are ground one after the other.
-IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..100000, X \\ 99999 == 0.\n"
+#: The same, but for every step; blocks of steps are ground one after the other.
+IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X \\ 19999 == 0.\n"
 
 
 @pytest.fixture(scope="module")
@@ -148,13 +148,13 @@ def test_the_work_of_all_children_is_counted():
 def test_a_grounding_in_pieces_is_dropped_between_them():
     with process_of(IN_PIECES, patience=600.0, grace=0.0) as process:
         solver = process.solver()
-        wanted = sorted(["big(1)", *(f"n({step})" for step in range(1, 61))])
-        solver.update(parse_update("#step 60. #endstep."))
+        wanted = sorted(["big(1)", *(f"n({step})" for step in range(1, 321))])
+        solver.update(parse_update("#step 320. #endstep."))
         pid = process.pid
         with pytest.raises(DroppedError, match="a stop came while the program was ground anew"):
-            solver.update(parse_update("#step 60. big(1). #endstep."), at_look(25))
-        assert atoms(solver.update(parse_update("#step 60. #endstep."))) == [[]], "the update was dropped as a whole"
-        assert atoms(solver.update(parse_update("#step 60. big(1). #endstep."))) == [wanted]
+            solver.update(parse_update("#step 320. big(1). #endstep."), at_look(25))
+        assert atoms(solver.update(parse_update("#step 320. #endstep."))) == [[]], "the update was dropped as a whole"
+        assert atoms(solver.update(parse_update("#step 320. big(1). #endstep."))) == [wanted]
         assert process.pid == pid
 
 
@@ -162,10 +162,10 @@ def test_a_grounding_in_pieces_is_dropped_between_them():
 def test_a_short_grounding_comes_to_its_end():
     with process_of(IN_PIECES, patience=600.0, grace=600.0) as process:
         solver = process.solver()
-        solver.update(parse_update("#step 60. #endstep."))
+        solver.update(parse_update("#step 320. #endstep."))
         pid = process.pid
-        assert solver.update(parse_update("#step 60. big(1). #endstep."), at_look(25)).step == 60
-        assert "big(1)" in atoms(solver.update(parse_update("#step 60. #endstep.")))[0]
+        assert solver.update(parse_update("#step 320. big(1). #endstep."), at_look(25)).step == 320
+        assert "big(1)" in atoms(solver.update(parse_update("#step 320. #endstep.")))[0]
         assert process.pid == pid
 
 
