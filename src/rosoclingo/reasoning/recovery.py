@@ -207,7 +207,7 @@ def _confirm(attempts: _Attempts, question: Question, conflict: Conflict[Goal]) 
     """Make sure that goals cannot be met one after the other either; raises UndecidedError where that is not known."""
     goals = conflict.things
     steps = question.alone * len(goals)
-    if len(goals) == 1 or (conflict.minimal and steps <= attempts.lookahead):
+    if conflict.minimal and steps <= attempts.lookahead:
         return
     if not conflict.minimal or attempts.met(goals, question.observations, steps):
         raise UndecidedError

@@ -261,11 +261,35 @@ def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
     assert lost(World(3, conflicts=["3"], steps={"3": STEPS + 1})) == ["3"]
 
 
+def test_goals_are_given_up_only_for_what_is_known_to_be_a_least_conflict():
+    """However many steps a plan may have: where it is open whether 3 goes with 2, it may be 2 as well."""
+    for slow in ([], ["23"]):
+        world = World(3, conflicts=["1 3"], slow=slow)
+        world.lookahead = 3 * STEPS
+        if slow:
+            with pytest.raises(UndecidedError):
+                recover(world, world.question)
+        else:
+            assert lost(world) == ["3 1"]
+
+
+@pytest.mark.parametrize(("conflict", "questions"), [("3", 3), ("1 3", 6), ("1 2 3", 6)])
+def test_once_the_least_conflict_is_known_no_more_time_is_needed_to_give_up(conflict, questions):
+    steps = len(conflict.split()) * STEPS
+    world = World(3, conflicts=[conflict], time=questions)
+    world.lookahead = steps
+    assert lost(world)[0].startswith("3")
+    world = World(3, conflicts=[conflict], time=questions - 1)
+    world.lookahead = steps
+    with pytest.raises(UndecidedError):
+        recover(world, world.question)
+
+
 def test_no_question_is_asked_twice():
     """Only what is found is planned in the end."""
-    for conflicts in (["1 2"], ["1 3"], ["1", "2", "3"], ["1 2", "2 3"]):
+    for conflicts in (["1 2"], ["1 3"], ["1", "2", "3"], ["1 2", "2 3"], ["1 2 3"]):
         world = World(3, conflicts=conflicts)
-        world.lookahead = 3 * STEPS
+        world.lookahead = max(len(one.split()) for one in conflicts) * STEPS
         lost(world)
         *asked, planned = world.asked
         assert len(asked) == len(set(asked)), asked
