@@ -244,7 +244,7 @@ class Core:
         self._announce.plan(result, self._shown())
         if result.outcome is SolveOutcome.UNSATISFIABLE:
             self._recover(result, batch, now, mended)
-        elif batch.goals or not self._keep_plan(now):
+        elif _new_goals(batch) or not self._keep_plan(now):
             self._too_much(batch, self._planner.why_none(result), now)
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
@@ -297,7 +297,7 @@ class Core:
     def _too_much(self, batch: Batch, why: str, now: float) -> None:
         """Nothing is known in time: the newest goals wait, or the search goes on; the last plan is kept if it can."""
         self._plan = None
-        fresh = [goal for goal in batch.goals if goal.live and goal.fed]
+        fresh = _new_goals(batch)
         self._put_off(self.queue.too_many(fresh), fresh, why)
         if fresh and not any(goal.fed for goal in fresh):
             self._keep_plan(now)
@@ -380,3 +380,8 @@ class Core:
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
         return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
+
+
+def _new_goals(batch: Batch) -> List[Goal]:
+    """The goals of a batch that the program was told of."""
+    return [goal for goal in batch.goals if goal.live and goal.fed]

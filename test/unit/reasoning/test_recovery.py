@@ -122,6 +122,19 @@ def test_time_is_over():
     assert driver.message("a") == "reach(hall,1) cannot be met: there is no plan of at most 8 steps"
 
 
+def test_what_was_withheld_is_no_reason_either_where_time_is_over():
+    """The time is enough to see that something that was told is the reason, not to see what of it."""
+
+    def watch():
+        looks = iter([None])
+        return lambda: next(looks, Halt("the test"))
+
+    text = rooms(doors=[("hall", "d")]) + "#external _odd/1.\n:- _odd(X)."
+    driver = Driver(text, watch_recovery=watch).facts("_odd(1)", "_odd(2)").facts("_shut(d)").goal("a", "reach(hall,1)")
+    assert [problem.split()[-1] for problem in driver.problems] == ["withheld"] * 2
+    assert driver.message("a") == "reach(hall,1) cannot be met since _shut(d) was told in cycle 1"
+
+
 def test_the_same_in_a_solver_process():
     program = ReactiveProgram.from_text(rooms(words=WORDS))
     with SolverProcess(program, shortest=True, oclingo_strings=False) as process:
