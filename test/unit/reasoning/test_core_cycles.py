@@ -239,19 +239,27 @@ def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done(
     assert told.index(UpdateSent) < told.index(GoalProgress) < told.index(ActionsDispatched)
 
 
-def test_a_goal_that_the_solver_cannot_take_is_no_reason_to_let_others_wait():
-    driver = Undecided()
+#: Only these requests are declared.
+DECLARED = ERRANDS.replace(
+    "#external _request/2.", "#external _request(do(walk,1..3),1..9). #external _request(cancel(1..3),1..9)."
+)
+
+
+@pytest.mark.parametrize(("text", "state"), [(ERRANDS, "succeeded"), (DECLARED, "rejected")])
+def test_a_goal_that_the_solver_cannot_take_is_no_reason_to_let_others_wait(text, state):
+    driver = Undecided(text=text)
     for number in (1, 2, 3):
         driver.core.add_goal(str(number), f"do(walk,{number})")
     first, *later = [str(action.parameter) for action in driver.run().core.plan.actions]
     driver.halts = lambda update: not any(isinstance(item, Volatile) for item in update.items)
-    driver.drops = lambda update: "do(run" in str(update)
+    driver.drops = lambda update: text is ERRANDS and "do(run" in str(update)
     driver.core.add_goal("9", "do(run,9)")
     driver.facts(f"_return(walk,{first},1)")
     assert driver.awaited == [f"_action_lib(walk,{later[0]},2)"], "the last plan is kept"
-    assert [goal.key for goal in driver.core.queue.waiting] == ["9"]
+    assert [goal.key for goal in driver.core.queue.waiting] == (["9"] if state == "succeeded" else [])
+    assert not any("the search goes on" in problem for problem in driver.problems)
     driver.halts = driver.drops = lambda _update: False
-    assert driver.finish().states("9")[-1] == "succeeded"
+    assert driver.finish().states("9")[-1] == state
 
 
 def test_a_proof_that_comes_late_is_one():
