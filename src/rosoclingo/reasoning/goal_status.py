@@ -4,6 +4,7 @@
 ``rejected(unknown_office)``, ``aborted(("package ",3," is not at ",office2))``.
 """
 
+from functools import lru_cache
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 
 from clingo import Symbol, SymbolType
@@ -23,6 +24,9 @@ WORDS: Dict[str, Optional[Outcome]] = {
 }
 
 
+_Table = Dict[Tuple[Symbol, int], List[Symbol]]
+
+
 class Status(NamedTuple):
     """One word about one goal, with the program's reason (empty when it gives none)."""
 
@@ -39,29 +43,32 @@ class GoalStatuses:
     """The statuses of an answer from the cycle ``since`` on; ``faults`` holds what was no status."""
 
     def __init__(self, answer: FrozenSet[Symbol], since: int = 0) -> None:
-        self._since = since
-        self.faults: List[str] = []
-        self._table: Dict[Tuple[Symbol, int], List[Symbol]] = {}
-        for atom in answer:
-            if is_keyword(atom, STATUS):
-                self._enter(atom)
-        self.faults.sort()
+        self._table, faults = _read(answer)
+        self.faults = [text for cycle, text in faults if cycle is None or cycle >= since]
 
     def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
         """The goal's status in a cycle; of several the worst. None when the program says nothing."""
         found = map(_status_of, self._table.get((identifier, cycle), []))
         return min(found, key=lambda status: (list(WORDS).index(status.word), status.reason), default=None)
 
-    def _enter(self, atom: Symbol) -> None:
+
+@lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
+def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], str]]]:
+    """The words about each goal in each cycle, and what is no status, in order, with its cycle if it has one."""
+    table: _Table = {}
+    faults: List[Tuple[Optional[int], str]] = []
+    for atom in answer:
+        if not is_keyword(atom, STATUS):
+            continue
         arguments = atom.arguments
         identifier, word, cycle = arguments if len(arguments) == 3 else (atom, atom, atom)
         number = cycle.number if cycle.type is SymbolType.Number else None
-        if number is not None and number < self._since:
-            return
         if number is not None and word.type is SymbolType.Function and word.name in WORDS:
-            self._table.setdefault((identifier, number), []).append(word)
+            table.setdefault((identifier, number), []).append(word)
         else:
-            self.faults.append("'{}' is no status: write _status(Id,S,C), S one of {}".format(atom, ", ".join(WORDS)))
+            text = "'{}' is no status: write _status(Id,S,C), S one of {}".format(atom, ", ".join(WORDS))
+            faults.append((number, text))
+    return table, sorted(faults, key=lambda fault: fault[1])
 
 
 def _status_of(word: Symbol) -> Status:

@@ -8,7 +8,7 @@ from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks, remarks
-from rosoclingo.oclingo.program.action_rules import ACTION, closing_text, cycle_alone
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, closing_text, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directives import Directives, Placed
@@ -36,6 +36,7 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         advises: whether ``#heuristic`` statements tell the solver where to look first.
+        shows: the predicates of ``#show p/n.``
         steps_apart: whether no step sees what a later one defines, so that steps may as well be ground together.
         domains: what the rules of a step could use of open signatures, where they tell.
         warnings: what is odd but usable, as text.
@@ -80,6 +81,11 @@ class ReactiveProgram:
     def defines(self, name: str, arity: int) -> bool:
         """Tell whether some rule has a head of this name and arity."""
         return Signature(name, arity) in self.head_signatures
+
+    @property
+    def tells_plainly(self) -> bool:
+        """Whether answers show all actions, and no return is shown: one plan, and neither the best nor some of many."""
+        return not self.optimizes and ACTION in self.shows and RETURN not in self.shows
 
     def delay_of(self, name: str, arity: int) -> Optional[int]:
         """Return after how many cycles (0 or 1) such a fact bears on actions; None where it has no cycle.
@@ -174,10 +180,13 @@ class ReactiveProgram:
         }
         self.domains: Dict[Signature, Domain] = {}
         self.optimizes = self.advises = False
+        self.shows: Set[Signature] = set()
         for part in self.parts:
             for statement in part.statements:
                 self.optimizes |= statement.ast_type == ASTType.Minimize
                 self.advises |= statement.ast_type == ASTType.Heuristic
+                if statement.ast_type == ASTType.ShowSignature:
+                    self.shows.add(Signature(statement.name, statement.arity, bool(statement.positive)))
                 self.dependencies.add(*rule_edges(statement))
             for statement, one in part.atoms:
                 self.signatures.add(one.signature)

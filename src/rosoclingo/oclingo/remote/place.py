@@ -1,9 +1,10 @@
 """Where a solver lies in a child process."""
 
-from typing import Optional
+from typing import List, Optional
 
 from rosoclingo.oclingo.remote.child import WorkerProcess
-from rosoclingo.oclingo.solving.stream_log import StreamLog
+from rosoclingo.oclingo.remote.wire import Message
+from rosoclingo.oclingo.solving.stream_log import StreamLog, entry_to_message
 
 
 class Place:
@@ -20,3 +21,7 @@ class Place:
         self.number = number
         self.child: Optional[WorkerProcess] = None
         self.read: Optional[StreamLog] = None
+
+    def unread(self, log: StreamLog) -> List[Message]:
+        """Return the entries of ``log`` that the solver has not read, if it has read any log."""
+        return [entry_to_message(one) for one in (log.since(self.read) if self.read is not None else None) or ()]

@@ -29,8 +29,8 @@ from rosoclingo.oclingo.remote.wire import (
     verdict_from_message,
 )
 from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.oclingo.solving.solver import SolveResult
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, LoggedSolver, StreamLog, Taken, entry_to_message
+from rosoclingo.oclingo.solving.solver import ForeseeingSolver, SolveResult
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, Taken, entry_to_message
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request."""
@@ -44,6 +44,8 @@ GRACE = 1.0
 PATIENCE = 2.0
 """Seconds of processor time that the process is given to heed a stop request before it is killed."""
 
+BEHIND = 16  # updates that were foreseen which the child is told of though it is at something else
+
 GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
 
@@ -53,7 +55,7 @@ LOAD = 20
 Stopped = Callable[[], bool]
 
 
-class ProcessSolver(LoggedSolver):
+class ProcessSolver(ForeseeingSolver):
     """Solves a reactive logic program under a stream of updates, in a child process.
 
     The methods are those of :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver`; not thread-safe.
@@ -73,23 +75,28 @@ class ProcessSolver(LoggedSolver):
         """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
         Raises SolverError where the update as a whole can't be taken, DroppedError where the child had to be ended;
-        the log is then as it was before. An interrupted search leaves the update in force.
+        the log is then as it was before. An interrupted search leaves the update in force. What was foreseen is
+        answered at once, whatever the child is at, which takes it while the caller goes on.
         """
-        result = self._search(update, stopped)
+        result = self._go_on(update)
+        if result is not None:
+            self._process.follow(self._place, self._log)
+        else:
+            result = self._search(update, stopped)
         return replace(result, warnings=update.warnings + result.warnings)
 
     def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
         """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do."""
         if self._log.plan is None or self._log.plan.shortest:
             return None
-        try:
-            reply = self._process.improve(self._place, self._log, stopped)
-        except NotReadyError:
-            return None
+        command, reply = {"do": "improve", "plan": plan_to_message(self._log.plan)}, {}
+        with suppress(NotReadyError):
+            reply = self._process.have(self._place, self._log, command, stopped)
         if not reply:
             return None
         result = result_from_message(reply)
         self._log.plan = result.plan
+        self._has_answered(result)
         return result
 
     def inquire(
@@ -110,6 +117,7 @@ class ProcessSolver(LoggedSolver):
         self._log.plan = result.plan or self._log.plan
         if reply["checkpoint"] is not None:
             self._log = self._log.then(Checkpoint(message=reply["checkpoint"])).cut()
+        self._has_answered(result)
         self._process.has_read(self._place, self._log)
         return result
 
@@ -222,10 +230,6 @@ class SolverProcess:
         self._have_spare()
         return reply
 
-    def improve(self, place: Place, log: StreamLog, stopped: Optional[Stopped]) -> Message:
-        """Have the solver at ``place`` read ``log`` and shorten its plan; return the child's reply, empty for none."""
-        return self.have(place, log, {"do": "improve", "plan": plan_to_message(log.plan)}, stopped)
-
     def have(self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped]) -> Message:
         """Have the solver at ``place`` read what is new in ``log`` and do a ``command``; return the child's reply."""
 
@@ -233,9 +237,7 @@ class SolverProcess:
             """Tell the child what its solver has not read of the log yet, and the command."""
             self._prepare(stopped, place, log, command.get("update"))
             assert self._child is not None
-            assert place.read is not None
-            unread = [entry_to_message(one) for one in log.since(place.read) or ()]
-            self._child.send({**command, **self._about(place, unread)})
+            self._child.send({**command, **self._about(place, place.unread(log))})
             return self._wait(stopped)
 
         reply = self._guarded(ask, place, log)
@@ -243,6 +245,16 @@ class SolverProcess:
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
         return reply
+
+    def follow(self, place: Place, log: StreamLog) -> None:
+        """Have the solver at ``place`` read an update that was foreseen, without waiting for that."""
+        child = self._child
+        if child is None or len(self._preparing) >= BEHIND or not child.alive or not self._reads(place, log):
+            return  # the next command comes with what is unread
+        with suppress(WorkerLostError):  # it sees to that, too
+            child.send({"do": "follow", **self._about(place, place.unread(log))})
+            place.read = log
+            self._preparing.append(place)
 
     def has_read(self, place: Place, log: StreamLog) -> None:
         """Note that the solver at ``place`` is where ``log`` leads; a child that has grown goes at a checkpoint."""
@@ -316,9 +328,7 @@ class SolverProcess:
 
     def _about(self, place: Place, entries: List[Message]) -> Message:
         """Say which solver a command is for, what it is to read before, and which ones nobody refers to any more."""
-        left: List[int] = []
-        while self._left:
-            left.append(self._left.pop())
+        left = [self._left.pop() for _ in range(len(self._left))]
         return {"solver": place.number, "log": entries, "left": left}
 
     def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:

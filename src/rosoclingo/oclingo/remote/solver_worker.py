@@ -111,6 +111,7 @@ class Worker:
             "load": self._load,
             "rebuild": self._rebuild,
             "update": self._update,
+            "follow": self._follow,
             "improve": self._improve,
             "inquire": self._inquire,
         }
@@ -160,6 +161,14 @@ class Worker:
                 self._known.keep(log.before)
         self._known.keep(log)
         return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
+
+    def _follow(self, command: Message) -> Message:
+        """Have a solver read an update that was foreseen, and so is answered."""
+        solver = self._solvers[command["solver"]]
+        solver.restore(self._known.longer(solver.log, command["log"]))
+        solver.log.foreseen = True
+        solver.read()
+        return {}
 
     def _improve(self, command: Message) -> Message:
         """Have a solver read what is new in its log, and shorten the plan."""

@@ -64,6 +64,7 @@ def result_to_message(result: SolveResult) -> Message:
         "permanent": result.permanent,
         "shortest": result.shortest,
         "statistics": result.statistics,
+        "foreseen": symbols_to_text(result.foreseen),
     }
 
 
@@ -78,6 +79,7 @@ def result_from_message(message: Message) -> SolveResult:
         permanent=message["permanent"],
         shortest=message["shortest"],
         statistics=message["statistics"],
+        foreseen=symbols_from_text(message["foreseen"]),
     )
 
 

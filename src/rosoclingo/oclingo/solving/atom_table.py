@@ -109,6 +109,11 @@ class AtomTable:
         known = self._control.symbolic_atoms[atom]
         return known is not None and known.literal in self._declared and known.literal not in self._defined
 
+    def open_literal(self, atom: clingo.Symbol) -> Optional[int]:
+        """Return the literal of an external that a rule may define now; None where ``atom`` is none."""
+        known = self._control.symbolic_atoms[atom] if self.is_open(atom) else None
+        return None if known is None else known.literal
+
     def is_closed(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""
         return atom in self._closed
@@ -222,6 +227,14 @@ class CycleIndex(AtomIndex):
         """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
         return self._cycles.pop(cycle, []) if cycle in self.cycles() else []
 
+    def among(self, atoms: Container[clingo.Symbol]) -> List[clingo.Symbol]:
+        """Return those of the ``atoms`` that have not been popped."""
+        return [atom for cycle in self.cycles() for atom, _ in self._cycles[cycle] if atom in atoms]
+
+    def literals(self, cycle: int) -> Set[int]:
+        """Return the literals of the atoms of ``cycle`` that have not been popped."""
+        return {literal for _, literal in self._cycles[cycle]} if cycle in self.cycles() else set()
+
     def between(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the atoms of the cycles first..last that have not been popped."""
         known = self.cycles()
@@ -326,6 +339,8 @@ class StepRecorder(Observer):
 
     def __init__(self) -> None:
         self._block: Optional[int] = None
+        self._heads: Set[int] = set()  # of the block
+        self._literals: Set[int] = set()  # of its bodies, and its externals
         self.names: Dict[clingo.Symbol, int] = {}
         self.blocks: Dict[int, range] = {}
         self.heads: Dict[int, Set[int]] = {}
@@ -336,25 +351,31 @@ class StepRecorder(Observer):
         """Take what comes as the rules of ``steps``."""
         self._block = steps[0]
         self.blocks[steps[0]] = steps
+        self._heads, self._literals = set(), set()
 
     def end(self) -> None:
         """Take what comes as nobody's."""
+        if self._block is not None:
+            self.heads[self._block] = self._heads
+            self.atoms[self._block] = self._heads.union(map(abs, self._literals))
         self._block = None
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """Record a rule of some step."""
         if self._block is not None:
-            self._note(self._block, head, body)
+            self._heads.update(head)
+            self._literals.update(body)
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
         """Record a rule with a weighted body of some step."""
         if self._block is not None:
-            self._note(self._block, head, [literal for literal, _ in body])
+            self._heads.update(head)
+            self._literals.update(literal for literal, _ in body)
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
         """Record an external of some step."""
         if self._block is not None:
-            self._note(self._block, (), (atom,))
+            self._literals.add(atom)
 
     def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
         """Record that there are edges: those of all steps make one graph."""
@@ -363,9 +384,3 @@ class StepRecorder(Observer):
     def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
         """Record that there are theory atoms, which may mean anything."""
         self.opaque = True
-
-    def _note(self, block: int, head: Sequence[int], body: Sequence[int]) -> None:
-        self.heads.setdefault(block, set()).update(head)
-        atoms = self.atoms.setdefault(block, set())
-        atoms.update(head)
-        atoms.update(map(abs, body))

@@ -4,7 +4,6 @@ The grounding knows nothing of streams: the solver tells it what to ground, defi
 away and built anew at any time from the solver's state.
 """
 
-import re
 from functools import cached_property
 from math import prod
 from typing import (
@@ -45,6 +44,7 @@ from rosoclingo.oclingo.solving.atom_table import (
     StepRecorder,
 )
 from rosoclingo.oclingo.solving.doubts import Doubts
+from rosoclingo.oclingo.solving.foresight import Foreseen, ForesightRecorder, Mentions, foresee
 from rosoclingo.oclingo.solving.horizon import HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, with_their_failures
 
@@ -61,13 +61,15 @@ BASE = -(2**31)
 class Search(NamedTuple):
     """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last.
 
-    Where there is no answer, ``core`` are the facts in doubt because of which there is none.
+    Where there is no answer, ``core`` are the facts in doubt because of which there is none. ``foreseen`` are returns
+    that may be told, where that is recorded.
     """
 
     satisfiable: Optional[bool]
     answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
     horizon: int = 0
     core: FrozenSet[clingo.Symbol] = frozenset()
+    foreseen: Foreseen = Foreseen()
 
 
 class Grounding:
@@ -79,7 +81,7 @@ class Grounding:
         messages: what clingo said since they were last cleared.
         recorder: the rules' atoms step by step, recorded where answers are shortest and nothing is in doubt.
         shown: the shown atoms of the last answer.
-        satisfied: whether the last search had an answer, and nothing was added since.
+        satisfied: whether the last search had an answer, and nothing was added since but what was foreseen.
 
     """
 
@@ -91,6 +93,7 @@ class Grounding:
         shortest: bool = False,
         past: Optional[Past] = None,
         doubted: FrozenSet[clingo.Symbol] = frozenset(),
+        recorder: Optional[StepRecorder] = None,
     ) -> None:
         """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
 
@@ -112,7 +115,7 @@ class Grounding:
         self._actions = ActionIndex(self._control, self._session, ACTION, first, self._told)
         self._returns = CycleIndex(self._control, RETURN)
         self._externals = AtomIndex(self._control, program.external_signatures - {BEYOND})
-        self._observer, self.recorder = Externals(), StepRecorder()
+        self._observer, self.recorder = Externals(), recorder or StepRecorder()
         self._observe()
         program.load_into(self._control)
         self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
@@ -301,7 +304,7 @@ class Grounding:
         assumptions += self._doubts.assumptions(untold) if self._doubts else []
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
-        horizons = [last]
+        horizons, foreseen = [last], [Foreseen()]
         self._set("models", str(models))
         self._set("solve_limit", "umax,umax" if conflicts is None else f"{conflicts},umax")
         if self.program.optimizes:
@@ -313,6 +316,8 @@ class Grounding:
                 self.shown = frozenset(model.symbols(shown=True)) - self._hidden - self._ends.names
                 answers.append(self.shown | self._retired)
                 horizons.append(self._ends.horizon_of(model, first, last))
+                if isinstance(self.recorder, ForesightRecorder) and not self.recorder.opaque:
+                    foreseen.append(self._foresee(model, self.recorder.mentions))
 
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
@@ -323,25 +328,18 @@ class Grounding:
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
-        return Search(bool(result.satisfiable), tuple(answers), horizons[-1], blamed)
+        return Search(bool(result.satisfiable), tuple(answers), horizons[-1], blamed, foreseen[-1])
+
+    def _foresee(self, model: clingo.Model, mentions: Mentions) -> Foreseen:
+        """Return what is foreseen of a model whose shown atoms are known."""
+        actions = self._actions.among(self.shown)
+        return foresee(actions, self.atoms.open_literal, mentions, self._actions.literals, model.is_true)
 
     def _set(self, option: str, value: str) -> None:
         """Give an option of clasp's search a value; which takes longer than to see that it has it."""
         if self._options.get(option) != value:
             setattr(self._control.configuration.solve, option, value)
             self._options[option] = value
-
-
-def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:
-    """Return what clingo's ``error`` means for the update that was fed to ``grounding``."""
-    redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
-    if redefined is not None:
-        faults = program.redefinition_of(redefined.group("atom"))
-    elif grounding is not None:
-        faults = grounding.messages.faults(error, program.parameter_at)
-    else:
-        return f"the update was refused: {error}"
-    return "the update was refused: " + "\n".join(map(str, faults))
 
 
 BLOCK = 64
@@ -365,6 +363,7 @@ def build_grounding(
     dropped: Callable[[], bool] = lambda: False,
     coming: Iterable[clingo.Symbol] = (),
     doubted: FrozenSet[clingo.Symbol] = frozenset(),
+    recorder: Optional[StepRecorder] = None,
 ) -> Grounding:
     """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
 
@@ -376,7 +375,7 @@ def build_grounding(
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
     facts -= with_their_failures(doubted)
     open_atoms = dict.fromkeys([*state.open_atoms, *coming])
-    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted)
+    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted, recorder)
     for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest or program.steps_apart else 1):
         if dropped():
             raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")

@@ -15,14 +15,15 @@ import clingo
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.solving.grounding import Grounding, Search, explain
+from rosoclingo.oclingo.solving.foresight import goes_on
+from rosoclingo.oclingo.solving.grounding import Grounding, Search
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
 from rosoclingo.oclingo.solving.improvement import Improvement
 from rosoclingo.oclingo.solving.inquiry import Inquiry, Verdict
 from rosoclingo.oclingo.solving.plan_search import CLOCK, Clock, PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import LoggedSolver, Plan, StreamLog, Taken
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState, is_foreseen
-from rosoclingo.oclingo.solving.transaction import Transaction
+from rosoclingo.oclingo.solving.transaction import Transaction, explain
 
 BLOCK = 8
 """Steps to grow by at once where the program allows it."""
@@ -55,6 +56,8 @@ class SolveResult:
         warnings: what was ignored and why.
         permanent: True where no further step and no external can make the program satisfiable.
         shortest: True where it is proven that no answer has a lesser horizon.
+        foreseen: returns of success with which the answer stays what it is: an update that tells nothing else than them
+            and what was done is answered without a search.
         statistics: seconds of wall time spent in ``ground`` and ``solve``; and seconds of processor time that were
             ``needed`` for an answer, less what went on improving it.
 
@@ -68,6 +71,7 @@ class SolveResult:
     permanent: bool = False
     statistics: Dict[str, float] = field(default_factory=dict, compare=False)
     shortest: bool = False
+    foreseen: FrozenSet[clingo.Symbol] = frozenset()
 
     @property
     def plan(self) -> Optional[Plan]:
@@ -119,7 +123,32 @@ class StreamSolver(Protocol):
         """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
 
 
-class ReactiveSolver(LoggedSolver):
+class ForeseeingSolver(LoggedSolver):
+    """A solver that knows, wherever it works, when its last answer is that of the next update."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._answer: Optional[Tuple[StreamLog, SolveResult]] = None  # the last one, and the log up to it
+
+    def _has_answered(self, result: SolveResult) -> None:
+        """Note the answer to all that the log holds."""
+        self._answer = (self._log, result)
+
+    def _go_on(self, update: Optional[StreamUpdate]) -> Optional[SolveResult]:
+        """Take ``update`` where it is foreseen, and return the answer; None where it takes a search."""
+        if update is None or self._answer is None or self._answer[0] is not self._log or self._log.plan is None:
+            return None
+        result = self._answer[1]
+        if not result.foreseen or not goes_on(self._log.plan, result.foreseen, self.step, update):
+            return None
+        self._log = self._log.then(Taken(update, self.horizon))
+        self._log.foreseen = True
+        result = replace(result, step=self.step, warnings=(), statistics=dict.fromkeys(result.statistics, 0.0))
+        self._has_answered(result)
+        return result
+
+
+class ReactiveSolver(ForeseeingSolver):
     """Solves a reactive logic program under a stream of updates.
 
     Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
@@ -163,7 +192,8 @@ class ReactiveSolver(LoggedSolver):
         self._log_limit = log_limit
         self._plan_time, self._clock = plan_time, clock
         self._hint = 0
-        self._setting = Setting(program, horizon_limit, shortest, oclingo_strings)
+        foresees = plan_time is not None and models == 1 and program.tells_plainly and not oclingo_strings
+        self._setting = Setting(program, horizon_limit, shortest, oclingo_strings, foresees)
         self._read = self._log
         self._grounding: Optional[Grounding] = None  # fits the state after what was read of the log
         self._improvement: Optional[Improvement] = None
@@ -193,8 +223,10 @@ class ReactiveSolver(LoggedSolver):
         Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An
         interrupted search leaves the update in force. ``dropped`` is asked between the pieces in which the program is
         ground anew, which ``stopped`` does not end: where it says so, DroppedError is raised.
+
+        What was foreseen is answered at once, and read when there is need.
         """
-        return self._run(update, stopped, dropped)
+        return self._go_on(update) or self._run(update, stopped, dropped)
 
     def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
         """Look for a shorter plan than the last one, with what is done up to the present step left as it is.
@@ -218,8 +250,10 @@ class ReactiveSolver(LoggedSolver):
         if found is None:
             return None
         step = self.state.step
-        result = SolveResult(SolveOutcome.SATISFIABLE, found.answers, found.horizon, step, statistics=spent)
+        outcome, returns = SolveOutcome.SATISFIABLE, self._foreseen(found, self.state, proven=False)
+        result = SolveResult(outcome, found.answers, found.horizon, step, statistics=spent, foreseen=returns)
         self._log.plan = result.plan
+        self._has_answered(result)
         return result
 
     def _shorten(self, plan: Plan, transaction: Transaction, halt: Callable[[], bool]) -> Optional[Search]:
@@ -280,8 +314,12 @@ class ReactiveSolver(LoggedSolver):
         heads = [head for one in (*updates, coming) for head in self._setting.open_heads(one)] if unread else ()
         for log in reversed(unread):
             transaction = Transaction(self._setting, state.copy(), self._grounding, coming=heads)
+            grounding = self._grounding if log.foreseen else None
+            satisfied = grounding is not None and grounding.satisfied
             with self._taking(transaction):
                 transaction.take_again(log.entry)
+            if satisfied and grounding is self._grounding is not None:
+                self._grounding.satisfied = True
             state = log.state = transaction.state
             self._read = log
 
@@ -309,6 +347,7 @@ class ReactiveSolver(LoggedSolver):
         log.state = transaction.state
         log.plan = (result.plan if self.shortest else None) or log.plan
         self._log = self._read = log.checkpoint() if transaction.compacted or log.is_longer(self._log_limit) else log
+        self._has_answered(result)
         return result
 
     def _check(self, update: Optional[StreamUpdate]) -> None:
@@ -339,8 +378,14 @@ class ReactiveSolver(LoggedSolver):
         horizon = found.horizon if found.satisfiable else state.horizon
         if search.permanent:
             horizon = max(horizon, transaction.last_horizon())
-        answers, proven = found.answers, search.proven
-        return SolveResult(outcome, answers, horizon, state.step, warnings, search.permanent, spent, proven)
+        answers, proven, returns = found.answers, search.proven, self._foreseen(found, state, search.proven)
+        return SolveResult(outcome, answers, horizon, state.step, warnings, search.permanent, spent, proven, returns)
+
+    def _foreseen(self, found: Search, state: StreamState, proven: bool) -> FrozenSet[clingo.Symbol]:
+        """Return which returns are foreseen with what was ``found``; no shorter answer may come in with them."""
+        if not state.is_steady:
+            return frozenset()
+        return found.foreseen.certain if proven else found.foreseen.returns
 
     def _make_search(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> HorizonSearch:
         block = BLOCK if self.shortest and may_idle(self.program, halt) else 1

@@ -138,10 +138,11 @@ class StreamLog:
         horizon: N, the last grounded step.
         over: what concerns steps before it is over.
         plan: the last plan, where a search may begin; None where none is known. It is no part of the history.
+        foreseen: whether the answer before the last entry is known to be one after it; no part of the history, either.
 
     """
 
-    __slots__ = ("_key", "_state", "before", "entry", "horizon", "length", "over", "plan", "step")
+    __slots__ = ("_key", "_state", "before", "entry", "foreseen", "horizon", "length", "over", "plan", "step")
 
     def __init__(self, before: Optional["StreamLog"] = None, entry: Optional[Entry] = None) -> None:
         """Make the log ``before`` with one more ``entry``; without arguments that of a stream that begins."""
@@ -153,6 +154,7 @@ class StreamLog:
         self.horizon: int = 1 if before is None else before.horizon
         self.over: int = 0 if before is None else before.over
         self.plan: Optional[Plan] = None if before is None else before.plan
+        self.foreseen = False
         if isinstance(entry, Taken):
             self._reach(entry)
         elif isinstance(entry, Over):

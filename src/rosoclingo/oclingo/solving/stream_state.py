@@ -131,6 +131,11 @@ class StreamState:
         statements = len(self.permanent) + len(self.lapsing) + len(self.waiting)
         return statements + len(self.open_atoms) + len(self.forgotten)
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether the next update brings nothing by itself: nothing lapses with it, and the grounding stays."""
+        return not self.cyclic and all(entry.lifetime != UPDATE for entry in [*self.lapsing, *self.waiting])
+
     def unsettled(self) -> Iterator[Statement]:
         """Yield the statements that will lapse, and those that wait for their heads."""
         for entry in [*self.lapsing, *self.waiting]:
@@ -180,6 +185,7 @@ class Setting:
         horizon_limit: the last step that may be grounded, None for no limit.
         shortest: whether answers are searched from step k on (see ``ReactiveSolver``).
         oclingo_strings: whether strings in updates are taken as oClingo did.
+        foresees: whether answers tell which returns are foreseen.
 
     """
 
@@ -187,6 +193,7 @@ class Setting:
     horizon_limit: Optional[int] = None
     shortest: bool = False
     oclingo_strings: bool = False
+    foresees: bool = False
 
     def fresh_state(self) -> StreamState:
         """Return the state of a stream that begins."""

@@ -5,12 +5,14 @@ the grounding fits the state it is changed in place; where a change can't be mad
 grounded step could see, a loop over several steps) it is dropped and made anew.
 """
 
+import re
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Set
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.oclingo.program.parts import GUARD
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.remarks import likely
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
 from rosoclingo.oclingo.progression.strings import holds_string_apart
@@ -28,6 +30,7 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving import compaction
+from rosoclingo.oclingo.solving.foresight import ForesightRecorder
 from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
@@ -360,7 +363,10 @@ class Transaction:
     def _build(self) -> Grounding:
         """Ground the program anew and put in force all that the state holds."""
         coming = [atom for atom in self._coming if not self._setting.is_too_late(self.state, atom)]
-        self.grounding = build_grounding(self.program, self.state, self._shortest, self._dropped, coming, self._doubted)
+        recorder = ForesightRecorder() if self._setting.foresees and not self._doubted else None
+        self.grounding = build_grounding(
+            self.program, self.state, self._shortest, self._dropped, coming, self._doubted, recorder
+        )
         self._fall_due(self.grounding)
         return self.grounding
 
@@ -371,3 +377,15 @@ class Transaction:
             if str(one) not in told and str(one) not in self.program.warnings:
                 told.add(str(one))
                 yield str(one)
+
+
+def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:
+    """Return what clingo's ``error`` means for the update that was fed to ``grounding``."""
+    redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
+    if redefined is not None:
+        faults = program.redefinition_of(redefined.group("atom"))
+    elif grounding is not None:
+        faults = grounding.messages.faults(error, program.parameter_at)
+    else:
+        return f"the update was refused: {error}"
+    return "the update was refused: " + "\n".join(map(str, faults))

@@ -1,9 +1,14 @@
 """Plans and questions by way of a solver's process: as those of a solver in this process."""
 
+import os
+import signal
+
+import pytest
 from children import kill
 from plain_walk import program_text
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+from rosoclingo.oclingo.remote import solver_process
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
@@ -48,6 +53,53 @@ def test_plans_soon_come_from_a_process_as_well():
         shortest = process.solver().update(ask)
         assert shortest.shortest
         assert shortest.horizon <= soon.horizon
+
+
+WALK = """
+#program base. at(0,0). #show _action_lib/3.
+#program cumulative(t).
+#external _request/2. #external _return/3.
+{ _action_lib(go,X+1,t) } :- at(X,t-1), wanted(Y,t), X < Y.
+at(X,t) :- _action_lib(go,X,t), not failed(t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,X,t), not failed(t).
+failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
+
+
+@pytest.mark.parametrize("between", [signal.SIGCONT, signal.SIGKILL])
+def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
+    """It reads all of that later, as another one does where it has ended."""
+    program, last = ReactiveProgram.from_text(WALK), 2 * solver_process.BEHIND
+    options = {"shortest": True, "oclingo_strings": False, "plan_time": 60.0}
+    here = ReactiveSolver(program, **options)
+
+    def update(step, value):
+        done = f":- not _action_lib(go,{step - 1},{step - 1}). _return(go,{value},{step - 1})."
+        return parse_update(f"#step {step} : 50. #closed {step - 1}. {done} #endstep.")
+
+    with SolverProcess(program, **options) as process:
+        solver = process.solver()
+        ask = parse_update(f"#step 1 : 50. _request({last},1). #endstep.")
+        first = here.update(ask)
+        assert solver.update(ask) == first
+        assert first.horizon == last
+        os.kill(process.pid, signal.SIGSTOP)
+        for step in range(2, last):
+            result = solver.update(update(step, step - 1))
+            assert result == here.update(update(step, step - 1))
+            assert (result.step, result.answers) == (step, first.answers)
+        os.kill(process.pid, between)
+        if between == signal.SIGKILL:
+            kill(process)
+        failed = update(last, "no")
+        assert solver.update(failed) == here.update(failed)
+        assert here.horizon > first.horizon
+        assert solver.log.key == here.log.key
 
 
 def test_what_would_be_is_asked_of_the_process_as_well():

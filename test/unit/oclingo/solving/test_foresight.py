@@ -1,0 +1,257 @@
+"""What is foreseen is answered without a search: as a search would have answered it."""
+
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, StreamUpdate, commitment, parse_atom
+from rosoclingo.oclingo.progression.updates import Assert, Closed, Statement, Volatile
+from rosoclingo.oclingo.solving.foresight import Mentions, foresee, success_of
+from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.solving.stream_log import StreamLog, cycle_of
+
+#: A robot on a line of places that goes where it is wanted; what it does with returns follows.
+WALK = """
+#program base.
+at(0,0).
+#program cumulative(t).
+#external _request/2. #external _return/3.
+{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
+at(X,t) :- _action_lib(go,X,t), not failed(t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,X,t), not failed(t).
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+#program base.
+#show _action_lib/3.
+#program cumulative(t).
+"""
+FAILS = "failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.\n"
+
+#: Rules that ask for returns, in ways that matter and in ways that don't.
+RULES = [
+    FAILS,
+    "rests(t) :- _return(go,1,t).\n:- rests(t-1), _action_lib(go,2,t).\n",
+    "rests(t) :- _return(go,X,t), at(X,t-2).\n:- rests(t-1), _action_lib(go,X,t).\n",
+    "far(t) :- at(3,t).\nfar(t) :- far(t-1).\ntired(t) :- far(t-1), _return(go,X,t).\n#show tired/1.\n",
+    "unsure(t) :- _action_lib(go,X,t), not _return(go,X,t), X = 2.\n#show unsure/1.\n",
+    "often(t) :- 1 { _return(go,X,t) : at(X,t) }.\n#show often/1.\n",
+    "#show told(X,t) : _return(go,X,t), X > 0.\n",
+    "{ _action_lib(call,X,t) } :- at(X,t-1), _return(go,X,t-1).\n",
+    ":- _action_lib(go,X,t), _action_lib(go,Y,t-1), X < Y, not _return(go,Y,t-1).\n",
+]
+
+#: What comes with each step: places that are wanted, and whether the action before has failed.
+NEWS = st.lists(st.tuples(st.lists(st.integers(-3, 4), max_size=1), st.booleans()), min_size=1, max_size=8)
+
+
+def solver_of(text, **options):
+    program = ReactiveProgram.from_text(text)
+    return ReactiveSolver(program, shortest=True, oclingo_strings=False, **{"plan_time": 5.0, **options})
+
+
+def due(solver):
+    """The actions that the last plan has for the step of the last update."""
+    return {one for one in solver.log.plan.actions if cycle_of(one) == solver.step}
+
+
+def told(solver, fails=False, wanted=(), bound=20, further=()):
+    """The update by which the next step begins."""
+    step, done = solver.step, sorted(due(solver))
+    values = [parse_atom(f"_return(go,no,{step})") if fails else success_of(action) for action in done]
+    items = [commitment(one) for one in done] + [Statement(one) for one in values]
+    items += [Statement(parse_atom(f"_request({one},{step + 1})")) for one in wanted]
+    return StreamUpdate(step + 1, bound, (Closed(step, step), *items, *further))
+
+
+def asked(solver):
+    return solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(3,1)")),)))
+
+
+def searched(solver, log, update, demanded=()):
+    """The shortest answer that a solver finds which reads a ``log`` and searches."""
+    other = ReactiveSolver(solver.program, shortest=True, oclingo_strings=False)
+    other.restore(StreamLog.parse(log.text()))
+    items = (*update.items, Volatile(), *map(commitment, demanded))
+    return other.update(StreamUpdate(update.step, update.bound, items))
+
+
+@settings(max_examples=40)
+@given(st.sets(st.sampled_from(RULES), max_size=4), NEWS)
+def test_the_answer_is_one_that_a_search_finds(rules, news):
+    solver = solver_of(WALK + "".join(sorted(rules)))
+    result = solver.update(StreamUpdate(1, 20))
+    for wanted, fails in news:
+        if result.outcome is not SolveOutcome.SATISFIABLE:
+            return
+        before, update = solver.log, told(solver, fails, wanted)
+        result = solver.update(update)
+        if solver.log.foreseen:
+            event("foreseen")
+            rest = solver.log.plan.since(update.step).actions
+            found = searched(solver, before, update, rest)
+            assert found.outcome is SolveOutcome.SATISFIABLE
+            assert found.horizon <= result.horizon
+            assert found.answers[0] == result.answers[0]
+            if result.shortest:
+                assert searched(solver, before, update).horizon == result.horizon
+
+
+@pytest.fixture
+def searches(monkeypatch):
+    """The horizons that clingo was asked for."""
+    found, search = [], Grounding.search
+
+    def note(self, models, stopped, first, last, *rest, **others):
+        found.append((first, last))
+        return search(self, models, stopped, first, last, *rest, **others)
+
+    monkeypatch.setattr(Grounding, "search", note)
+    return found
+
+
+def test_success_takes_no_search_as_long_as_something_is_left_to_do(searches):
+    solver = solver_of(WALK + FAILS)
+    first = asked(solver)
+    assert first.horizon == 3
+    searches.clear()
+    for step in (2, 3):
+        result = solver.update(told(solver))
+        assert (result.step, result.horizon, result.answers) == (step, 3, first.answers)
+        assert result.shortest
+        assert (solver.step, solver.state.step) == (step, step)
+    assert searches == []
+    assert solver.update(told(solver)).horizon == 4
+    assert searches != []
+
+
+def test_what_is_not_foreseen_is_searched(searches):
+    """A failure, something wanted, and what holds for one update or is asserted."""
+    volatile = (Volatile(), Statement(None, (commitment(parse_atom("at(1,1)")).body[0],)))
+    cases = [{"fails": True}, {"wanted": [1]}, {"further": volatile}]
+    cases.append({"further": (Assert(parse_atom("x")), Statement(parse_atom("_request(3,2)")))})
+    for case in cases:
+        solver = solver_of(WALK + FAILS)
+        asked(solver)
+        searches.clear()
+        assert solver.update(told(solver, **case)).outcome is SolveOutcome.SATISFIABLE
+        assert searches != []
+
+
+def test_what_lapses_with_the_update_is_searched(searches):
+    solver = solver_of(WALK + FAILS)
+    update = StreamUpdate(
+        1, 20, (Statement(parse_atom("_request(3,1)")), Volatile(), commitment(parse_atom("at(1,1)")))
+    )
+    assert solver.update(update).foreseen == frozenset()
+    searches.clear()
+    solver.update(told(solver))
+    assert searches != []
+
+
+def test_a_log_that_went_on_otherwise_is_searched(searches):
+    """The answer is that of the log after which it was given."""
+    solver, wanted = solver_of(WALK + FAILS), [parse_atom("_request(3,1)"), parse_atom("_request(-1,1)")]
+    both = solver.update(StreamUpdate(1, 20, tuple(map(Statement, wanted))))
+    before, update = solver.log, told(solver)
+    solver.restore(solver.log.less(frozenset(wanted[1:])))
+    searches.clear()
+    assert solver.update(update).outcome is SolveOutcome.SATISFIABLE
+    assert searches != []
+    solver.restore(before)
+    assert solver.update(update).answers == both.answers
+
+
+@pytest.mark.parametrize("options", [{"plan_time": None}, {"models": 0}, {"oclingo_strings": True}])
+def test_other_solvers_foresee_nothing(options):
+    solver = ReactiveSolver(
+        ReactiveProgram.from_text(WALK + FAILS),
+        shortest=True,
+        **{"oclingo_strings": False, "plan_time": 5.0, **options},
+    )
+    assert asked(solver).foreseen == frozenset()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        (WALK + FAILS).replace("#show _action_lib/3.", ""),
+        WALK + FAILS + "#show _return/3.",
+        WALK + FAILS + "#minimize { 1,X,t : at(X,t) }.",
+    ],
+)
+def test_nothing_is_foreseen_where_answers_tell_more_or_less_than_actions(text):
+    assert asked(solver_of(text)).foreseen == frozenset()
+
+
+def test_steps_are_retired_after_updates_that_were_foreseen(compacts_at_once):
+    """The last answer is that of the grounding, as after a search."""
+    solver = solver_of(WALK + FAILS)
+    first = asked(solver)
+    for _ in range(2):
+        solver.update(told(solver))
+    solver.forget_before(3)
+    solver.update(told(solver, wanted=[1]))
+    assert solver.state.past is not None
+    assert solver.state.past.first == 3
+    assert first.answers[0] <= solver.update(told(solver)).answers[0]
+
+
+def test_a_shorter_plan_is_foreseen_as_well(searches):
+    """And after a return that may bring a shorter plan in nothing is said to be the shortest."""
+    solver = solver_of(WALK + FAILS, plan_time=0.0)
+    asked(solver)
+    while solver.improve() is not None:
+        assert solver.log.plan.horizon >= 3
+    searches.clear()
+    assert solver.update(told(solver)).horizon == solver.log.plan.horizon
+    assert searches == []
+
+
+# ---- Bodies ----------------------------------------------------------------------------------------------------------
+
+GO, TOLD = parse_atom("_action_lib(go,1,7)"), parse_atom("_return(go,1,7)")
+
+
+def foreseen(bodies, true, watched=(10,), lost=()):
+    """What is foreseen of action 1, rival 2, whose return is external 10, with rules' bodies and what is true."""
+    mentions = Mentions()
+    for one in watched:
+        mentions.watch(one, is_new=True)
+    for body in bodies:
+        mentions.note(body)
+    mentions.lose(lost)
+    return foresee([GO], {TOLD: 10}.get, mentions, {7: {1, 2}}.get, lambda one: (abs(one) in true) == (one > 0))
+
+
+@pytest.mark.parametrize(
+    ("bodies", "returns", "certain"),
+    [
+        ([], 1, 1),
+        ([[10]], 0, 0),
+        ([[-10]], 0, 0),
+        ([[10, 1]], 0, 0),  # holds once it is told
+        ([[10, 2]], 1, 1),  # another action was not done
+        ([[10, -1]], 1, 1),
+        ([[-10, 2, 3]], 1, 1),
+        ([[10, 4]], 1, 0),  # what is false in this answer only
+        ([[10, -3]], 1, 0),
+        ([[10, 11]], 0, 0),  # what may be told as well
+        ([[10, 2], [10, 4]], 1, 0),
+        ([[10, 2], [3, 10]], 0, 0),
+        ([[3, 4]], 1, 1),
+    ],
+)
+def test_a_return_is_foreseen_where_each_body_has_something_false(bodies, returns, certain):
+    found = foreseen(bodies, true={1, 3}, watched=(10, 11))
+    assert (len(found.returns), len(found.certain)) == (returns, certain)
+
+
+def test_what_else_asks_for_a_return_is_not_known():
+    assert foreseen([], true={1}, lost=[-10]).returns == frozenset()
+    assert foreseen([], true={1}, watched=()).returns == frozenset()
+    mentions = Mentions()
+    mentions.watch(10, is_new=False)
+    assert mentions.of(10) is None
