@@ -48,6 +48,15 @@ def test_only_plans_for_new_goals_and_full_rooms_tell_that_there_may_be_more():
     assert slow.goals.queue.window.size == 4
 
 
+@pytest.mark.parametrize("seconds", [0.01, 0.133, 0.3])
+def test_a_room_that_is_not_full_stays_as_it_is_where_plans_take_no_longer_than_they_may(seconds):
+    assert crowd(3, search_timeout=10.0).plan(seconds).goals.queue.window.size == 8
+
+
+def test_without_a_limit_in_time_it_does_not_count_how_long_a_plan_takes():
+    assert crowd(40).put_off(*range(9, 41)).plan(1000.0).goals.queue.window.size == 10
+
+
 @pytest.mark.parametrize(("kept", "more"), [(1, 1), (2, 1), (7, 2), (8, 2), (9, 3), (12, 3)])
 def test_after_a_loss_there_is_slowly_more_room(kept, more):
     clients = crowd(40)
@@ -225,6 +234,16 @@ def test_the_next_search_has_more_time_where_no_goal_can_be_taken_out():
     queue.stay(clients.goals.live)
     clients.put_off(2)
     assert queue.patience == 1, "there is something else to plan for"
+
+
+def test_the_next_search_has_ever_more_time_where_nothing_of_an_update_could_be_taken():
+    queue, seen = crowd(1).goals.queue, []
+    for _ in range(5):
+        queue.give_time()
+        seen.append(queue.patience)
+    assert seen == [2, 4, 8, 16, 32]
+    queue.found()
+    assert queue.patience == 1
 
 
 def test_a_search_goes_on_until_something_arrives_where_there_is_nothing_else_to_plan_for():
