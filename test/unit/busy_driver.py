@@ -1,5 +1,6 @@
 """Drives a core whose searches take too long with more than so many goals, or by chance."""
 
+from functools import partial
 from random import Random
 
 from core_driver import Driver, shortest
@@ -51,8 +52,9 @@ class BusyDriver(Driver):
     the core has the patience for it that they are listed with. A plan takes so many ``seconds`` by the number of goals.
     """
 
-    def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, heavy=None):
+    def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, heavy=None, plan_time=None):
         self.most, self.heavy, self.chance, self.random = most, heavy or {}, chance, Random(1)
+        self.plan_time = plan_time
         self.searches, self.cut, self.seconds = [], False, lambda goals: 0.0
         settings = settings or CoreSettings(horizon_limit=30)
         super().__init__(text, settings, program, self.make_solver, lambda: self.look, start=False, events=10**6)
@@ -60,7 +62,7 @@ class BusyDriver(Driver):
 
     def make_solver(self, program):
         """A solver that asks this driver."""
-        solver = shortest(program, BusySolver)
+        solver = shortest(program, partial(BusySolver, plan_time=self.plan_time))
         solver.ends, solver.needed = self.ends, lambda: self.seconds(len(self.core.queue.served))
         return solver
 

@@ -15,8 +15,17 @@ ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_tex
 
 
 def shortest(program: ReactiveProgram, kind: Callable[..., ReactiveSolver] = ReactiveSolver) -> ReactiveSolver:
-    """A solver as the core's node makes it, or one of another ``kind``."""
+    """A solver as the core's node makes it with ``~plan: shortest``, or one of another ``kind``."""
     return kind(program, shortest=True, oclingo_strings=False)
+
+
+def soon(program: ReactiveProgram, plan_time: float = 1.0) -> ReactiveSolver:
+    """A solver as the core's node makes it with ``~plan: soon``."""
+    return ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=plan_time)
+
+
+#: Makers of solvers for either setting of ``~plan``.
+PLANS = {"shortest": shortest, "soon": soon}
 
 
 class Driver:

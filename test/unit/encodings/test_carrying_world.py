@@ -15,12 +15,6 @@ FILES = {"office": ("mailbot.lp", "office.lp"), "house": ("house.lp", "home.lp")
 DOMAINS = {"office": OFFICE, "house": HOUSE}
 
 
-def some_attempts():
-    """A recovery makes so many attempts, whatever the machine's speed."""
-    left = iter(range(8))
-    return lambda: None if next(left, None) is not None else Halt("the test")
-
-
 class Stage:
     """A core in this process, and a play around it."""
 
@@ -30,8 +24,13 @@ class Stage:
         self._commands, self._ends, self.problems = [], [], []
         make = lambda: ReactiveSolver(program, shortest=True, oclingo_strings=False)  # noqa: E731
         settings = CoreSettings(horizon_limit=40)
-        self.core = Core(program, make, self._note, settings, watch_recovery=some_attempts)
+        self.core = Core(program, make, self._note, settings, watch_recovery=self.some_attempts)
         self.core.start()
+
+    def some_attempts(self):
+        """A recovery makes so many attempts, whatever the machine's speed, and more where the core has the patience."""
+        left = iter(range(8 * self.core.queue.patience))
+        return lambda: None if next(left, None) is not None else Halt("the test")
 
     def send(self, key, text):
         self.core.add_goal(key, text)

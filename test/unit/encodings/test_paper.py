@@ -1,10 +1,10 @@
 """The case study of the paper (section IV): its three printed updates and Table I, through the pure core."""
 
 import pytest
-from core_driver import Driver
-from shipped import ENCODINGS
+from core_driver import PLANS, Driver
+from shipped import ENCODINGS, shipped
 
-from rosoclingo.reasoning import PlanMade
+from rosoclingo.reasoning import CoreSettings, PlanMade
 
 UPDATE_1 = """
 #step 1.
@@ -29,9 +29,11 @@ PLAN_2 = ["move_base,office2,1", "move_base,office3,2"]
 PLAN_3 = ["move_base,office2,1", "move_base,office3,2", "pickup,2,4", "move_base,office4,5", "deliver,2,6"]
 
 
-@pytest.fixture(params=["paper.lp", "mailbot.lp office.lp"])
+@pytest.fixture(params=[(names, plan) for names in ("paper.lp", "mailbot.lp office.lp") for plan in sorted(PLANS)])
 def mailbot(request):
-    return Driver.of_shipped(*request.param.split())
+    """Either program, with either setting of ``~plan``."""
+    names, plan = request.param
+    return Driver(settings=CoreSettings(), program=shipped(*names.split()), solver=PLANS[plan])
 
 
 @pytest.fixture

@@ -166,9 +166,10 @@ def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
     assert driver.states("g1")[-1] == "succeeded"
 
 
-def stream(limit):
+def stream(limit, plan_time=None):
     """How errands end of which the far one is done last, and a new one comes each time that one is done."""
-    driver = BusyDriver(settings=CoreSettings(horizon_limit=40, overtaking_limit=limit), most=99)
+    settings = CoreSettings(horizon_limit=40, overtaking_limit=limit)
+    driver = BusyDriver(settings=settings, most=99, plan_time=plan_time)
     driver.core.add_goal("far", "do(far,0)")
     for near in range(1, 31):
         ask(driver, near)
@@ -177,9 +178,10 @@ def stream(limit):
     return driver
 
 
+@pytest.mark.parametrize("plan_time", [None, 0.0, 1.0])
 @pytest.mark.parametrize("limit", [3, pytest.param(10, marks=pytest.mark.slow)])
-def test_a_far_goal_is_not_overtaken_for_ever(limit):
-    driver = stream(limit)
+def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
+    driver = stream(limit, plan_time)
     order = driver.order()
     assert "far" in order
     assert limit <= order.index("far") <= limit + 1, "those that were with the program by then"
@@ -191,24 +193,30 @@ def test_a_far_goal_is_not_overtaken_for_ever(limit):
 
 
 @pytest.mark.slow
-def test_without_a_limit_it_is():
-    assert "far" not in stream(0).order()
+@pytest.mark.parametrize("plan_time", [None, 0.0])
+def test_without_a_limit_it_is(plan_time):
+    assert "far" not in stream(0, plan_time).order()
 
 
-@pytest.mark.slow
-@pytest.mark.once
-def test_a_thousand_goals_with_failures_and_searches_that_are_cut():
-    """Each errand can be done; whatever fails is tried again, whatever is too much waits."""
-    driver, draw, asked = BusyDriver(most=5, chance=0.1), Random(7), 0
+@pytest.mark.parametrize("plan_time", [None, 0.0])
+@pytest.mark.parametrize("goals", [pytest.param(1000, marks=[pytest.mark.slow, pytest.mark.once]), 40])
+def test_many_goals_with_failures_and_searches_that_are_cut(goals, plan_time):
+    """Whatever fails is tried again, whatever is too much waits; only what cannot be done is given up."""
+    driver, draw, asked, hopeless = BusyDriver(most=5, chance=0.1, plan_time=plan_time), Random(7), 0, set()
     for _ in range(20_000):
-        while asked < 1000 and len(driver.core.live_goals) < 20:
-            asked += draw.choice([1, 1, 1, 10])
-            ask(driver, asked)
+        while asked < goals and len(driver.core.live_goals) < 20:
+            for _ in range(draw.choice([1, 1, 1, 10])):
+                asked += 1
+                hopeless |= {f"g{asked}"} if draw.random() < 0.1 else set()
+                ask(driver, asked, what="never" if f"g{asked}" in hopeless else "walk")
         driver.run()
         if not driver.core.awaited:
             break
         driver.fail("failed") if draw.random() < 0.1 else driver.succeed()
-    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
+    found = ends(driver)
+    assert len(found) == asked
+    assert {key for key, outcome in found.items() if outcome is not Outcome.SUCCEEDED} == hopeless
+    assert hopeless
     assert driver.core.live_goals == []
     assert max(driver.searches) > 5
 

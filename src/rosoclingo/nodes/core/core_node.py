@@ -229,11 +229,11 @@ class CoreNode:
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
         """End what takes longer than some seconds, 0 for never, or as long as the core has the patience for."""
         queue = self._core.queue
-        worked, limit = self._solvers.stopwatch(), seconds * queue.patience
+        worked, limit, start = self._solvers.stopwatch(), seconds * queue.patience, time.monotonic()
 
         def look() -> Optional[Halt]:
             """Return why to end it now, None while it may go on."""
-            if not limit > 0 or worked() < limit:
+            if not 0 < limit <= time.monotonic() - start or worked() < limit:
                 return None
             if not queue.unhurried:
                 return Halt(f"it took longer than {limit:g} s")

@@ -1,0 +1,81 @@
+"""Facts that contradict what was done, or one another: as few as can be are withheld, compared with every subset."""
+
+from itertools import combinations
+
+import pytest
+from core_driver import Driver, shortest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, Statement, StreamUpdate, fact, parse_atom, parse_updates
+from rosoclingo.reasoning import CoreSettings, UpdateSent
+
+#: A goal go(Room,Id) is met by one action. What is seen in a cycle may deny what was done then, or what else is seen.
+SIGHTS = """
+#external _request/2. #external _return/3. #external _seen/2.
+#program cumulative(t).
+wanted(R,I,t) :- _request(go(R,I),t+1).
+wanted(R,I,t) :- wanted(R,I,t-1), not been(R,t-1), not _request(cancel(I),t).
+{{ _action_lib(go,R,t) : wanted(R,I,t) }} 1.
+been(R,t) :- _action_lib(go,R,t).
+:- _action_lib(go,R,t), _seen(F,t), denies(F,R).
+:- _seen(F,t), _seen(G,t), rivals(F,G).
+#program volatile(t).
+:- wanted(R,I,t), not been(R,t).
+#program base.
+{facts}
+#show _action_lib/3.
+#defined denies/2. #defined rivals/2.
+"""
+
+ROOMS, SIGHT_NAMES = ("hall", "den", "attic"), ("fog", "glow", "smoke")
+PAIRS = {
+    "denies": st.lists(st.tuples(st.sampled_from(SIGHT_NAMES), st.sampled_from(ROOMS)), max_size=4),
+    "rivals": st.lists(st.sampled_from([("fog", "glow"), ("fog", "smoke"), ("glow", "smoke")]), max_size=2),
+}
+SEEN = st.lists(st.tuples(st.sampled_from(SIGHT_NAMES), st.integers(1, 3)), min_size=1, max_size=4, unique=True)
+
+
+def denied(driver):
+    """The facts that were told to contradict something, each of which was taken otherwise."""
+    return {text.split()[0] for text in driver.journal.problems if " contradicts " in text}
+
+
+def has_answer(program, stream, kept):
+    """Whether a solver of its own has an answer after the stream whose last update tells of the facts ``kept``."""
+    solver, updates = shortest(program), parse_updates(stream)
+    for update in updates[:-1]:
+        solver.update(update)
+    last = updates[-1]
+    items = [one for one in last.items if not (isinstance(one, Statement) and str(one.head).startswith("_seen("))]
+    items += [fact(parse_atom(text)) for text in kept]
+    result = solver.update(StreamUpdate(last.step, last.bound, tuple(items)))
+    return result.outcome is SolveOutcome.SATISFIABLE
+
+
+@pytest.mark.slow
+@settings(max_examples=settings.default.max_examples // 4)
+@example({"denies": [("fog", "hall")], "rivals": [("glow", "smoke")]}, [("fog", 1), ("glow", 2), ("smoke", 2)], True)
+@given(st.fixed_dictionaries(PAIRS), SEEN, st.booleans())
+def test_as_few_facts_as_can_be_are_taken_otherwise(pairs, seen, asked):
+    facts = " ".join(f"{name}({one},{other})." for name, some in pairs.items() for one, other in some)
+    program = ReactiveProgram.from_text(SIGHTS.format(facts=facts))
+    driver = Driver(settings=CoreSettings(horizon_limit=8), program=program)
+    for number, room in enumerate(ROOMS, 1):
+        driver.goal(f"g{number}", f"go({room},{number})").finish()
+    told = [f"_seen({what},{cycle})" for what, cycle in seen]
+    if asked:
+        driver.core.add_goal("late", "go(hall,9)")
+    first = len(driver.journal.updates)
+    driver.facts(*told)
+    stream = "".join(event.stream for event in driver.journal.of(UpdateSent)[: first + 1])
+    fewest = next(
+        size
+        for size in range(len(told) + 1)
+        if any(has_answer(program, stream, set(told) - set(some)) for some in combinations(told, size))
+    )
+    assert len(denied(driver)) == fewest
+    assert has_answer(program, stream, set(told) - denied(driver))
+    driver.finish()
+    assert [driver.states(f"g{number}")[-1] for number in (1, 2, 3)] == ["succeeded"] * 3
+    assert not asked or driver.states("late")[-1] == "succeeded"
