@@ -1,14 +1,16 @@
 """Shorter plans by large neighbourhoods: most of a plan stays, a part of it is free.
 
 Two kinds of parts are free in turns. Of a *window* of steps, what lies before it stays and what lies behind it is done
-one step earlier (Shaw's large neighbourhood search, 1998). At a *detour* the plan is left: at one step anything is done
-but what is planned, and all behind that is free (as in the limited discrepancy search of Harvey and Ginsberg, 1995);
-with ``#heuristic`` the rest is then what these statements advise. Where a round over the plan brings nothing, the next
-has larger windows and more conflicts.
+one step earlier (Shaw's large neighbourhood search, 1998). Where an action is *put off* the plan is left: for some
+steps anything is done but this action, and all is free from there on (a wide form of Harvey and Ginsberg's limited
+discrepancy search, 1995); with ``#heuristic`` the rest is then what these statements advise. Which kinds of actions are
+put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). Where a
+round over the plan brings nothing, the next has larger windows and more conflicts. What is found is pushed together: no
+step is left at which nothing is done, where that is a plan.
 """
 
 from random import Random
-from typing import Callable, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import clingo
 
@@ -20,6 +22,15 @@ SIZE = 16
 
 CONFLICTS = 100
 """Conflicts that a question may take, at first; twice as many in each further round."""
+
+PUT_OFFS = 4
+"""So many times an action is put off after each window."""
+
+FEWER = 4
+"""So many times fewer conflicts it may take to put an action off: that leads to a plan at once or not at all."""
+
+SPANS = (1, 4, 8, 16, 32, 64)
+"""For so many steps an action is put off, one as likely as the other."""
 
 MOST_CONFLICTS = 20_000
 """Where so many conflicts a question bring nothing for the whole plan, nothing is left to try."""
@@ -33,25 +44,30 @@ class Part(NamedTuple):
     Attributes:
         first: its first step.
         last: its last one, None where all is free to the end.
-        otherwise: whether something else is to be done at the first step than what is planned.
+        put_off: an action at the first step, not to be done there.
+        span: nor within so many steps.
 
     """
 
     first: int
     last: Optional[int] = None
-    otherwise: bool = False
+    put_off: Optional[clingo.Symbol] = None
+    span: int = 1
 
     def given(self, plan: Plan) -> Given:
         """Return what is assumed of the actions of ``plan``: those behind the part are done one step earlier."""
-        return [one for action in plan.actions for one in self._assumed(action)]
+        given = [one for action in plan.actions for one in self._assumed(action)]
+        if self.put_off is not None:
+            given += [(_moved(self.put_off, steps), False) for steps in range(self.span)]
+        return given
 
     def _assumed(self, action: clingo.Symbol) -> Given:
         cycle = cycle_of(action)
         if cycle < self.first:
             return [(action, True)]
         if self.last is not None and cycle > self.last:
-            return [(_earlier(action), True)]
-        return [(action, False)] if self.otherwise and cycle == self.first else []
+            return [(_moved(action, -1), True)]
+        return []
 
 
 class Improvement:
@@ -63,6 +79,7 @@ class Improvement:
         self._size, self._conflicts = SIZE, CONFLICTS
         self._random = Random(0)
         self._shortened = False  # in this round
+        self._brought: Dict[clingo.Symbol, Tuple[int, int]] = {}  # kind of actions -> put off, how often of use
         self._parts = self._rounds()
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
@@ -79,8 +96,9 @@ class Improvement:
             part = next(self._parts, None)
             if part is None:
                 break
-            given = part.given(self._plan.since(self._step + 1))
-            found = self._ask(grounding, halt, min(self._plan.horizon - 1, grounding.horizon), [*present, *given])
+            given = [*present, *part.given(self._plan.since(self._step + 1))]
+            conflicts = self._conflicts if part.put_off is None else self._conflicts // FEWER
+            found = self._ask(grounding, halt, min(self._plan.horizon - 1, grounding.horizon), given, conflicts)
             if found.satisfiable:
                 return self._take(grounding, halt, present, found)
             if found.satisfiable is False and part == Part(self._step + 1):
@@ -93,15 +111,15 @@ class Improvement:
         open_actions = grounding.actions(min(cycles), self._step)
         return [(action, action in self._plan.actions) for action in open_actions]
 
-    def _ask(self, grounding: Grounding, halt: Callable[[], bool], last: int, given: Given) -> Search:
-        return grounding.search(1, halt, self._first, last, given, self._conflicts, best=False)
+    def _ask(self, grounding: Grounding, halt: Callable[[], bool], last: int, given: Given, conflicts: int) -> Search:
+        return grounding.search(1, halt, self._first, last, given, conflicts, best=False)
 
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
-        """Take ``found`` for the plan; where it idles at its end, the same without these steps if that is one."""
-        plan = Plan.of(found.answers[-1], found.horizon).since(self._step + 1)
+        """Take ``found`` for the plan; where it idles, the same without these steps if that is one."""
+        plan = _without_idling(Plan.of(found.answers[-1], found.horizon).since(self._step + 1), self._step)
         end = max(self._first, self._step, plan.last_cycle)
         if end < found.horizon:
-            sooner = self._ask(grounding, halt, end, [*present, *Part(end + 1).given(plan)])
+            sooner = self._ask(grounding, halt, end, [*present, *Part(end + 1).given(plan)], self._conflicts)
             found = sooner if sooner.satisfiable else found
         self._plan = Plan.of(found.answers[-1], found.horizon)
         self._shortened = True
@@ -121,14 +139,28 @@ class Improvement:
                 self._size, self._conflicts = self._size * 3 // 2, min(self._conflicts * 2, MOST_CONFLICTS)
 
     def _round(self) -> Iterator[Part]:
-        """Yield windows from the present to the end, which overlap by half, and a detour after each."""
+        """Yield windows from the present to the end, which overlap by half; after each some actions are put off."""
         first = self._step + 1
         while first <= self._plan.horizon and self._length > 0:
             last = first + self._size - 1
             yield Part(first, last if last < self._plan.horizon else None)
-            if self._length > 0:
-                yield Part(self._random.randint(self._step + 1, self._plan.horizon), otherwise=True)
+            for _ in range(PUT_OFFS):
+                yield from self._without_one()
             first = max(self._step + 1, first + self._size // 2)
+
+    def _without_one(self) -> Iterator[Part]:
+        """Yield a part in which an action is put off, and see what it brings; none where nothing is to be done."""
+        kinds: Dict[clingo.Symbol, List[clingo.Symbol]] = {}
+        for action in sorted(self._plan.since(self._step + 1).actions):
+            kinds.setdefault(action.arguments[0], []).append(action)
+        if self._length <= 0 or not kinds:
+            return
+        brought = [self._brought.get(kind, (1, 1)) for kind in kinds]
+        (kind,) = self._random.choices(list(kinds), [useful / tried for tried, useful in brought])
+        action, horizon = self._random.choice(kinds[kind]), self._plan.horizon
+        yield Part(cycle_of(action), put_off=action, span=self._random.choice(SPANS))
+        tried, useful = self._brought.get(kind, (1, 1))
+        self._brought[kind] = tried + 1, useful + (self._plan.horizon < horizon)
 
     @property
     def _length(self) -> int:
@@ -136,5 +168,12 @@ class Improvement:
         return self._plan.horizon - max(self._step, self._first)
 
 
-def _earlier(action: clingo.Symbol) -> clingo.Symbol:
-    return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) - 1)])
+def _without_idling(plan: Plan, step: int) -> Plan:
+    """Return ``plan``, which begins behind ``step``, without the steps at which nothing is done."""
+    cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
+    return plan._replace(actions=frozenset(_moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
+
+
+def _moved(action: clingo.Symbol, steps: int) -> clingo.Symbol:
+    """Return the same action so many steps later."""
+    return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) + steps)])

@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_walk import Walk, program_text
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamUpdate, parse_update
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamUpdate, parse_atom, parse_update
 from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.solving.improvement import Part
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
@@ -29,6 +30,11 @@ def stop_after(looks):
 
 def at(plan, first, last):
     return {one for one in plan.actions if first <= cycle_of(one) <= last}
+
+
+def moved(action, steps):
+    kind, what, cycle = action.arguments
+    return parse_atom(f"_action_lib({kind},{what},{cycle.number + steps})")
 
 
 def worse(plan, step, idle):
@@ -79,6 +85,22 @@ def test_nothing_is_tried_where_there_is_nothing_to_shorten():
     assert solver.improve(lambda: asked.append(1)) is None
     assert len(asked) <= 1
     assert ReactiveSolver(PROGRAMS[True]).improve() is None
+
+
+def test_all_idle_steps_go_at_once_with_the_first_that_a_window_fills():
+    solver = solver_of()
+    solver.update(parse_update("#step 1. _request(40,1). #endstep."))
+    plan = solver.log.plan
+    idle = {one: sum(cycle_of(one) > last for last in (4, 22, 30)) for one in plan.actions}
+    solver.log.plan = Plan(frozenset(moved(one, steps) for one, steps in idle.items()), plan.horizon + 3)
+    assert solver.improve().horizon == plan.horizon
+
+
+def test_an_action_is_put_off_for_some_steps_and_all_is_free_from_there_on():
+    actions = [parse_atom(text) for text in ("_action_lib(go,a,1)", "_action_lib(take,b,2)", "_action_lib(go,c,3)")]
+    part = Part(2, put_off=actions[1], span=3)
+    later = [parse_atom(f"_action_lib(take,b,{cycle})") for cycle in (2, 3, 4)]
+    assert part.given(Plan(frozenset(actions), 3)) == [(actions[0], True), *((one, False) for one in later)]
 
 
 def test_the_next_update_goes_on_from_the_better_plan():
