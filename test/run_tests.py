@@ -43,6 +43,7 @@ IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
 NOT_ONCE = ("-m", "not once")
 BRIEF = {"HYPOTHESIS_PROFILE": "brief"}
+ON_PYTHON38 = " on Python 3.8"
 NO_PYTHON38 = 3  # the exit code of ./dev exec-python38 where there is none
 
 
@@ -79,26 +80,30 @@ class Tests:
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
-        """All groups; what uses one core or waits is run beside others, in a workspace that these do not use."""
+        """All groups; beside rostests, which wait, a workspace is built that they do not use."""
         outcome = self.lint(()) + self.unit(())
-        with _beside(_python38_environment) as environment:
+        with _beside(_python38_environment) as found:
             outcome += self.rostest(())
+            environment = found.result()
+        outcome += self._unit_again(environment)
         with _beside(self.install, ()) as installed:
-            outcome += self._python38(environment.result())
+            outcome += self._rostests_again(environment)
             return outcome + installed.result()
 
     def python38(self, _names: Sequence[str]) -> Outcome:
         """On Python 3.8, if there is one: the unit tests, and the rostests that need no compiled module."""
-        return self._python38(_python38_environment())
+        environment = _python38_environment()
+        return self._unit_again(environment) + self._rostests_again(environment)
 
-    def _python38(self, environment: Mapping[str, str]) -> Outcome:
+    def _unit_again(self, environment: Mapping[str, str]) -> Outcome:
         if not environment:
             print("none   python38: what is above says why", flush=True)
             return Outcome()
-        suffix = " on Python 3.8"
-        outcome = self._unit("unit" + suffix, {**environment, **BRIEF}, [*IN_PARALLEL, *NOT_ONCE])
-        again = [path for path in ROSTESTS if path.stem not in ONCE]
-        return outcome + self._rostests(rostests_within(environment, again), suffix, environment)
+        return self._unit("unit" + ON_PYTHON38, {**environment, **BRIEF}, [*IN_PARALLEL, *NOT_ONCE])
+
+    def _rostests_again(self, environment: Mapping[str, str]) -> Outcome:
+        again = [path for path in ROSTESTS if path.stem not in ONCE] if environment else []
+        return self._rostests(rostests_within(environment, again), ON_PYTHON38, environment) if again else Outcome()
 
     def _lint(self, names: Iterable[str]) -> Outcome:
         sources = [str(path) for folder in PYTHON_FOLDERS for path in _python_files(ROOT / folder)]

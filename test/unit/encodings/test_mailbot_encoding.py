@@ -126,7 +126,7 @@ def ends(robot):
 @pytest.mark.parametrize("capacity", [1, 2, 3])
 def test_more_packages_than_fit(corridors, capacity):
     robot = Mailbot(6, corridors, 3, capacity)
-    for number in range(1, 6):
+    for number in range(1, capacity + 3):
         robot.request(number, number % 2 + 1, 6 - number % 3)
     finish(robot)
     assert set(ends(robot).values()) == {"succeeded"}

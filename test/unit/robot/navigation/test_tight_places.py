@@ -8,9 +8,8 @@ from rosoclingo.robot.navigation import Costmap, Outcome, Pose2D, Velocity
 from rosoclingo.robot.navigation.local_planner import STOP, Command, FollowOutcome
 from rosoclingo.robot.simulation import DoorSpec
 
-pytestmark = pytest.mark.slow
 
-
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("resolution", "gap", "radius"),
     [
@@ -34,6 +33,7 @@ def test_gaps_with_millimetres_to_spare(resolution, gap, radius, late):
     assert drive.recoveries == []
 
 
+@pytest.mark.slow
 def test_a_bent_passage_with_millimetres_to_spare():
     """The robot has to turn where it can hardly move."""
     walls = [(2.0, 0.0, 2.1, 1.0), (2.0, 1.4, 2.1, 4.0), (2.5, 0.6, 2.6, 4.0), (2.1, 0.5, 3.5, 0.6)]
@@ -43,6 +43,7 @@ def test_a_bent_passage_with_millimetres_to_spare():
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
     """A door is closed whenever the robot comes near, and open again when it has turned away."""
     walls = [(2.9, 1.5, 3.1, 9.0)]
@@ -92,6 +93,7 @@ def test_what_is_hit_now_and_then_stays_marked_once_it_is():
     assert not costmap.marks[costmap.grid.cell(2.03, 3.02)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [0.1, 0.05])
 def test_a_long_footprint_gets_straight_into_a_gap(resolution):
     """The robot cannot turn in the gap, whose way in is askew."""
@@ -103,6 +105,7 @@ def test_a_long_footprint_gets_straight_into_a_gap(resolution):
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 def test_a_footprint_backs_out_of_where_it_cannot_turn():
     """A dead end hardly wider than the robot, into which it has driven."""
     walls = [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]
@@ -112,6 +115,7 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize("yaw", [0.0, np.pi])
 @pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])
@@ -143,6 +147,7 @@ def test_who_turns_round_stops_first(command, before, stops):
     assert found == Command(FollowOutcome.DRIVING, STOP if stops else Velocity(*command))
 
 
+@pytest.mark.slow
 def test_what_could_not_be_got_through_is_gone_round():
     """Behind the near door is a corner that a long robot cannot take; it backs out and takes the far one."""
     walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.5, 3.1, 4.6), (3.55, 0.0, 3.65, 2.6), (2.9, 5.1, 3.1, 6.0)]

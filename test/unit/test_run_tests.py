@@ -1,0 +1,85 @@
+"""What ``./dev test`` runs: every group, and beside each other only what uses different workspaces."""
+
+import threading
+
+import pytest
+import run_tests
+from outcome import Outcome
+
+HERE, AGAIN = "unit", "unit on Python 3.8"
+
+
+class Notes(run_tests.Tests):
+    """Notes what is run and what of it is at work at the same time, and runs nothing; what is in ``bad`` fails."""
+
+    def __init__(self, bad):
+        self.bad, self.done, self.at_work, self.met = bad, [], set(), set()
+        self.lock = threading.Lock()
+        self.beside = {"set-up": threading.Barrier(2), "install": threading.Barrier(2)}
+
+    def note(self, name, *meeting):
+        """``meeting`` are those of ``beside`` that have to be at work now."""
+        with self.lock:
+            self.met |= {frozenset((name, other)) for other in self.at_work}
+            self.at_work.add(name)
+        for other in meeting:
+            self.beside[other].wait(60.0)
+        with self.lock:
+            self.at_work.remove(name)
+            self.done.append(name)
+        return Outcome(1, (name,) if name in self.bad else ())
+
+    def _run(self, name, command, limit, environment, reports=None):
+        return self.note(name, *(["install"] if name == "install" else []))
+
+    def _unit(self, name, environment, arguments):
+        return self.note(name)
+
+    def _rostests(self, paths, suffix, environment):
+        self.rostests = {*getattr(self, "rostests", ()), *(path.stem + suffix for path in paths)}
+        return self.note(f"rostests{suffix}", "install" if suffix else "set-up")
+
+
+@pytest.fixture
+def whole(monkeypatch):
+    """Runs all, with a Python 3.8 or without."""
+
+    def run(bad=(), found=True):
+        notes = Notes(bad)
+        notes.work = run_tests.ROOT
+
+        def environment():
+            notes.note("set-up", "set-up")
+            return {"PATH": "there"} if found else {}
+
+        monkeypatch.setattr(run_tests, "_python38_environment", environment)
+        monkeypatch.setattr(run_tests, "rostests_within", lambda environment, paths: paths)
+        if not found:
+            notes.beside["install"] = threading.Barrier(1)
+        return notes, notes.whole()
+
+    return run
+
+
+def test_all_groups_are_run(whole):
+    notes, outcome = whole()
+    every = [*run_tests.LINTERS, HERE, "rostests", "set-up", AGAIN, "rostests on Python 3.8", "install"]
+    assert sorted(notes.done) == sorted(every)
+    assert {path.stem for path in run_tests.ROSTESTS} <= notes.rostests
+    assert not {f"{name} on Python 3.8" for name in run_tests.ONCE} & notes.rostests
+    assert notes.met == {frozenset(("set-up", "rostests")), frozenset(("install", "rostests on Python 3.8"))}
+    assert (outcome.passed, outcome.failures) == (len(every) - 1, ())
+
+
+@pytest.mark.parametrize("bad", ["mypy", HERE, "rostests", AGAIN, "rostests on Python 3.8", "install"])
+def test_each_failure_is_told_and_the_others_are_run(whole, bad):
+    notes, outcome = whole(bad=[bad])
+    assert outcome.failures == (bad,)
+    assert notes.done.count("install") == 1
+
+
+def test_without_python38_the_rest_is_run(whole, capsys):
+    notes, outcome = whole(found=False)
+    assert "none   python38" in capsys.readouterr().out
+    assert {AGAIN, "rostests on Python 3.8"}.isdisjoint(notes.done)
+    assert outcome.passed == len(run_tests.LINTERS) + 3
