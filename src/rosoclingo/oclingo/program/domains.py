@@ -5,6 +5,7 @@ ground them anew. But rules such as ``go(D,t) :- moved(D,t), direction(D).`` say
 for: these may be declared with the step, so that nothing is ground anew for one of them.
 """
 
+from math import prod
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -34,9 +35,8 @@ def may_see_later(seen: Mapping[Signature, Sequence[Pattern]], defined: Mapping[
 
 
 def _is_ahead(seen: Pattern, defined: Pattern) -> bool:
-    if seen.offset is None or defined.offset is None or seen.offset[0] != defined.offset[0]:
-        return True
-    return seen.offset[1] > defined.offset[1]
+    common = seen.offsets.keys() & defined.offsets.keys()
+    return all(seen.offsets[position] > defined.offsets[position] for position in common)
 
 
 class Domain(NamedTuple):
@@ -54,6 +54,12 @@ class Domain(NamedTuple):
     parameters: List[str]
     text: str
     bounds: Tuple[Tuple[Signature, ...], ...]
+
+    def size(self, control: clingo.Control) -> int:
+        """Return how many atoms it has at each step at most, by what is ground of base in ``control``."""
+        atoms = control.symbolic_atoms
+        counts = {one: sum(1 for _ in atoms.by_signature(*one)) for bound in self.bounds for one in bound}
+        return sum(prod(counts[one] for one in bound) for bound in self.bounds)
 
 
 def domains(parts: Sequence[Part], opened: Iterable[Signature], constants: Constants) -> Dict[Signature, Domain]:

@@ -30,16 +30,17 @@ class Pattern:
 
     def prepare(self) -> None:
         """Work out at once all that is to be known of it; else it is when it is asked for, as most never are."""
-        self._matches, self.offset, self._look_back  # noqa: B018
+        self._matches, self.offsets, self._look_back  # noqa: B018
 
     @cached_property
     def _matches(self) -> Test:
         return _test(self._term, self.parameter, self._constants)
 
     @cached_property
-    def offset(self) -> Optional[Tuple[int, int]]:
-        """The position of the first argument that is the parameter plus a number, and this number; None for none."""
-        return _offset(self._arguments(), self.parameter, self._constants)
+    def offsets(self) -> Dict[int, int]:
+        """The positions of the arguments that are the parameter plus a number, in order, each with this number."""
+        found = {n: time_offset(one, self.parameter, self._constants) for n, one in enumerate(self._arguments())}
+        return {position: offset for position, offset in found.items() if offset is not None}
 
     @cached_property
     def _look_back(self) -> List[Tuple[int, int]]:
@@ -75,20 +76,11 @@ class Pattern:
 
     def _pinned_step(self, atom: clingo.Symbol) -> Optional[int]:
         """Return the one step at which an argument like ``t`` or ``t+1`` fits, None where no argument tells."""
-        if self.offset is None:
+        if not self.offsets:
             return None
-        position, offset = self.offset
+        position, offset = next(iter(self.offsets.items()))
         value = atom.arguments[position]
         return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
-
-
-def _offset(arguments: Sequence[AST], parameter: str, constants: Constants) -> Optional[Tuple[int, int]]:
-    """Return the position of the first argument that is the parameter and a number, and this number."""
-    for position, argument in enumerate(arguments):
-        offset = time_offset(argument, parameter, constants)
-        if offset is not None:
-            return position, offset
-    return None
 
 
 def _look_back(arguments: Sequence[AST], parameter: str, statement: AST, constants: Constants) -> List[Tuple[int, int]]:

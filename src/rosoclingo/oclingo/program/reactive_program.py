@@ -1,5 +1,6 @@
 """Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
 
+from functools import cached_property
 from pathlib import Path
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
@@ -37,7 +38,6 @@ class ReactiveProgram:
         signatures: all predicates that the program mentions.
         advises: whether ``#heuristic`` statements tell the solver where to look first.
         shows: the predicates of ``#show p/n.``
-        steps_apart: whether no step sees what a later one defines, so that steps may as well be ground together.
         domains: what the rules of a step could use of open signatures, where they tell.
         warnings: what is odd but usable, as text.
 
@@ -160,6 +160,11 @@ class ReactiveProgram:
         known = any(one.may_match(atom, first, _FAR) for one in self._action_cycles)
         return known or ACTION in self.open_signatures
 
+    @cached_property
+    def steps_apart(self) -> bool:
+        """Whether no step sees what a later one defines, so that steps may as well be ground together."""
+        return not any(may_see_later(self._patterns, one) for one in (self._heads, self._declarations))
+
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
         patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
@@ -213,7 +218,6 @@ class ReactiveProgram:
                     (self._declarations if external else self._heads).setdefault(one.signature, []).append(pattern)
                 if not one.head or one.signature in self.open_signatures:
                     self._patterns.setdefault(one.signature, []).append(pattern)
-        self.steps_apart = not any(may_see_later(self._patterns, one) for one in (self._heads, self._declarations))
         free = self.open_signatures - self.head_signatures - self._declarations.keys()
         self.domains = domains(self.parts, free, self._values)
 

@@ -118,6 +118,11 @@ class AtomTable:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""
         return atom in self._closed
 
+    @property
+    def awaited(self) -> Collection[clingo.Symbol]:
+        """The atoms that bodies mention and nothing has brought yet."""
+        return self._absent.keys()
+
     def is_awaited(self, atom: clingo.Symbol) -> bool:
         """Tell whether a body mentions ``atom`` that nothing has brought yet."""
         return atom in self._absent

@@ -5,7 +5,6 @@ away and built anew at any time from the solver's state.
 """
 
 from functools import cached_property
-from math import prod
 from typing import (
     Any,
     Callable,
@@ -28,7 +27,6 @@ from clingo.propagator import Propagator
 from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.domains import Domain
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement
@@ -61,8 +59,8 @@ BASE = -(2**31)
 class Search(NamedTuple):
     """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last.
 
-    Where there is no answer, ``core`` are the facts in doubt because of which there is none. ``foreseen`` are returns
-    that may be told, where that is recorded.
+    Where there is no answer, ``core`` are the facts in doubt because of which there is none; ``timeless`` tells that no
+    other horizon has one for the same reason. ``foreseen`` are returns that may be told, where that is recorded.
     """
 
     satisfiable: Optional[bool]
@@ -70,6 +68,7 @@ class Search(NamedTuple):
     horizon: int = 0
     core: FrozenSet[clingo.Symbol] = frozenset()
     foreseen: Foreseen = Foreseen()
+    timeless: bool = False
 
 
 class Grounding:
@@ -200,13 +199,7 @@ class Grounding:
         Where steps are retired there are none: what nobody has defined would hold them.
         """
         known = () if self._shortest else self.program.domains.values()
-        return [domain.part for domain in known if self._size(domain) <= DOMAIN_LIMIT]
-
-    def _size(self, domain: Domain) -> int:
-        """Return how many atoms it may have at most."""
-        atoms = self._control.symbolic_atoms
-        counts = {one: sum(1 for _ in atoms.by_signature(*one)) for bound in domain.bounds for one in bound}
-        return sum(prod(counts[one] for one in bound) for bound in domain.bounds)
+        return [domain.part for domain in known if domain.size(self._control) <= DOMAIN_LIMIT]
 
     def _bound(self, step: int) -> None:
         """Tie the volatile rules of ``step`` to the horizon."""
@@ -277,6 +270,12 @@ class Grounding:
         """Whether what has been added can never be satisfied, whatever externals and further steps bring."""
         return bool(self._control.is_conflicting)
 
+    @property
+    def complete(self) -> bool:
+        """Whether further steps leave what is ground as it is: where it has no answer, they bring none."""
+        defined = self.program.external_signatures & self.program.head_signatures
+        return not (self.atoms.awaited or self._ends.coming or (defined and not self.program.steps_apart))
+
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the ``_action_lib`` atoms of the cycles first..last, as far as these have not been closed."""
         return self._actions.between(first, last)
@@ -300,15 +299,12 @@ class Grounding:
         ``best``, or else any. Of the facts in doubt all were told but those ``untold``.
         """
         self.atoms.end_definitions()
-        assumptions: List[Any] = [*self._ends.range(first, last), *given]
-        assumptions += self._doubts.assumptions(untold) if self._doubts else []
+        doubts, horizon = self._doubts.assumptions(untold) if self._doubts else [], self._ends.range(first, last)
+        assumptions: List[Any] = [*doubts, *horizon, *given]  # clasp blames the first ones first
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons, foreseen = [last], [Foreseen()]
-        self._set("models", str(models))
-        self._set("solve_limit", "umax,umax" if conflicts is None else f"{conflicts},umax")
-        if self.program.optimizes:
-            self._set("opt_mode", "optN" if best else "ignore")
+        self._configure(models, conflicts, best)
 
         def keep(model: clingo.Model) -> None:
             """Take a model for an answer; where there is something to optimize, only one that is proven best."""
@@ -324,22 +320,30 @@ class Grounding:
                 if stopped():
                     handle.cancel()
             result = handle.get()
-            blamed = self._doubts.among(handle.core()) if self._doubts and result.satisfiable is False else frozenset()
+            core = set(handle.core()) if self._doubts and result.satisfiable is False else set(horizon)
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
-        return Search(bool(result.satisfiable), tuple(answers), horizons[-1], blamed, foreseen[-1])
+        if result.satisfiable:
+            return Search(True, tuple(answers), horizons[-1], foreseen=foreseen[-1])
+        blamed = self._doubts.among(core) if self._doubts else frozenset()
+        return Search(False, core=blamed, timeless=core.isdisjoint(horizon))
 
     def _foresee(self, model: clingo.Model, mentions: Mentions) -> Foreseen:
         """Return what is foreseen of a model whose shown atoms are known."""
         actions = self._actions.among(self.shown)
         return foresee(actions, self.atoms.open_literal, mentions, self._actions.literals, model.is_true)
 
-    def _set(self, option: str, value: str) -> None:
-        """Give an option of clasp's search a value; which takes longer than to see that it has it."""
-        if self._options.get(option) != value:
-            setattr(self._control.configuration.solve, option, value)
-            self._options[option] = value
+    def _configure(self, models: int, conflicts: Optional[int], best: bool) -> None:
+        """Set clasp's options that differ from those of the last search: to set one takes long."""
+        limit = "umax,umax" if conflicts is None else f"{conflicts},umax"
+        options = {"models": str(models), "solve_limit": limit}
+        if self.program.optimizes:
+            options["opt_mode"] = "optN" if best else "ignore"
+        for name, value in options.items():
+            if self._options.get(name) != value:
+                setattr(self._control.configuration.solve, name, value)
+        self._options = options
 
 
 BLOCK = 64

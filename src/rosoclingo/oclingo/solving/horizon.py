@@ -5,7 +5,7 @@ so the horizon H is where ``not beyond(H), beyond(H+1)``, and an instance of ``#
 holds while S <= H <= S+w-1, holds where ``not beyond(S), beyond(S+w)``.
 """
 
-from typing import Dict, List, Set
+from typing import Collection, Dict, List, Set
 
 import clingo
 
@@ -35,6 +35,11 @@ class HorizonLiterals:
     def expire(self) -> None:
         """Note that there may be new names."""
         self._index.expire()
+
+    @property
+    def coming(self) -> Collection[int]:
+        """The steps that rules name and that are not grounded yet: what is of them is forbidden until they are."""
+        return self._coming.keys()
 
     def _literal(self, step: int) -> int:
         """Return the literal ``beyond(step)``, making it and those before it."""

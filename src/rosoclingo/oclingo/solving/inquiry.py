@@ -59,7 +59,8 @@ class Inquiry:
         """Tell whether there is an answer of at most ``bound`` steps, had the facts ``untold`` not been told.
 
         The longest horizon that may do is asked for last: with more steps it is easier to find an answer, but all of
-        them have to be ground where there is none. Raises DroppedError and RuntimeError as a grounding made anew does.
+        them have to be ground where there is none, unless the reason for that has nothing to do with the horizon.
+        Raises DroppedError and RuntimeError as a grounding made anew does.
         """
         transaction = self._begun(halt, dropped)
         if transaction is None:
@@ -77,7 +78,7 @@ class Inquiry:
             core = set(found.core) if self._idles else core | found.core
             if grounding.conflicting:
                 return Verdict(False)
-            if last == self._end(transaction):
+            if last == self._end(transaction) or (found.timeless and grounding.complete):
                 return Verdict(False, frozenset(core))
         return Verdict(None)
 

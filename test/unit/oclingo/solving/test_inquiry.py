@@ -129,6 +129,7 @@ def test_as_if_never_told(stream):
     assert solver.log is before
 
 
+FAR = "#external go/0. #program cumulative(t). #program volatile(t). :- t < 150, go."
 BOLT = "#external bolt/1. #external knock/1. #program base. :- bolt(a), bolt(b), not knock(c). :- knock(d)."
 
 
@@ -167,12 +168,11 @@ def test_as_many_steps_as_the_question_allows():
 
 
 def test_a_stop():
-    solver = solver_of(BOLT)
-    update, asked = parse_update("#step 1 : 500. knock(d). #end step."), []
-    knock = frozenset([parse_atom("knock(d)")])
-    assert solver.inquire(update, knock, frozenset(), lambda: True).satisfiable is None
-    assert solver.inquire(update, knock, frozenset(), lambda: asked.append(1) or len(asked) > 4).satisfiable is None
-    assert solver.inquire(update, knock, frozenset()) == (False, knock)
+    solver, go = solver_of(FAR), frozenset([parse_atom("go")])
+    update, asked = parse_update("#step 1 : 100. go. #end step."), []
+    assert solver.inquire(update, go, frozenset(), lambda: True).satisfiable is None
+    assert solver.inquire(update, go, frozenset(), lambda: asked.append(1) or len(asked) > 4).satisfiable is None
+    assert solver.inquire(update, go, frozenset()) == (False, go)
 
 
 def test_a_stop_while_the_update_is_taken():
@@ -198,9 +198,6 @@ def work(monkeypatch):
     monkeypatch.setattr(Grounding, "ground_to", ground_to)
     monkeypatch.setattr(Grounding, "search", searched)
     return done
-
-
-FAR = "#external go/0. #program cumulative(t). #program volatile(t). :- t < 150, go."
 
 
 def test_each_search_has_twice_as_many_steps(work):
@@ -325,3 +322,31 @@ def test_what_will_lapse_may_be_in_doubt():
     assert [solver.inquire(again, knock, untold).satisfiable for untold in (frozenset(), knock)] == [False, True]
     over = parse_update("#step 2 : 3. #retract : a. #end step.")
     assert [solver.inquire(over, knock, untold).satisfiable for untold in (frozenset(), knock)] == [True, True]
+
+
+def test_a_reason_that_no_horizon_mends_needs_no_further_steps(work):
+    solver, bolt = solver_of(BOLT), frozenset([parse_atom("bolt(a)")])
+    update = parse_update("#step 1 : 300. bolt(a). bolt(b). #end step.")
+    assert solver.inquire(update, bolt, frozenset()) == (False, bolt)
+    assert work[-1] == "1..1"
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "#external go/0. #cumulative t. c(t).",  # a constraint of the update asks for c(9)
+        "#external go/0. #cumulative t. #external e(t). e(t-1) :- t = 3. :- t = 2, go, not e(t).",
+        "#external go/0. #cumulative t. { _action_lib(a,b,t+1) }. :- t = 2, go, not _action_lib(a,b,t+1).",
+    ],
+)
+def test_what_only_further_steps_bring_is_waited_for(rules):
+    solver, go = solver_of(rules), frozenset([parse_atom("go")])
+    asks = ":- go, not c(9)." if "c(t)" in rules else ""
+    update = parse_update(f"#step 2 : 20. go. {asks} #end step.")
+    assert solver.inquire(update, go, frozenset()).satisfiable
+    assert solver.inquire(update, go, go).satisfiable
+
+
+def test_steps_that_are_refuted_are_asked_for_once(work):
+    assert solver_of(FAR).update(parse_update("#step 1 : 16. go. #end step.")).outcome is SolveOutcome.UNSATISFIABLE
+    assert " ".join(work[-5:]) == "1..1 >9 2..9 >17 10..17"
