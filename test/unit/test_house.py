@@ -3,6 +3,7 @@
 import ast
 import re
 import xml.etree.ElementTree as ElementTree
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,7 @@ def relative(path):
     return str(path.relative_to(ROOT))
 
 
+@lru_cache(maxsize=None)
 def imports_of(path):
     """The absolute names of all modules that a file imports; for "from a import b" both a and a.b."""
     package = path.relative_to(ROOT / "src").with_suffix("").parts if path.suffix else ()

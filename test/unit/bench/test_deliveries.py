@@ -101,7 +101,11 @@ def test_a_copy_goes_its_own_way():
     assert (there.actions, there.waiting, len(there.carried)) == (1, {}, 1)
 
 
-@pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.name)
+@pytest.mark.parametrize(
+    "floor",
+    [FLOORS[0], *(pytest.param(one, marks=pytest.mark.slow) for one in FLOORS[1:])],
+    ids=lambda floor: floor.name,
+)
 def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
     requests = deliveries.random_requests(floor, 3, seed=1)
     program = ReactiveProgram([Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source(floor.name, floor.instance)])

@@ -233,7 +233,7 @@ def test_what_the_core_has_ended_itself_is_no_failure():
     assert ends(robot) == {1: "succeeded"}
 
 
-@pytest.mark.parametrize("reason", ["o4", "1", '"o2"', "77"])
+@pytest.mark.parametrize("reason", ["o4", *(pytest.param(one, marks=pytest.mark.slow) for one in ("1", '"o2"', "77"))])
 def test_the_name_of_something_else_is_a_failure(reason):
     robot = Mailbot(6, ROW)
     robot.request(1, 2, 3)
@@ -266,10 +266,11 @@ def test_what_could_not_be_put_down_is_asked_for_again():
     assert ends(robot) == {1: "succeeded"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("moves", "then"),
     [
-        pytest.param(0, ["deliver,7", "pickup,7", "move_base,office1", "deliver,7"], marks=pytest.mark.slow),
+        (0, ["deliver,7", "pickup,7", "move_base,office1", "deliver,7"]),
         (1, ["move_base,office2", "move_base,office1", "deliver,7"]),
     ],
 )

@@ -193,7 +193,10 @@ def test_facts_of_cycles_long_over_are_taken_for_the_present():
     assert driver.finish().states("b")[-1] == "succeeded"
 
 
-@pytest.mark.parametrize("fact", ["_blocked(hallway,living_room,1)", "_blocked(hallway,living_room,now)"])
+@pytest.mark.parametrize(
+    "fact",
+    [pytest.param("_blocked(hallway,living_room,1)", marks=pytest.mark.slow), "_blocked(hallway,living_room,now)"],
+)
 def test_the_house(fact):
     driver = Driver.of_shipped("house.lp", "home.lp")
     driver.goal("a", "bring(bedroom,newspaper)").finish().facts(fact)
