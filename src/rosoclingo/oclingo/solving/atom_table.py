@@ -4,25 +4,11 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import (
-    Collection,
-    Container,
-    ContextManager,
-    Dict,
-    Iterable,
-    Iterator,
-    List,
-    Mapping,
-    Optional,
-    Sequence,
-    Set,
-    Tuple,
-)
+from typing import Collection, Container, ContextManager, Dict, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Backend, Observer
 
-from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 
 OPEN, HOLDS, RELEASED = clingo.TruthValue.False_, clingo.TruthValue.True_, clingo.TruthValue.Release
@@ -70,12 +56,7 @@ class BackendSession:
 
 
 class AtomTable:
-    """Atoms of one control, seen as what updates may say of them.
-
-    Attributes:
-        stepless: the atoms of open signatures that no step declares.
-
-    """
+    """Atoms of one control, seen as what updates may say of them."""
 
     def __init__(
         self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
@@ -86,7 +67,6 @@ class AtomTable:
         self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
         self._closed: Set[clingo.Symbol] = set()
         self._facts: Set[clingo.Symbol] = set()
-        self.stepless: Set[clingo.Symbol] = set()
         self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
 
     def knows(self, atom: clingo.Symbol) -> bool:
@@ -187,110 +167,6 @@ class AtomTable:
                 self._absent[atom] = self._session.new_external()
             code = self._absent[atom]
         return code if literal.positive else -code
-
-
-class AtomIndex:
-    """Atoms of some signatures, sorted by a number; looked through only when asked after something new was grounded."""
-
-    def __init__(self, control: clingo.Control, signatures: Iterable[Signature]) -> None:
-        self._control, self._signatures = control, sorted(signatures)
-        self._seen: Set[int] = set()
-        self._stale = True
-
-    def expire(self) -> None:
-        """Note that there may be new atoms."""
-        self._stale = True
-
-    def fresh(self) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """Yield the atoms, with their literals, that have not been yielded before."""
-        if not self._stale:
-            return
-        self._stale = False
-        for signature in self._signatures:
-            for one in self._control.symbolic_atoms.by_signature(*signature):
-                literal = one.literal  # 0 where rules mention, under not, what no rule defines yet
-                if literal and literal not in self._seen:
-                    self._seen.add(literal)
-                    yield one.symbol, literal
-
-
-class CycleIndex(AtomIndex):
-    """The atoms of a keyword like ``_return/3``, sorted by the cycle that is their last argument."""
-
-    def __init__(self, control: clingo.Control, signature: Signature) -> None:
-        super().__init__(control, [signature])
-        self._cycles: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
-
-    def cycles(self) -> Collection[int]:
-        """Return the cycles whose atoms, or some of them, have not been popped."""
-        for atom, literal in self.fresh():
-            if atom.arguments[-1].type is clingo.SymbolType.Number:
-                self._cycles.setdefault(atom.arguments[-1].number, []).append((atom, literal))
-        return self._cycles.keys()
-
-    def pop_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:
-        """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
-        return self._cycles.pop(cycle, []) if cycle in self.cycles() else []
-
-    def among(self, atoms: Container[clingo.Symbol]) -> List[clingo.Symbol]:
-        """Return those of the ``atoms`` that have not been popped."""
-        return [atom for cycle in self.cycles() for atom, _ in self._cycles[cycle] if atom in atoms]
-
-    def literals(self, cycle: int) -> Set[int]:
-        """Return the literals of the atoms of ``cycle`` that have not been popped."""
-        return {literal for _, literal in self._cycles[cycle]} if cycle in self.cycles() else set()
-
-    def between(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the atoms of the cycles first..last that have not been popped."""
-        known = self.cycles()
-        return [atom for cycle in range(first, last + 1) if cycle in known for atom, _ in self._cycles[cycle]]
-
-
-class ActionIndex(CycleIndex):
-    """The ``_action_lib`` atoms of each cycle, and what closed cycles allow of them."""
-
-    def __init__(
-        self,
-        control: clingo.Control,
-        session: BackendSession,
-        signature: Signature,
-        first: Optional[int] = None,
-        told: Optional[Mapping[clingo.Symbol, int]] = None,
-    ) -> None:
-        """Take the signature, and the ``first`` cycle of all: those before it hold what the program says for sure.
-
-        Of actions in doubt ``told`` has the literal under which they were executed.
-        """
-        super().__init__(control, signature)
-        self._session, self._first = session, first
-        self._told: Mapping[clingo.Symbol, int] = {} if told is None else told
-        self._closed: Dict[int, Set[clingo.Symbol]] = {}
-
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Forbid all actions of ``cycle`` but ``executed``, those that come later as well."""
-        self._closed[cycle] = set(executed)
-        self._forbid(cycle)
-
-    def forbid_late(self) -> None:
-        """Forbid actions of cycles that are over which came with the last grounding."""
-        for cycle in [one for one in self.cycles() if one in self._closed or self._is_before(one)]:
-            self._forbid(cycle)
-
-    def _is_before(self, cycle: int) -> bool:
-        return self._first is not None and cycle < self._first
-
-    def _may_be(self, atom: clingo.Symbol, cycle: int) -> bool:
-        if cycle in self._closed:
-            return atom in self._closed[cycle]
-        known = self._control.symbolic_atoms[atom]
-        return known is not None and known.is_fact
-
-    def _forbid(self, cycle: int) -> None:
-        for atom, literal in self.pop_cycle(cycle):
-            if not self._may_be(atom, cycle):
-                self._session.backend.add_rule([], [literal])
-            elif atom in self._told:
-                self._session.backend.add_rule([], [literal, -self._told[atom]])
 
 
 class Externals(Observer):

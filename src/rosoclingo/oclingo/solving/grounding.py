@@ -20,30 +20,20 @@ from typing import (
     Set,
     Tuple,
 )
+from weakref import proxy
 
 import clingo
 from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND, RETURN
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.oclingo.solving.atom_table import (
-    HOLDS,
-    ActionIndex,
-    AtomIndex,
-    AtomTable,
-    BackendSession,
-    CycleIndex,
-    Externals,
-    Heads,
-    StepRecorder,
-)
+from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads, StepRecorder
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.foresight import Foreseen, ForesightRecorder, Mentions, foresee
-from rosoclingo.oclingo.solving.horizon import HorizonLiterals
+from rosoclingo.oclingo.solving.horizon import ActionIndex, CycleIndex, ExternalIndex, HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, with_their_failures
 
 POLL = 0.002
@@ -73,6 +63,8 @@ class Search(NamedTuple):
 
 class Grounding:
     """A control with base and the steps first..:attr:`horizon` grounded.
+
+    Nothing in it refers to it, so that its memory, which may be much, is free as soon as nobody else does.
 
     Attributes:
         horizon: the last grounded step; first step - 1 while only base is grounded.
@@ -105,19 +97,18 @@ class Grounding:
         self.messages = Messages()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
-        self._declared: Dict[int, int] = {}  # external literal -> step of its declaration
-        self._heads = Heads()
-        self.atoms = AtomTable(self._control, self._session, self._declared, self._heads.externals)
+        self._observer, self._heads, self.recorder = Externals(), Heads(), recorder or StepRecorder()
+        self._externals = ExternalIndex(
+            self._control, program, self.recorder.blocks, () if shortest else program.domains
+        )
+        self.atoms = AtomTable(self._control, self._session, self._externals.declared, self._heads.externals)
         self._doubts = Doubts(self._session, doubted) if doubted else None
         self._told = self._doubts.literals if self._doubts else {}  # fact in doubt -> literal under which it was told
         first = program.first_step if shortest else None
         self._actions = ActionIndex(self._control, self._session, ACTION, first, self._told)
         self._returns = CycleIndex(self._control, RETURN)
-        self._externals = AtomIndex(self._control, program.external_signatures - {BEYOND})
-        self._observer, self.recorder = Externals(), recorder or StepRecorder()
         self._observe()
         program.load_into(self._control)
-        self._declarations: Dict[int, List[clingo.Symbol]] = {}  # step -> externals declared at it
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
         self.satisfied = False
@@ -129,8 +120,7 @@ class Grounding:
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self.declare(open_atoms, facts)
         self._ground_base()
-        self._of_base = frozenset(self._declared)
-        self._base_externals: Set[clingo.Symbol] = set()
+        self._externals.end_base()
         self._tell(self._past.facts)
 
     def _observe(self) -> None:
@@ -151,7 +141,7 @@ class Grounding:
     def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
         """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
         declared = list(atoms)
-        self.atoms.stepless.update(declared)
+        self._externals.stepless.update(declared)
         self._ground([self.program.open_part(atom, atom in facts) for atom in declared], 1)
 
     def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
@@ -167,11 +157,9 @@ class Grounding:
     def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
         self._session.close()
         self._control.ground(parts)
-        for literal in self._observer.fresh:
-            self._declared.setdefault(literal, step)
+        self._externals.note(self._observer.fresh, step)
         self._observer.fresh.clear()
-        self._heads.sort(self._declared)
-        self._externals.expire()
+        self._heads.sort(self._externals.declared)
         self._returns.expire()
         self._actions.expire()
         self._ends.expire()
@@ -227,21 +215,7 @@ class Grounding:
 
     def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
-        for atom, literal in self._externals.fresh():
-            if literal in self._declared and not self._is_stepless(atom):
-                step = self._declared[literal]
-                block = self.recorder.blocks.get(step, range(step, step + 1))
-                self._declarations.setdefault(self.program.declaring_step(atom, block), []).append(atom)
-                if literal in self._of_base:
-                    self._base_externals.add(atom)
-        steps = [step for step in self._declarations if first <= step <= last]
-        found = [atom for step in steps for atom in self._declarations[step] if self.atoms.is_open(atom)]
-        return found if base else [one for one in found if one not in self._base_externals]
-
-    def _is_stepless(self, atom: clingo.Symbol) -> bool:
-        """Whether ``atom`` is of an open signature, and the program's own statements declare it at no step."""
-        domains = self.program.domains
-        return atom in self.atoms.stepless or (not self._shortest and signature_of(atom) in domains)
+        return [atom for atom in self._externals.between(first, last, base) if self.atoms.is_open(atom)]
 
     def show(self, propagator: Propagator) -> None:
         """Let ``propagator`` read the program as it stands, without a search."""
@@ -306,14 +280,16 @@ class Grounding:
         horizons, foreseen = [last], [Foreseen()]
         self._configure(models, conflicts, best)
 
+        this = proxy(self)  # since the control keeps the function, which must not keep the control
+
         def keep(model: clingo.Model) -> None:
             """Take a model for an answer; where there is something to optimize, only one that is proven best."""
             if not best or not model.cost or model.optimality_proven:
-                self.shown = frozenset(model.symbols(shown=True)) - self._hidden - self._ends.names
-                answers.append(self.shown | self._retired)
-                horizons.append(self._ends.horizon_of(model, first, last))
-                if isinstance(self.recorder, ForesightRecorder) and not self.recorder.opaque:
-                    foreseen.append(self._foresee(model, self.recorder.mentions))
+                this.shown = frozenset(model.symbols(shown=True)) - this._hidden - this._ends.names
+                answers.append(this.shown | this._retired)
+                horizons.append(this._ends.horizon_of(model, first, last))
+                if isinstance(this.recorder, ForesightRecorder) and not this.recorder.opaque:
+                    foreseen.append(this._foresee(model, this.recorder.mentions))
 
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):

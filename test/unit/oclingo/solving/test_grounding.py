@@ -1,5 +1,7 @@
 """One grounding: which externals belong to which step, what is grounded at once, and what a search leaves undone."""
 
+import gc
+import weakref
 from contextlib import contextmanager
 
 import clingo
@@ -8,6 +10,7 @@ from stream_logs import cut
 from test_solver import atoms, play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
+from rosoclingo.oclingo.solving.foresight import ForesightRecorder
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, _block_ends
 from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState
 
@@ -44,6 +47,22 @@ def test_open_atoms_may_be_given_in_any_way():
     program = ReactiveProgram.from_text("#external sees/1. a(X) :- sees(X). #cumulative t. #volatile t.")
     grounding = Grounding(program, iter([parse_atom("sees(1)"), parse_atom("sees(2)")]), set())
     assert all(grounding.atoms.is_open(parse_atom(f"sees({one})")) for one in (1, 2))
+
+
+@pytest.mark.parametrize(("shortest", "recorder"), [(True, None), (True, ForesightRecorder()), (False, None)])
+def test_what_is_let_go_is_free_at_once(shortest, recorder):
+    program = ReactiveProgram.from_text(EXTERNALS)
+    grounding = Grounding(program, [parse_atom("sees(1)")], set(), shortest, recorder=recorder)
+    grounding.ground_to(3)
+    assert grounding.declared_between(1, 3)
+    assert grounding.search(1, lambda: False, 1, 3).satisfiable
+    gone = weakref.ref(grounding)
+    gc.disable()
+    try:
+        del grounding
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize("shortest", [True, False])
