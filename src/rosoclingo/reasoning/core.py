@@ -147,6 +147,7 @@ class Core:
         result = self._planner.improve(stopped)
         if result is not None:
             self._follow(result)
+            self._announce.plan(result, self._shown())
             self._announce.progress(self._step, self._goals.fed, self._shown())
         self._improvable = result is not None or stopped()
         return self._improvable
@@ -248,7 +249,17 @@ class Core:
             self._too_much(batch, self._planner.why_none(result), now)
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
-        plan, statuses = self._follow(result), GoalStatuses(result.answers[0], self._step)
+        """Go on with an answer: what is due does not wait until all that follows from it is told."""
+        plan = self._follow(result)
+        actions = plan.at(self._step)
+        if actions:
+            self._execution.begin(self._step, actions, now)
+            if self._settings.preempt:
+                self._preemption.begin()
+            self._tell(ActionsDispatched(self._step, actions))
+        shown = self._shown()
+        self._announce.plan(result, shown)
+        statuses = GoalStatuses(result.answers[0], self._step)
         self._improvable = not result.shortest
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
         for fault in (*plan.faults, *statuses.faults):
@@ -257,21 +268,14 @@ class Core:
             update_status(goal, statuses, plan, self._step, result.horizon, self._speaks)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
-        self._announce.progress(self._step, self._goals.fed, self._shown())
-        actions = plan.at(self._step)
-        if actions:
-            self._execution.begin(self._step, actions, now)
-            if self._settings.preempt:
-                self._preemption.begin()
-            self._tell(ActionsDispatched(self._step, actions))
-        elif self._waits >= self._planner.lookahead and self._later():
+        self._announce.progress(self._step, self._goals.fed, shown)
+        if not actions and self._waits >= self._planner.lookahead and self._later():
             self._lose_patience()
 
     def _follow(self, result: SolveResult) -> TaskPlan:
         """Go on with the plan of an answer."""
         plan = self._plan = extract_plan(result.answers[0])
         self._latest = self._step, plan
-        self._announce.plan(result, self._shown())
         return plan
 
     def _lose_patience(self) -> None:

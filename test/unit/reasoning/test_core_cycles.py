@@ -236,7 +236,7 @@ def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done(
     assert later == [f"_action_lib(walk,{one},3)", f"_action_lib(walk,{last},4)"]
     assert driver.awaited == [f"_action_lib(walk,{one},3)"]
     told = [type(event) for event in driver.journal.events if event.cycle == 3]
-    assert told.index(UpdateSent) < told.index(GoalProgress) < told.index(ActionsDispatched)
+    assert told.index(UpdateSent) < told.index(ActionsDispatched) < told.index(GoalProgress)
 
 
 #: Only these requests are declared.

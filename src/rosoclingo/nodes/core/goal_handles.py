@@ -1,12 +1,12 @@
 """The clients' side of the core's goals: actionlib's goal handles, kept until their goals end."""
 
-from typing import Callable, Dict
+from typing import Callable, Dict, List, Sequence, Tuple
 
 import rospy
 from actionlib import ServerGoalHandle
 
 from rosoclingo.msg import ROSoClingoFeedback, ROSoClingoResult
-from rosoclingo.reasoning import GoalChanged, GoalEvent, GoalProgress, GoalRefused, Outcome
+from rosoclingo.reasoning import Action, GoalChanged, GoalEvent, GoalProgress, GoalRefused, Outcome
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
     GoalEvent.SUCCEED: ServerGoalHandle.set_succeeded,
@@ -21,6 +21,7 @@ class GoalHandles:
 
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
+        self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
         """Take a goal that arrived."""
@@ -39,9 +40,10 @@ class GoalHandles:
 
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback."""
-        plan = [str(action.atom) for action in event.actions]
+        if event.actions is not self._told[0]:
+            self._told = event.actions, [str(action.atom) for action in event.actions]
         status = f"waiting: {event.waits}" if event.waits else event.state.value
-        feedback = ROSoClingoFeedback(event.cycle, plan, event.position, status)
+        feedback = ROSoClingoFeedback(event.cycle, self._told[1], event.position, status)
         self._handles[event.key].publish_feedback(feedback)
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
