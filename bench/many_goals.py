@@ -25,7 +25,6 @@ import argparse
 import os
 import time
 from collections import deque
-from contextlib import suppress
 from pathlib import Path
 from statistics import mean
 
@@ -40,21 +39,7 @@ from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 
 ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
-TICK = 1.0 / os.sysconf("SC_CLK_TCK")
 HOWS = ("once", "stream")
-
-
-class ProcessorTime:
-    """Seconds of processor time that a solver's process has used, and those that it has replaced."""
-
-    def __init__(self, process):
-        self._process, self._used = process, {}
-
-    def __call__(self):
-        with suppress(OSError):  # it may just have ended
-            text = Path(f"/proc/{self._process.pid}/stat").read_text()
-            self._used[self._process.pid] = TICK * sum(map(int, text.rsplit(")", 1)[1].split()[11:13]))
-        return sum(self._used.values())
 
 
 class Robot:
@@ -64,7 +49,6 @@ class Robot:
         program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
         self.world = World(floor)
         self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
-        self.used = ProcessorTime(self.process)
         self.core = Core(program, self.process.solver, self._note, CoreSettings(), self._watch)
         self.improving, self.longest, self.waited = 0.0, 0.0, 0
 
@@ -76,6 +60,11 @@ class Robot:
     def __exit__(self, *error):
         self.process.close()
 
+    @property
+    def used(self):
+        """Seconds of processor time that the solver has worked."""
+        return self.process.worked
+
     def ask(self, requests):
         """Send goals; their packages wait from now on."""
         self.world.ask(requests)
@@ -84,19 +73,19 @@ class Robot:
 
     def plan(self):
         """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
-        begin = self.used()
+        begin = self.used
         while self.core.advance(0.0):
             pass
-        self.longest = max(self.longest, self.used() - begin)
+        self.longest = max(self.longest, self.used - begin)
         self.waited = max(self.waited, len(self.core.queue.waiting))
         return self.steps()
 
     def improve(self, seconds):
         """Improve the plan while an action runs; yield with each better plan."""
-        begin = self.used()
-        while self.core.improve(lambda: self.used() - begin >= seconds):
-            yield self.used() - begin
-        self.improving += self.used() - begin
+        begin = self.used
+        while self.core.improve(lambda: self.used - begin >= seconds):
+            yield self.used - begin
+        self.improving += self.used - begin
 
     def steps(self):
         """The steps of the plan; raises RuleError where it is none."""
@@ -116,11 +105,11 @@ class Robot:
 
     def _watch(self):
         """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""
-        begin, queue = self.used(), self.core.queue
-        limit = CoreParameters.search_timeout * queue.patience
+        begin, queue = self.used, self.core.queue
+        limit = CoreSettings.search_timeout * queue.patience
 
         def look():
-            too_long = not queue.unhurried and self.used() - begin >= limit
+            too_long = not queue.unhurried and self.used - begin >= limit
             return Halt(f"it took longer than {limit:g} s") if too_long else None
 
         return look
@@ -155,20 +144,20 @@ class Arrivals:
 def first_plan(floor, requests):
     """Seconds by the clock and of processor time until there is a plan, and its steps."""
     with Robot(floor, plan_time=0.0) as robot:
-        begin, used = time.perf_counter(), robot.used()
+        begin, used = time.perf_counter(), robot.used
         robot.ask(requests)
         steps = robot.plan()
-        return {"first [s]": time.perf_counter() - begin, "cpu [s]": robot.used() - used, "steps": steps}
+        return {"first [s]": time.perf_counter() - begin, "cpu [s]": robot.used - used, "steps": steps}
 
 
 def plans_after(floor, requests, seconds, plan_time):
     """Steps of the plan that is known after each of some seconds; None where there was none yet."""
     with Robot(floor, plan_time) as robot:
-        begin = robot.used()
+        begin = robot.used
         robot.ask(requests)
-        found = [(robot.plan(), robot.used() - begin)]
+        found = [(robot.plan(), robot.used - begin)]
         for _ in robot.improve(max(seconds) - found[0][1]):
-            found.append((robot.steps(), robot.used() - begin))
+            found.append((robot.steps(), robot.used - begin))
     known = {limit: [steps for steps, used in found if used <= limit + plan_time / 2] for limit in seconds}
     return {f"{limit:g} s": min(steps, default=None) for limit, steps in known.items()}
 
@@ -176,7 +165,7 @@ def plans_after(floor, requests, seconds, plan_time):
 def driven(floor, arrivals, options):
     """What is done in the end, and what it costs."""
     with Robot(floor, options.plan_time) as robot:
-        begin, own = robot.used(), time.process_time()
+        begin, own = robot.used, time.process_time()
         while arrivals or robot.world.open:
             robot.ask(arrivals.due(robot.world))
             robot.plan()
@@ -185,7 +174,7 @@ def driven(floor, arrivals, options):
             for _ in robot.improve(options.action_time):
                 robot.steps()
             robot.act()
-        used = robot.used() - begin - robot.improving + time.process_time() - own
+        used = robot.used - begin - robot.improving + time.process_time() - own
         actions = robot.world.actions
         costs = {"longest [s]": robot.longest, "ms": 1000 * used / actions, "waited": robot.waited}
         return {"driven": actions, **costs}

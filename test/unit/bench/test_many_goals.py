@@ -1,0 +1,43 @@
+"""The bench of many requests, on few of them and without OR-Tools."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
+
+import many_goals  # noqa: E402
+from deliveries import World, random_requests, row  # noqa: E402
+
+OPTIONS = Namespace(seconds=[10], plan_time=5.0, action_time=0.01, gap=3, without_or_tools=True)
+
+
+@pytest.mark.slow
+def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
+    once = many_goals.measure("4", 3, "once", 1, OPTIONS)
+    assert once["steps"] >= once["driven"] == 12
+    assert once["10 s"] == 12
+    stream = many_goals.measure("4", 3, "stream", 1, OPTIONS)
+    assert stream["driven"] >= 12
+    assert once["waited"] == stream["waited"] == 0
+
+
+def test_requests_of_a_stream_come_with_actions_or_where_nothing_else_is_to_do():
+    requests, world = random_requests(row(4), 4, seed=1), World(row(4))
+    arrivals = many_goals.Arrivals(requests, gap=2)
+    assert arrivals.due(world) == requests[:1]
+    assert arrivals.due(world) == requests[1:2], "nothing else is to do"
+    world.ask(requests[:2])
+    assert arrivals.due(world) == []
+    world.actions = 4
+    assert arrivals.due(world) == requests[2:3]
+    world.actions = 6
+    assert arrivals.due(world) == requests[3:]
+    assert not arrivals
+
+
+def test_all_come_at_once_without_a_gap():
+    requests = random_requests(row(4), 4, seed=1)
+    assert many_goals.Arrivals(requests, gap=0).due(World(row(4))) == requests
