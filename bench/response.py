@@ -29,18 +29,17 @@ class Responder:
 
     def __init__(self):
         self.answered = None
-        self.responses, self.clingo = [], []
+        self.responses, self.clingo = {}, {}  # cycle -> seconds; the plan is told after its actions
         self.messages = queue.Queue()
         self.out = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=10)
         rospy.Subscriber("out_rosoclingo", InterfaceIO, self.on_action, tcp_nodelay=True)
         rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self.on_plan)
-        self.in_clingo = 0.0
 
     def on_action(self, message):
         self.messages.put((time.perf_counter(), message))
 
     def on_plan(self, message):
-        self.in_clingo = message.ground_time + message.solve_time
+        self.clingo[message.cycle] = message.ground_time + message.solve_time
 
     def run(self, done):
         """Answer until ``done`` says so."""
@@ -51,12 +50,15 @@ class Responder:
                 self.answered = self.answered if not done() else None
                 continue
             if self.answered is not None:
-                self.responses.append(received - self.answered)
-                self.clingo.append(self.in_clingo)
+                self.responses[_cycle(message)] = received - self.answered
             for text in message.facts:
                 action, value, cycle = parse_atom(text).arguments
                 self.answered = time.perf_counter()
                 self.out.publish(InterfaceIO(message.interface, [f"_return({action},{value},{cycle})"]))
+
+
+def _cycle(message):
+    return parse_atom(message.facts[0]).arguments[2].number
 
 
 def play(batches, batch):
@@ -80,8 +82,8 @@ def play(batches, batch):
 
 def report(responder):
     """Print the figures and return them."""
-    times = sorted(1000 * one for one in responder.responses)
-    share = sum(responder.clingo) / sum(responder.responses)
+    times = sorted(1000 * one for one in responder.responses.values())
+    share = sum(responder.clingo.get(cycle, 0.0) for cycle in responder.responses) / sum(responder.responses.values())
     p99 = times[min(len(times) - 1, int(0.99 * len(times)))]
     median = statistics.median(times)
     print(f"{len(times)} responses: median {median:.1f} ms, p99 {p99:.1f} ms, {share:.0%} in clingo")
