@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from interface_helpers import wait_until
 
-LIMIT = 400.0  # seconds of wall time
+LIMIT = 600.0  # seconds of wall time
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
 CANCELED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 
