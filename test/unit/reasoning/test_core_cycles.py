@@ -239,6 +239,23 @@ def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done(
     assert told.index(UpdateSent) < told.index(ActionsDispatched) < told.index(GoalProgress)
 
 
+def test_only_how_long_a_plan_with_new_goals_takes_tells_how_many_goals_there_is_room_for():
+    needed = [9.0]
+
+    class Timed(ReactiveSolver):
+        def update(self, update, stopped=None):
+            result = super().update(update, stopped)
+            return replace(result, statistics={**result.statistics, "needed": needed[0]})
+
+    settings = CoreSettings(horizon_limit=8, search_timeout=10.0)
+    driver = Driver(settings=settings, solver=lambda program: shortest(program, Timed))
+    for number in range(1, 7):
+        driver.core.add_goal(str(number), f"do(walk,{number})")
+    assert driver.run().core.queue.window.size == 3, "half as many as before"
+    needed[0] = 0.001
+    assert driver.fail("failed").core.queue.window.size == 3
+
+
 #: Only these requests are declared.
 DECLARED = ERRANDS.replace(
     "#external _request/2.", "#external _request(do(walk,1..3),1..9). #external _request(cancel(1..3),1..9)."

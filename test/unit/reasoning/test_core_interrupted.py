@@ -225,6 +225,7 @@ def test_a_solver_that_drops_everything_costs_time_only():
     driver = Interrupted().goal("a", "do(walk,1)")
     driver.drops = lambda update: True
     driver.succeed()
+    assert driver.core.queue.patience == 2, "the next search has more"
     driver.drops = lambda update: False
     driver.now += PAUSE - 1.0
     assert driver.run().states("a") == []
