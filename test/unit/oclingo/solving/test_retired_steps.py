@@ -388,6 +388,16 @@ def test_what_is_over_is_shown_once_and_what_base_says_not_at_all():
     assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"]
 
 
+def test_what_was_shown_is_shown_for_some_steps(monkeypatch):
+    monkeypatch.setattr(compaction, "SHOWN_STEPS", 3)
+    retiring = stream("#program cumulative(t). p(t). #program volatile(t).")
+    for step in range(1, 10):
+        retiring.forget_before(step)
+        shown = atoms(play(retiring, f"#step {step} : 0."))
+    assert first(retiring) == 8
+    assert shown == [f"p({step})" for step in range(5, 10)]
+
+
 def test_nothing_is_kept_that_no_later_step_has_a_use_for():
     retiring = retire(EXTERNALS, "e(1).", "e(2) :- c(1).", *[""] * 10, steps=12)
     state = retiring.state
