@@ -6,7 +6,7 @@ import clingo
 
 from rosoclingo.oclingo import ReactiveProgram
 
-#: Part of what the mailbot's program became once (in aspif), of which clasp's equivalence preprocessing loses all answers.
+#: Part of what the mailbot's program became once (in aspif): clasp's equivalence preprocessing loses all its answers.
 EQUIVALENCES = Path(__file__).parents[3] / "data" / "equivalences.aspif"
 
 
