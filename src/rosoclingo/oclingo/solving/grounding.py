@@ -143,6 +143,7 @@ class Grounding:
         declared = list(atoms)
         self._externals.stepless.update(declared)
         self._ground([self.program.open_part(atom, atom in facts) for atom in declared], 1)
+        self.atoms.resolve_absent()
 
     def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
         """Make ``facts`` known to the steps."""

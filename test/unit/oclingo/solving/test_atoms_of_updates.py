@@ -102,6 +102,19 @@ def test_a_body_may_mention_what_a_later_update_defines(external):
     assert atoms(play(external, "fresh(x).")) == ["c(1)", "e(1)", "fresh(x)"]
 
 
+@pytest.mark.parametrize("shortest", [False, True])
+@pytest.mark.parametrize(
+    ("update", "answers"),
+    [("sees(5).", [["sees(5)"]]), ("#volatile. sees(5).", [["sees(5)"]]), ("sees(5) :- a.", [[]])],
+)
+def test_a_body_may_mention_what_a_later_update_of_the_same_step_tells_of_an_open_predicate(shortest, update, answers):
+    solver = solver_of(
+        "{ a }. #external sees/1. #cumulative t. u(t) :- sees(t). #volatile t.", shortest=shortest, models=0
+    )
+    play(solver, "#step 1. :- sees(5), a.")
+    assert sorted(map(sorted, texts(play(solver, update)))) == answers
+
+
 def test_a_body_may_mention_what_a_later_step_defines():
     solver = solver_of("#cumulative t. #external e(t). d(t). #volatile t.")
     assert atoms(play(solver, "#step 1. e(1) :- d(3).")) == ["d(1)"]
