@@ -11,7 +11,7 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 import many_goals  # noqa: E402
 from deliveries import World, random_requests, row  # noqa: E402
 
-OPTIONS = Namespace(seconds=[10], plan_time=5.0, action_time=0.01, gap=3, without_or_tools=True)
+OPTIONS = Namespace(seconds=[10], plan_time=5.0, action_time=0.01, search_timeout=10.0, gap=3, without_or_tools=True)
 
 
 @pytest.mark.slow
