@@ -39,10 +39,10 @@ POLL_PREPARING = 0.02
 """The same while a child takes a program or a log: that is often done in a moment, and would be asked for again."""
 
 GRACE = 1.0
-"""Seconds of processor time that a grounding may go on after a stop request before it is dropped between two pieces."""
+"""Seconds of wall time that a grounding may go on after a stop request before it is dropped between two pieces."""
 
 PATIENCE = 2.0
-"""Seconds of processor time that the process is given to heed a stop request before it is killed."""
+"""Seconds of wall time that the process is given to heed a stop request before it is killed."""
 
 BEHIND = 16  # updates that were foreseen which the child is told of though it is at something else
 
@@ -151,7 +151,7 @@ class SolverProcess:
         Args:
             program: the reactive logic program.
             models: how many answers to compute for an update, 0 for all.
-            patience: seconds of processor time that the child has to heed a stop request.
+            patience: seconds of wall time that the child has to heed a stop request.
             grace: those of them in which a grounding may come to its end.
             spare: whether to keep another child ready.
             options: what else :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` takes; plain values.
@@ -334,23 +334,23 @@ class SolverProcess:
     def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:
         """Wait for the child's reply; on a stop ask it to heed that, and after some patience give it up."""
         assert self._child is not None
-        since_stop: Optional[Callable[[], float]] = None
+        begin: Optional[float] = None
         dropped = False
         while True:
             reply = self._child.receive(POLL if kills else POLL_PREPARING)
             if reply is not None:
                 return reply
-            if since_stop is None:
+            if begin is None:
                 if stopped is None or not stopped():
                     continue
                 if not kills:
                     raise NotReadyError("the solver still takes again what led here; ask again")
-                since_stop = self.stopwatch()
+                begin = time.monotonic()
                 self._child.send({"do": "interrupt"})
-            if since_stop() >= self._grace and not dropped:
+            if time.monotonic() - begin >= self._grace and not dropped:
                 dropped = True
                 self._child.send({"do": "drop"})
-            if since_stop() > self._patience:
+            if time.monotonic() - begin > self._patience:
                 raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
 
     def _spawn(self) -> None:
