@@ -41,7 +41,7 @@ EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,
 #: Grounding a fact big(1) takes some tenths of a second, and every step of it can be seen by all.
 HEAVY = "#external big/1.\nn(1..300000,B) :- big(B).\n#show big/1.\n"
 #: The same, but for every step; blocks of steps are ground one after the other.
-IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X \\ 19999 == 0.\n"
+IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X * t == 19999 * t.\n"
 
 
 @pytest.fixture(scope="module")
