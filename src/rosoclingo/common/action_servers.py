@@ -5,13 +5,18 @@ from typing import Any
 import rospy
 from actionlib import ActionServer
 
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import ending
 
 __all__ = ["forget_cancels", "start_server"]
 
 
 def start_server(server: ActionServer) -> None:
-    """Start a server whose status topic outlives a jump of simulated time; actionlib's own timer ends with one."""
+    """Start a server that sends results at once, lest one wait in a queue as the node ends.
+
+    Its status topic outlives a jump of simulated time; actionlib's own timer ends with one.
+    """
+    prompt_publisher(rospy.remap_name(server.ns) + "/result", server.ActionResult)  # the server's own shares it
     server.start()
     if server.status_frequency > 0.0:
         server.status_timer.shutdown()

@@ -7,9 +7,8 @@ import rospy
 from actionlib import ActionServer, ServerGoalHandle
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
-from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
-from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoActionResult
+from rosoclingo.msg import InterfaceIO, ROSoClingoAction
 from rosoclingo.nodes.core.goal_handles import GoalHandles
 from rosoclingo.nodes.core.loading import core_parameters, load_program
 from rosoclingo.nodes.core.reporting import CoreHealth
@@ -131,8 +130,6 @@ class CoreNode:
 
     def _connect(self) -> None:
         self._worker.put(self._start)
-        # a result must not wait in a queue as the node ends
-        self._results = prompt_publisher(rospy.remap_name("rosoclingo") + "/result", ROSoClingoActionResult)
         self._server = ActionServer("rosoclingo", ROSoClingoAction, self._on_goal, self._on_cancel, auto_start=False)
         self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
         rospy.on_shutdown(self._shut_down)

@@ -170,6 +170,11 @@ class ReactiveProgram:
         """Whether no step sees what a later one defines, so that steps may as well be ground together."""
         return not any(may_see_later(self._patterns, one) for one in (self._heads, self._declarations))
 
+    @property
+    def defines_externals(self) -> bool:
+        """Whether a rule of the program may define an external."""
+        return not self.external_signatures.isdisjoint(self.head_signatures)
+
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
         patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)

@@ -126,7 +126,7 @@ class Grounding:
     def _observe(self) -> None:
         """Let those observers hear of what is ground that have a use for it."""
         self._control.register_observer(self._observer)
-        if self.program.external_signatures & self.program.head_signatures:  # else no rule defines an external
+        if self.program.defines_externals:
             self._control.register_observer(self._heads)
         if self._shortest and self._doubts is None:  # nothing is retired of what is only asked about
             self._control.register_observer(self.recorder)
@@ -248,8 +248,8 @@ class Grounding:
     @property
     def complete(self) -> bool:
         """Whether further steps leave what is ground as it is: where it has no answer, they bring none."""
-        defined = self.program.external_signatures & self.program.head_signatures
-        return not (self.atoms.awaited or self._ends.coming or (defined and not self.program.steps_apart))
+        defined = self.program.defines_externals and not self.program.steps_apart
+        return not (self.atoms.awaited or self._ends.coming or defined)
 
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the ``_action_lib`` atoms of the cycles first..last, as far as these have not been closed."""

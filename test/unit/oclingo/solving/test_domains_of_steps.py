@@ -63,19 +63,18 @@ def test_what_a_domain_tells_grounds_nothing_anew(groundings):
     assert len(groundings) == 1
 
 
-def test_what_is_in_no_domain_grounds_anew(groundings):
-    program = ReactiveProgram.from_text("#external moved/2. #cumulative t. go(D,t) :- moved(D,t).")
-    solver = ReactiveSolver(program)
+@pytest.mark.parametrize(
+    ("text", "told", "follows"),
+    [
+        ("#external moved/2. #cumulative t. go(D,t) :- moved(D,t).", "moved(x,1).", "go(x,1)"),
+        ("#external m/3. d(1..11). #cumulative t. go(A,t) :- m(A,B,t), d(A), d(B).", "m(4,5,1).", "go(4,1)"),
+    ],
+    ids=["in no domain", "in a large domain"],
+)
+def test_what_is_not_declared_with_the_steps_grounds_anew(groundings, text, told, follows):
+    solver = ReactiveSolver(ReactiveProgram.from_text(text))
     solver.update(parse_update("#step 3. #endstep."))
-    assert "go(x,1)" in min(texts(solver.update(parse_update("moved(x,1). #endstep."))))
-    assert len(groundings) == 2
-
-
-def test_large_domains_are_not_declared(groundings):
-    program = ReactiveProgram.from_text("#external m/3. d(1..11). #cumulative t. go(A,t) :- m(A,B,t), d(A), d(B).")
-    solver = ReactiveSolver(program)
-    solver.update(parse_update("#step 3. #endstep."))
-    assert "go(4,1)" in min(texts(solver.update(parse_update("m(4,5,1). #endstep."))))
+    assert follows in min(texts(solver.update(parse_update(f"{told} #endstep."))))
     assert len(groundings) == 2
 
 
