@@ -7,7 +7,7 @@ import rospy
 from actionlib import ActionClient
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
-from interface_helpers import PATIENCE, wait_until
+from interface_helpers import PATIENCE, wait_for_server, wait_to_hear, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 
@@ -28,7 +28,7 @@ class Hands:
     def wait_for(self, core):
         """Wait until the core hears and is heard."""
         wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
-        wait_until(lambda: self._subscriber.get_num_connections() > 0, "the core to be heard")
+        wait_to_hear(self._subscriber, nodes=[core])
 
     def _note(self, message):
         for fact in message.facts:
@@ -72,7 +72,7 @@ class Client:
 
     def __init__(self, server="rosoclingo"):
         self.raw = ActionClient(server, ROSoClingoAction)
-        self.raw.wait_for_server()
+        wait_for_server(self.raw)
 
     def send(self, text):
         """Send a goal."""
@@ -128,7 +128,7 @@ class Updates:
     def __init__(self, core="rosoclingo"):
         self.texts = []
         self._subscriber = rospy.Subscriber(core + "/updates", String, lambda message: self.texts.append(message.data))
-        wait_until(lambda: self._subscriber.get_num_connections() > 0, "the updates")
+        wait_to_hear(self._subscriber)
 
     def wait_for(self, words):
         """The first update with ``words``; a message about a goal may come before the update that led to it."""

@@ -6,12 +6,15 @@ import signal
 import subprocess
 import threading
 import time
+import xmlrpc.client
+from http.client import HTTPException
 
+import rosgraph
 import rospy
 from actionlib.action_server import ActionServer
 from rosoclingo.msg import InterfaceIO
 
-PATIENCE = 30.0  # seconds of wall time; long, so that no test depends on the machine's speed
+PATIENCE = 100.0  # seconds of wall time; long, so that no test depends on how fast the machine is
 
 
 def wait_until(condition, what):
@@ -20,6 +23,42 @@ def wait_until(condition, what):
     while not condition():
         assert time.monotonic() < end, f"timed out: {what}"
         time.sleep(0.01)
+
+
+def wait_to_hear(*subscribers, nodes=()):
+    """Wait until all that is published on the topics of these subscribers comes to them.
+
+    rospy counts a connection at its reading end first: what is published before the writing end does is lost. So each
+    publisher that is alive is asked; there is one at least, and those of these names are among them.
+    """
+    wanted = {rospy.resolve_name(node) for node in nodes}
+    for subscriber in subscribers:
+        topic = subscriber.resolved_name
+        wait_until(lambda name=topic: _all_write_to_us(name, wanted), f"the publishers of {topic} to write to us")
+
+
+def _all_write_to_us(topic, wanted):
+    state = dict(rosgraph.Master(rospy.get_name()).getSystemState()[0])
+    writing = {node: _writes_to_us(node, topic) for node in state.get(topic, ())}
+    alive = {node: writes for node, writes in writing.items() if writes is not None}
+    return bool(alive) and all(alive.values()) and wanted <= alive.keys()
+
+
+def _writes_to_us(node, topic):
+    """Whether a node counts this one among those to which it writes a topic; None where it does not answer."""
+    me = rospy.get_name()
+    try:
+        uri = rosgraph.Master(me).lookupNode(node)
+        connections = xmlrpc.client.ServerProxy(uri).getBusInfo(me)[2]
+    except (OSError, HTTPException, xmlrpc.client.Error, rosgraph.MasterError):
+        return None
+    return any(one[1:3] == [me, "o"] and one[4] == topic for one in connections)
+
+
+def wait_for_server(client):
+    """Wait until an actionlib client hears all that its server will tell, and is heard; in wall time."""
+    wait_until(lambda: client.pub_goal.get_num_connections() and client.pub_cancel.get_num_connections(), "a server")
+    wait_to_hear(client.status_sub, client.feedback_sub, client.result_sub)
 
 
 class CoreSide:
@@ -41,10 +80,7 @@ class CoreSide:
         """Wait until these nodes listen and are heard."""
         for node in map(rospy.resolve_name, nodes):
             wait_until(lambda name=node: self._publisher.impl.has_connection(name), f"{node} to listen")
-            wait_until(lambda name=node: self._hears(name), f"{node} to be heard")
-
-    def _hears(self, node):
-        return any(connection.callerid_pub == node for connection in self._subscriber.impl.connections)
+        wait_to_hear(self._subscriber, nodes=nodes)
 
     def send(self, interface, *facts):
         self._publisher.publish(InterfaceIO(interface=interface, facts=list(facts)))

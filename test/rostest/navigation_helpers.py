@@ -6,6 +6,7 @@ import threading
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
+from interface_helpers import wait_to_hear
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
@@ -31,11 +32,13 @@ class Driver:
         self.feedback = 0
         rospy.Subscriber(prefix + "base_pose_ground_truth", Odometry, self._on_truth)
         self.prefix = prefix
-        rospy.Subscriber("/simulator/collisions", String, lambda message: self.collisions.append(message.data))
+        collisions = rospy.Subscriber("/simulator/collisions", String, lambda one: self.collisions.append(one.data))
         self.client = actionlib.SimpleActionClient(prefix + "move_base", MoveBaseAction)
         while not self.client.wait_for_server(rospy.Duration(5.0)):
             if rospy.is_shutdown():
                 raise RuntimeError("the test was ended before move_base was there")
+        own = self.client.action_client
+        wait_to_hear(own.status_sub, own.feedback_sub, own.result_sub, collisions)
         self.wait(lambda: self.pose is not None)
 
     def _on_truth(self, message):

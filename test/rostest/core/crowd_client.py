@@ -8,6 +8,7 @@ import collections
 import json
 import queue
 import sys
+from pathlib import Path
 
 import rospy
 from actionlib import ActionClient
@@ -17,6 +18,10 @@ from rosoclingo.msg import ROSoClingoAction, ROSoClingoGoal
 
 from rosoclingo.common.action_clients import cancel_goal
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import wait_for_server
+
 
 class CrowdClient:
     """Sends its errands and notes how they end: number to terminal state and message."""
@@ -24,7 +29,7 @@ class CrowdClient:
     def __init__(self, client, offices, cancels):
         self._errands = errands(client, offices, cancels)
         self._client = ActionClient("rosoclingo", ROSoClingoAction)
-        self._client.wait_for_server()
+        wait_for_server(self._client)
         self.ends = {}
 
     def run(self):

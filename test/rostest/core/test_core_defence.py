@@ -15,8 +15,9 @@ from rosoclingo.msg import InterfaceIO
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import wait_until
+from interface_helpers import wait_to_hear, wait_until
 
+CORES = ("/rosoclingo", "/arms/rosoclingo", "/lonely/rosoclingo")
 ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 
 
@@ -25,7 +26,7 @@ class Diagnostics:
 
     def __init__(self):
         self.reports = []
-        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._note)
+        wait_to_hear(rospy.Subscriber("/diagnostics", DiagnosticArray, self._note), nodes=CORES)
 
     def _note(self, message):
         assert message.header.stamp.to_sec() > 0.0
@@ -81,8 +82,8 @@ class CoreDefence(unittest.TestCase):
 
     def test_nonsense_is_said_once_and_counted(self):
         lines = []
-        subscriber = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=10000)
-        wait_until(lambda: subscriber.get_num_connections() > 0, "the log")
+        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=10000)
+        wait_to_hear(log, nodes=["/rosoclingo"])
         _, values = self.diagnostics.wait_for(lambda *_: True, "a report")
         before = int(values["problems"])
         facts = [f"_unheard({number})" for number in range(300)]
@@ -131,8 +132,7 @@ class CoreDefence(unittest.TestCase):
 
     def test_actions_of_one_cycle_one_fails_the_others_succeed(self):
         messages = []
-        listener = rospy.Subscriber("/arms/out_rosoclingo", InterfaceIO, messages.append)
-        wait_until(lambda: listener.get_num_connections() > 0, "the core")
+        wait_to_hear(rospy.Subscriber("/arms/out_rosoclingo", InterfaceIO, messages.append))
         goal = Client("arms/rosoclingo").send("both(1)")
         left, right, head = self.take_all(3)
         cycle = int(head.rsplit(",", 1)[1][:-1])

@@ -13,6 +13,7 @@ from rosoclingo.msg import InterfaceIO
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
+from interface_helpers import wait_to_hear
 from navigation_helpers import Driver
 
 
@@ -21,7 +22,7 @@ class CorePreempt(unittest.TestCase):
         preempt = rospy.get_param("/rosoclingo/preempt")
         office2 = rospy.get_param("/rosoclingo/labels")["office2"]
         commands = []
-        rospy.Subscriber("out_rosoclingo", InterfaceIO, lambda message: commands.extend(message.facts))
+        wait_to_hear(rospy.Subscriber("out_rosoclingo", InterfaceIO, lambda message: commands.extend(message.facts)))
         robot, client = Driver(), Client()
         goal = client.send("goal(office3,office2,1)")
         robot.wait(lambda: robot.speed[0] > 0.2)

@@ -25,7 +25,7 @@ from rosoclingo.robot.simulation.office_packages import PackageOffice
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_until
+from interface_helpers import wait_to_hear, wait_until
 
 LIMIT = 600.0  # seconds of wall time
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
@@ -79,7 +79,7 @@ class Crowd(unittest.TestCase):
         subscriber = rospy.Subscriber(
             "rosoclingo/result", ROSoClingoActionResult, lambda one: results.update([one.status.goal_id.id])
         )
-        wait_until(lambda: subscriber.get_num_connections() > 0, "the results to be heard")
+        wait_to_hear(subscriber)
         ends = self.play()
         self.assertEqual(sorted(ends), [one.number for one in wanted])
         self.assertEqual(robot.faults, [], "the plan and the world parted")

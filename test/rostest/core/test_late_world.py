@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 
 from carrying_world import HOUSE, OFFICE, ROBOT, Play
-from interface_helpers import wait_until
+from interface_helpers import wait_for_server, wait_to_hear, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
 GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "100"))  # in each of the two worlds
@@ -51,10 +51,10 @@ class Stage:
         self._publisher = rospy.Publisher(name + "/in_rosoclingo", InterfaceIO, queue_size=1000)
         self._subscriber = rospy.Subscriber(name + "/out_rosoclingo", InterfaceIO, self._note)
         self._client = ActionClient(name + "/rosoclingo", ROSoClingoAction)
-        self._client.wait_for_server()
+        wait_for_server(self._client)
         core = f"/{name}/rosoclingo"
         wait_until(lambda: self._publisher.impl.has_connection(core), f"{core} to listen")
-        wait_until(lambda: self._subscriber.get_num_connections() > 0, f"{core} to be heard")
+        wait_to_hear(self._subscriber, nodes=[core])
 
     def send(self, key, text):
         """Send a goal."""

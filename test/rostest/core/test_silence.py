@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Log
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import Process, Server, wait_until
+from interface_helpers import Process, Server, wait_to_hear, wait_until
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 NEEDS_TF2 = unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "tf2_ros is not there for this Python")
@@ -26,11 +26,11 @@ MISSING = "no interface 'hold' for _action_lib(hold,1,1): the interfaces are run
 class Silence(unittest.TestCase):
     def setUp(self):
         self.report, self.lines = DiagnosticStatus(), []
-        self.subscribers = [
+        subscribers = (
             rospy.Subscriber("/diagnostics", DiagnosticArray, self._note),
             rospy.Subscriber("/rosout", Log, lambda one: self.lines.append(one.msg), queue_size=1000),
-        ]
-        wait_until(lambda: all(one.get_num_connections() > 0 for one in self.subscribers), "log and diagnostics")
+        )
+        wait_to_hear(*subscribers, nodes=["/rosoclingo"])
 
     def _note(self, message):
         self.report = next((one for one in message.status if one.name == "rosoclingo: core"), self.report)

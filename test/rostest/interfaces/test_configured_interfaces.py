@@ -33,7 +33,7 @@ from rosoclingo.interfaces.hosting import InterfacesNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Process, Server, wait_until
+from interface_helpers import CoreSide, Process, Server, wait_to_hear, wait_until
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -128,7 +128,8 @@ class ConfiguredInterfaces(unittest.TestCase):
             rospy.Subscriber("mute/goal", TestActionGoal, goals.append),
             rospy.Subscriber("mute/cancel", GoalID, cancels.append),
         ]
-        wait_until(lambda: all(topic.get_num_connections() for topic in topics), "the interface to connect")
+        wait_until(lambda: all(topic.get_num_connections() for topic in topics[:2]), "the interface to listen")
+        wait_to_hear(*topics[2:])
         self.assertEqual(self.core.run("mute", "_action_lib(mute,a,1)"), ["_return(mute,server_lost,1)"])
         self.core.send("mute", "_action_lib(mute,a,2)", "_cancel(mute,a,2)")
         wait_until(lambda: goals[1:] and cancels and cancels[-1].id == goals[-1].goal_id.id, "goal and cancel")
@@ -170,7 +171,7 @@ class Reports:
 
     def __init__(self):
         self._found = []
-        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: self._found.extend(one.status))
+        wait_to_hear(rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: self._found.extend(one.status)))
 
     def wait_for(self, name, condition):
         """The first report of an interface of which the condition holds, and its values as a dict."""
@@ -236,7 +237,7 @@ class SubclassedInterface(unittest.TestCase):
         worker.start()
         core.wait_for(rospy.get_name())
         reports = Reports()
-        wait_until(lambda: log.get_num_connections() > 0, "the log")
+        wait_to_hear(log)
         core.send("trade", "_action_lib(trade,two(3,4),1)")
         handle = server.accept()
         core.send("odd", "_action_lib(odd,two(1,1),1)", "_action_lib(odd,two(2,2),1)")

@@ -18,7 +18,7 @@ from rosoclingo.msg import DeliverAction, PickupAction, ROSoClingoAction, ROSoCl
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Server, wait_until
+from interface_helpers import CoreSide, Server, wait_for_server, wait_until
 
 
 def kill(node, number):
@@ -37,7 +37,7 @@ class InterfaceRespawn(unittest.TestCase):
         cls.pickup = Server("pickup", PickupAction)
         cls.deliver = Server("deliver", DeliverAction)
         cls.client = ActionClient("rosoclingo", ROSoClingoAction)
-        cls.client.wait_for_server()
+        wait_for_server(cls.client)
         cls.returns = CoreSide()
         cls.returns.wait_for("move_base_interface")
 

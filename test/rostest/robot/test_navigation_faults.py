@@ -28,6 +28,7 @@ from std_srvs.srv import Empty
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from documented_names import documented, offered
+from interface_helpers import wait_to_hear, wait_until
 from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
@@ -44,8 +45,9 @@ class NavigationFaults(unittest.TestCase):
             relay = rospy.Publisher(relayed, kind, queue_size=10)
             rospy.Subscriber(name, kind, lambda m, name=name, relay=relay: name in cls.relaying and relay.publish(m))
         cls.recoveries = []
-        rospy.Subscriber("/move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
+        recoveries = rospy.Subscriber("/move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
         cls.driver = Driver()
+        wait_to_hear(recoveries)
         cls.door = rospy.ServiceProxy("/simulator/set_door", SetDoor)
         cls.plan = rospy.ServiceProxy("/move_base/make_plan", GetPlan)
 
@@ -154,8 +156,8 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual((local.header.frame_id, local.info.width, local.info.height), ("odom", 120, 120))
         self.assertAlmostEqual(local.info.origin.position.x, 1.9 - 3.0, delta=0.06)
         updates = []
-        rospy.Subscriber("/move_base/global_costmap/costmap_updates", OccupancyGridUpdate, updates.append)
-        rospy.Subscriber("/move_base/local_costmap/costmap_updates", OccupancyGridUpdate, updates.append)
+        names = (f"/move_base/{one}_costmap/costmap_updates" for one in ("global", "local"))
+        wait_to_hear(*(rospy.Subscriber(name, OccupancyGridUpdate, updates.append) for name in names))
         put = rospy.ServiceProxy("/simulator/put_obstacle", PutObstacle)
         self.assertTrue(put("bin", 3.5, 0.0, 0.2, 0.0, 0.0, 0.0).success)
         try:
@@ -239,8 +241,8 @@ class NavigationFaults(unittest.TestCase):
 
     def test_a_simple_goal_and_what_is_shown_of_it(self):
         shown, results = {}, []
-        links = [rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)]
-        links += [rospy.Subscriber("move_base/result", MoveBaseActionResult, results.append)]
+        simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
+        links = [rospy.Subscriber("move_base/result", MoveBaseActionResult, results.append)]
         for name, kind in (
             ("GridPlanner/plan", Path),
             ("RolloutFollower/global_plan", Path),
@@ -249,8 +251,9 @@ class NavigationFaults(unittest.TestCase):
         ):
             keep = functools.partial(shown.setdefault, name)
             links.append(rospy.Subscriber("/move_base/" + name, kind, keep))
-        self.driver.wait(lambda: all(link.get_num_connections() for link in links))
-        links[0].publish(pose_goal(5.9, 0.0).target_pose)
+        wait_to_hear(*links)
+        wait_until(simple.get_num_connections, "move_base to listen")
+        simple.publish(pose_goal(5.9, 0.0).target_pose)
         self.driver.wait(lambda: results and len(shown) == 4)
         self.assertEqual(results[0].status.status, SUCCEEDED)
         self.assertLess(self.driver.distance(5.9, 0.0), 0.2)

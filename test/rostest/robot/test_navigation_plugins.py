@@ -14,6 +14,7 @@ from nav_msgs.srv import GetPlan
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
+from interface_helpers import wait_to_hear
 from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -21,10 +22,13 @@ class NavigationPlugins(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.plans, cls.local_plans, cls.recoveries = [], [], []
-        rospy.Subscriber("move_base/Surveyor/plan", Path, cls.plans.append)
-        rospy.Subscriber("move_base/Stroller/local_plan", Path, cls.local_plans.append)
-        rospy.Subscriber("move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
+        links = (
+            rospy.Subscriber("move_base/Surveyor/plan", Path, cls.plans.append),
+            rospy.Subscriber("move_base/Stroller/local_plan", Path, cls.local_plans.append),
+            rospy.Subscriber("move_base/recovery_status", RecoveryStatus, cls.recoveries.append),
+        )
         cls.driver = Driver()
+        wait_to_hear(*links)
 
     def tearDown(self):
         self.assertEqual(self.driver.collisions, [])

@@ -11,6 +11,7 @@ from move_base_msgs.msg import RecoveryStatus
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from interface_helpers import wait_to_hear
 from navigation_helpers import ABORTED, Driver, pose_goal
 
 
@@ -19,7 +20,7 @@ class NavigationStuck(unittest.TestCase):
         """Send a robot somewhere; return its goal's text, how long that took (simulated s) and the recoveries tried."""
         driver, recoveries = Driver(robot), []
         subscriber = rospy.Subscriber(robot + "move_base/recovery_status", RecoveryStatus, recoveries.append)
-        driver.wait(subscriber.get_num_connections)
+        wait_to_hear(subscriber)
         begin = rospy.get_time()
         driver.send(pose_goal(x, 0.0))
         status, text = driver.end()

@@ -28,7 +28,7 @@ from rosoclingo.robot.nodes.office import OfficeNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import Process, wait_until
+from interface_helpers import Process, wait_for_server, wait_until
 
 
 class Robot:
@@ -60,8 +60,8 @@ class Office(unittest.TestCase):
         rospy.Subscriber("packages", PackageStates, cls.note)
         cls.pickup = ActionClient("pickup", PickupAction)
         cls.deliver = ActionClient("deliver", DeliverAction)
-        cls.pickup.wait_for_server()
-        cls.deliver.wait_for_server()
+        wait_for_server(cls.pickup)
+        wait_for_server(cls.deliver)
         rospy.wait_for_service("office/put_package")
         cls.put = staticmethod(rospy.ServiceProxy("office/put_package", PutPackage))
 
@@ -186,7 +186,7 @@ class Office(unittest.TestCase):
         parameters = ["_labels:={b: [0, 0]}", "_appear:=true", "_capacity:=1", "_duration:=0"]
         with Process("rosrun", "rosoclingo", "office", "__ns:=other", *parameters):
             client = ActionClient("other/pickup", PickupAction)
-            client.wait_for_server()
+            wait_for_server(client)
             pick = lambda package: self.end(client.send_goal(PickupGoal(package=package)))[1].outcome  # noqa: E731
             wait_until(lambda: pick("new") != PickupResult.NOT_AT_LABEL, "the pose to arrive")
             self.assertEqual(pick("newer"), PickupResult.FULL)
