@@ -69,6 +69,7 @@ def run_node(
     import rospy
 
     from rosoclingo.common.parameters import warn_of_unread
+    from rosoclingo.common.registration import Registration
     from rosoclingo.common.worker import failed
 
     rospy.init_node(name)
@@ -78,6 +79,7 @@ def run_node(
         rospy.logfatal("%s: %s", rospy.get_name(), error)
         return 1
     warn_of_unread()
+    Registration()
     begin(made)
     rospy.spin()
     return 1 if failed() else 0

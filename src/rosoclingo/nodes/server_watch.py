@@ -2,24 +2,19 @@
 
 import os
 import time
-import xmlrpc.client
 from contextlib import suppress
-from http.client import HTTPException
-from typing import Any, Optional
+from typing import Optional
 
 import rosgraph
 import rospy
+
+from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 #: Seconds of wall time without word of a goal after which the server is asked whether it is there.
 SILENCE = 5.0
 
 #: Such silences in a row after which a server that is there, and tells of its goals, has never got a goal.
 UNHEARD = 3
-
-#: Seconds of wall time in which a node has to answer.
-_ANSWER = 5.0
-
-_FAULTS = (OSError, HTTPException, xmlrpc.client.Error)
 
 
 class ServerWatch:
@@ -33,8 +28,8 @@ class ServerWatch:
         """Take the name of the server's node, which is there now."""
         self.node = node
         self._uri = ""
-        with suppress(*_FAULTS):
-            self._uri = str(_proxy(rosgraph.get_master_uri()).lookupNode(rospy.get_name(), node)[2] or "")
+        with suppress(*FAULTS):
+            self._uri = str(api(rosgraph.get_master_uri()).lookupNode(rospy.get_name(), node)[2] or "")
         self._process = self._ask()
 
     def fault(self) -> str:
@@ -48,8 +43,8 @@ class ServerWatch:
 
     def _ask(self) -> Optional[int]:
         """Return the node's process id, None where it does not answer."""
-        with suppress(*_FAULTS):
-            return int(_proxy(self._uri).getPid(rospy.get_name())[2]) if self._uri else None
+        with suppress(*FAULTS):
+            return int(api(self._uri).getPid(rospy.get_name())[2]) if self._uri else None
         return None
 
 
@@ -82,19 +77,7 @@ def missing_master() -> str:
     """Why there is no ROS master, empty where there is one; asks for some seconds of wall time at most."""
     uri = rosgraph.get_master_uri()
     try:
-        _proxy(uri).getPid("/" + str(os.getpid()))
-    except _FAULTS as error:
+        api(uri).getPid("/" + str(os.getpid()))
+    except FAULTS as error:
         return f"no ROS master at {uri} ({error}): is roscore or roslaunch running?"
     return ""
-
-
-class _Transport(xmlrpc.client.Transport):
-    def make_connection(self, host: Any) -> Any:
-        """Give up a connection that takes too long."""
-        connection = super().make_connection(host)
-        connection.timeout = _ANSWER
-        return connection
-
-
-def _proxy(uri: str) -> Any:
-    return xmlrpc.client.ServerProxy(uri, transport=_Transport())

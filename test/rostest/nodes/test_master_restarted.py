@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""A roscore that dies and comes back: what was under way goes on, and who comes anew finds the nodes."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import unittest
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from unittest import mock
+
+import rosgraph
+import rostest
+
+from rosoclingo.common.xmlrpc_api import FAULTS, api
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import PATIENCE, Process, wait_until
+
+ROOT = Path(__file__).resolve().parents[3]
+ERRANDS = ROOT / "test" / "data" / "errands.lp"
+ANSWER = "{interface: test, facts: ['_return(walk,1,1)']}"
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("localhost", 0))
+        return one.getsockname()[1]
+
+
+class MasterRestarted(unittest.TestCase):
+    def setUp(self):
+        self.stack = ExitStack()
+        self.addCleanup(self.stack.close)
+        self.port = str(free_port())
+        environment = {"ROS_MASTER_URI": f"http://localhost:{self.port}", "PYTHONUNBUFFERED": "1"}
+        self.stack.enter_context(mock.patch.dict(os.environ, environment))
+        self.start_master()
+
+    def start_master(self):
+        self.master = self.stack.enter_context(Process("rosmaster", "--core", "-p", self.port))
+        wait_until(self.answers, "the master")
+
+    def answers(self):
+        with suppress(*FAULTS):
+            return api(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
+
+    def run_node(self, script, *arguments):
+        self.stack.enter_context(Process("rosrun", "rosoclingo", script, *arguments))
+
+    def known(self, *entries):
+        """Whether the master lists each of these (0 publisher, 1 subscriber, 2 service; topic or service; node)."""
+        state = rosgraph.Master("/test").getSystemState()
+        return all(node in dict(state[kind]).get(name, []) for kind, name, node in entries)
+
+    def restart_master(self):
+        self.master.signal(signal.SIGKILL)
+        self.master.wait()
+        self.start_master()
+
+    def request(self, goal):
+        command = ("rosrun", "rosoclingo", "request", goal)
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+        self.stack.callback(process.communicate)
+        self.stack.callback(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
+        return process
+
+    def test_the_core_goes_on_and_is_found_again(self):
+        entries = [(1, "/in_rosoclingo", "/rosoclingo"), (0, "/out_rosoclingo", "/rosoclingo")]
+        self.run_node("core", f"_program_files:=[{ERRANDS}]")
+        wait_until(lambda: self.known(*entries), "the core")
+        waiting = self.request("do(walk,1)")
+        self.assertTrue(any("walk" in line for line in waiting.stdout), "it is planned")
+        self.restart_master()
+        wait_until(lambda: self.known(*entries), "the core at the new master")
+        self.assertEqual(rosgraph.Master("/test").getParam("/rosoclingo/program_files"), [str(ERRANDS)])
+        answer = ["rostopic", "pub", "--once", "in_rosoclingo", "rosoclingo/InterfaceIO", ANSWER]
+        subprocess.run(answer, check=True, timeout=PATIENCE, stdout=subprocess.DEVNULL)
+        self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "what was under way succeeds")
+
+    def test_services_are_found_again(self):
+        entry = (2, "/static_map", "/map_server")
+        self.run_node("map_server", str(ROOT / "worlds" / "office.yaml"))
+        wait_until(lambda: self.known(entry), "the map server")
+        self.restart_master()
+        wait_until(lambda: self.known(entry), "the map server at the new master")
+        found = subprocess.run(
+            ["rosservice", "call", "/static_map"], check=True, timeout=PATIENCE, capture_output=True, text=True
+        )
+        self.assertIn("width: 348", found.stdout)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "master_restarted", MasterRestarted, sys.argv)
