@@ -4,7 +4,7 @@ What is connected stays connected without a master. But a new one knows no node,
 """
 
 import threading
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import rosgraph
 import rospy
@@ -29,7 +29,7 @@ class Registration:
     def __init__(self, period: float = PERIOD) -> None:
         self._name, self._uri = rospy.get_name(), rospy.get_node_uri()
         self._master = api(rosgraph.get_master_uri())
-        self._parameters = _parameters(self._name)
+        self._parameters: Optional[Dict[str, Any]] = None  # what the node was started with, once asked for
         self._ended = threading.Event()
         self._period = period
         self._lost = False
@@ -37,16 +37,18 @@ class Registration:
         threading.Thread(target=self._run, name="registration", daemon=True).start()
 
     def _run(self) -> None:
-        while not self._ended.wait(self._period):
+        while not self._ended.is_set():
             try:
                 self._ask()
             except FAULTS as error:
                 self._lose(f"no ROS master at {rosgraph.get_master_uri()} ({error}); connected nodes go on without")
+            self._ended.wait(self._period)
 
     def _ask(self) -> None:
         known = self._master.lookupNode(self._name, self._name)[0] == 1  # by this node or, later, by its namesake
         if known or ending():  # a node that ends has taken its entry back
             self._lost = False
+            self._parameters = _parameters(self._name) if self._parameters is None else self._parameters
             return
         self._lose("the ROS master was restarted and does not know this node: it is told again")
         self._register()
@@ -71,7 +73,7 @@ class Registration:
 
     def _restore_parameters(self) -> None:
         """Set what the node was started with, for a process that takes its place; what is there already stays."""
-        for name, value in self._parameters.items():
+        for name, value in (self._parameters or {}).items():
             if not self._master.hasParam(self._name, name)[2]:
                 self._master.setParam(self._name, name, value)
 
