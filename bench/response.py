@@ -22,6 +22,7 @@ from figures import Figure, parse, write
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal, TaskPlan
 
 from rosoclingo.oclingo import parse_atom
+from rosoclingo.reasoning.keywords import CORE
 
 
 class Responder:
@@ -36,7 +37,8 @@ class Responder:
         rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self.on_plan)
 
     def on_action(self, message):
-        self.messages.put((time.perf_counter(), message))
+        if message.interface != CORE:
+            self.messages.put((time.perf_counter(), message))
 
     def on_plan(self, message):
         self.clingo[message.cycle] = message.ground_time + message.solve_time

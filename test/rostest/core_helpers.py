@@ -12,6 +12,7 @@ from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 
 from rosoclingo.common.action_clients import cancel_goal
+from rosoclingo.reasoning.keywords import CORE
 
 
 class Hands:
@@ -20,7 +21,7 @@ class Hands:
     def __init__(self, namespace=""):
         self._commands = queue.Queue()
         self._open = []
-        self.seen = []
+        self.seen, self.runs = [], []
         self.at_once = False
         self._publisher = rospy.Publisher(namespace + "in_rosoclingo", InterfaceIO, queue_size=100)
         self._subscriber = rospy.Subscriber(namespace + "out_rosoclingo", InterfaceIO, self._note)
@@ -31,6 +32,9 @@ class Hands:
         wait_to_hear(self._subscriber, nodes=[core])
 
     def _note(self, message):
+        if message.interface == CORE:
+            self.runs += message.facts
+            return
         for fact in message.facts:
             self.seen.append(fact)
             if self.at_once:

@@ -5,7 +5,7 @@ Atoms and terms are ``clingo.Symbol`` throughout; cycles are integers from 1.
 
 from typing import NamedTuple, Optional
 
-from clingo import Function, Number, Symbol, SymbolType
+from clingo import Function, Number, String, Symbol, SymbolType
 
 REQUEST = "_request"
 ACTION_LIB = "_action_lib"
@@ -15,6 +15,10 @@ STATUS = "_status"
 EXPLAIN = "_explain"
 CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
+RUN = "_run"
+
+#: The name under which the core itself speaks to all interfaces.
+CORE = "rosoclingo"
 
 #: Keywords that only the core itself or the program may state: ``(name, arity)``.
 RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (CANCEL_ACTION, 3)})
@@ -85,6 +89,11 @@ def request(goal: Symbol, cycle: int) -> Symbol:
 def cancellation(identifier: Symbol, cycle: int) -> Symbol:
     """``_request(cancel(identifier),cycle)``."""
     return request(Function(CANCEL, [identifier]), cycle)
+
+
+def run_of(identity: str) -> Symbol:
+    """``_run("identity")``: which run of the core actions and cycles are of; a core that resumes has the same."""
+    return Function(RUN, [String(identity)])
 
 
 def action_of(atom: Symbol) -> Action:

@@ -4,11 +4,13 @@
 import random
 import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
 
 import rospy
 import rostest
+import yaml
 from actionlib_msgs.msg import GoalID, GoalStatus
 from rosoclingo.msg import InterfaceIO, ROSoClingoActionGoal, ROSoClingoResult, TaskPlan
 from std_msgs.msg import UInt32
@@ -190,13 +192,26 @@ class Core(unittest.TestCase):
         self.hands.at_once = True
         self.client.send(self.errand()).ends_as(SUCCEEDED)
 
+    def test_each_listener_hears_first_which_run_it_is(self):
+        self.assertRegex(self.hands.runs[0], r'^_run\("[-:T0-9]+-[0-9a-f]{8}"\)$')
+        self.hands.at_once = True
+        echo = ["rostopic", "echo", "-n", "2", "/out_rosoclingo"]  # a subscriber with a connection of its own
+        late = [subprocess.Popen(echo, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+        end = time.monotonic() + PATIENCE
+        while any(one.poll() is None for one in late) and time.monotonic() < end:
+            self.client.send(self.errand()).ends_as(SUCCEEDED)
+        for one in late:
+            first, second = list(yaml.safe_load_all(one.communicate(timeout=PATIENCE)[0]))[:2]
+            self.assertEqual(first, {"interface": "rosoclingo", "facts": self.hands.runs[:1]})
+            self.assertEqual(second["interface"], "walk")
+
     def test_late_interface_is_sent_what_is_under_way_and_nothing_old(self):
         self.hands.at_once = True
         self.client.send(self.errand()).ends_as(SUCCEEDED)
         self.hands.at_once = False
         goal = self.client.send(self.errand("run"))
         command = self.hands.take()
-        echo = ["rostopic", "echo", "-n", "1", "/out_rosoclingo/facts"]  # a subscriber with a connection of its own
+        echo = ["rostopic", "echo", "-n", "2", "/out_rosoclingo/facts"]  # a subscriber with a connection of its own
         late = subprocess.run(echo, stdout=subprocess.PIPE, text=True, timeout=PATIENCE, check=True).stdout
         self.assertIn(command, late)
         self.hands.succeed(command)

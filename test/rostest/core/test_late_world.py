@@ -21,6 +21,7 @@ from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 
 from rosoclingo.common.action_clients import cancel_goal
 from rosoclingo.reasoning import Outcome
+from rosoclingo.reasoning.keywords import CORE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
@@ -71,7 +72,7 @@ class Stage:
         self._publisher.publish(InterfaceIO("world", facts))
 
     def _note(self, message):
-        for fact in message.facts:
+        for fact in message.facts if message.interface != CORE else ():
             self._happened.put((self.play.command, (fact,)))
 
     def _cancel(self, key, handle):

@@ -20,6 +20,7 @@ from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import find_scenario, run_scenario
 from rosoclingo.oclingo import parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.reasoning.keywords import CORE
 
 OPTIONS = argparse.Namespace()
 PATIENCE = 60.0
@@ -47,7 +48,7 @@ class Bag:
         if topic == "rosoclingo/updates":
             self.updates.append(parse_update(message.data))
         elif topic == "out_rosoclingo":
-            self.actions += [parse_atom(fact) for fact in message.facts]
+            self.actions += [parse_atom(fact) for fact in message.facts if message.interface != CORE]
         elif topic == "in_rosoclingo":
             facts = [parse_atom(fact) for fact in message.facts]
             self.returns += [fact for fact in facts if fact.name == "_return"]

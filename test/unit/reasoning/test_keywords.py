@@ -10,6 +10,7 @@ from rosoclingo.reasoning.keywords import (
     name_of,
     request,
     return_of,
+    run_of,
 )
 
 
@@ -51,6 +52,11 @@ def test_malformed_return_is_an_error():
 def test_requests():
     assert str(request(parse_term("goal(a,b,1)"), 2)) == "_request(goal(a,b,1),2)"
     assert str(cancellation(parse_term("1"), 3)) == "_request(cancel(1),3)"
+
+
+def test_a_run_is_a_fact_that_reads_back():
+    assert str(run_of("2013-09-15T10:00:00-0a1b2c3d")) == '_run("2013-09-15T10:00:00-0a1b2c3d")'
+    assert parse_atom(str(run_of('it\'s \\ "mine"'))) == run_of('it\'s \\ "mine"')
 
 
 @pytest.mark.parametrize("text", ["7", '"_action_lib"', "#sup"])

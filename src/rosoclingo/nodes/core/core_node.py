@@ -1,6 +1,7 @@
 """The node ``rosoclingo``: the pure core on topics, parameters and an action server."""
 
 import time
+import uuid
 from typing import Any, Callable, Dict, Optional, Set, Type
 
 import rospy
@@ -77,8 +78,9 @@ class CoreNode:
             A message without facts announces that its node serves that interface.
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
-            but a subscriber that comes while actions are under way is sent those. With ``~preempt`` also
-            ``_cancel(A,P,C)`` of actions that are to be ended.
+            but each subscriber is sent first which run of the core this is, ``_run("ID")`` for the interface
+            ``rosoclingo``, and the actions under way. With ``~preempt`` also ``_cancel(A,P,C)`` of actions that are to
+            be ended.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
         ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
             of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
@@ -112,7 +114,7 @@ class CoreNode:
             self._watch_recovery,
         )
         self._worker = Worker(self._settle)
-        self._topics = CoreTopics(lambda: self._core.awaited)
+        self._topics = CoreTopics(lambda: self._core.awaited, _new_run())
         self._register = InterfaceRegister()
         self._health = CoreHealth(self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
@@ -272,3 +274,8 @@ class CoreNode:
         goals, waiting = len(self._core.live_goals), len(self._core.queue.waiting)
         report = health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
         return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")
+
+
+def _new_run() -> str:
+    """An identity that no other run has, and that tells when it began (UTC)."""
+    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime()) + "-" + uuid.uuid4().hex[:8]

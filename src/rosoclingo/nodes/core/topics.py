@@ -8,15 +8,20 @@ from std_msgs.msg import String, UInt32
 
 from rosoclingo.msg import InterfaceIO, TaskPlan
 from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, UpdateSent
+from rosoclingo.reasoning.keywords import CORE, run_of
 
 
 class CoreTopics:
-    """Used by the worker only. ``awaited`` gives the actions under way that have not returned."""
+    """Used by the worker only. ``awaited`` gives the actions under way that have not returned, ``run`` is its name."""
 
-    def __init__(self, awaited: Callable[[], Tuple[Action, ...]]) -> None:
+    def __init__(self, awaited: Callable[[], Tuple[Action, ...]], run: str) -> None:
         self._awaited = awaited
         self._under_way: Tuple[InterfaceIO, ...] = ()
-        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, _Newcomers(lambda: self._under_way), queue_size=100)
+        self._run = InterfaceIO(CORE, [str(run_of(run))])
+        newcomers = _Newcomers(lambda: (self._run, *self._under_way))
+        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, newcomers, queue_size=100)
+        _greet_first(self._out)
+        self._out.publish(self._run)  # to those who came before rospy had heard of the newcomers' greeting
         self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
         self._updates = rospy.Publisher("~updates", String, queue_size=100)
         self._cycle = rospy.Publisher("~cycle", UInt32, latch=True, queue_size=10)
@@ -62,16 +67,28 @@ class CoreTopics:
 
 
 class _Newcomers(rospy.SubscribeListener):
-    """Sends the actions under way to an interface node that comes late, and to it alone."""
+    """Sends an interface node that comes what it has to know, and to it alone: the run, and the actions under way."""
 
-    def __init__(self, under_way: Callable[[], Tuple[InterfaceIO, ...]]) -> None:
+    def __init__(self, messages: Callable[[], Tuple[InterfaceIO, ...]]) -> None:
         super().__init__()
-        self._under_way = under_way
+        self._messages = messages
 
     def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
         """Called by rospy when a subscriber has connected."""
-        for message in self._under_way():
+        for message in self._messages():
             publish(message)
+
+
+def _greet_first(publisher: rospy.Publisher) -> None:
+    """Let no message of another thread come before what a newcomer is sent: rospy adds it to the listeners first."""
+    impl = publisher.impl
+    add = impl.add_connection
+
+    def add_connection(connection: object) -> bool:
+        with impl.publock:
+            return bool(add(connection))
+
+    impl.add_connection = add_connection
 
 
 def _messages(facts: Iterable[Tuple[Action, Symbol]]) -> Tuple[InterfaceIO, ...]:
