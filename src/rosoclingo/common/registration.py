@@ -81,5 +81,5 @@ class Registration:
 def _parameters(node: str) -> Dict[str, Any]:
     own = rospy.get_param(node, {})
     found = {f"{node}/{key}": value for key, value in own.items()} if isinstance(own, dict) else {}
-    simulated = "/use_sim_time"
-    return {**found, **({simulated: rospy.get_param(simulated)} if rospy.has_param(simulated) else {})}
+    simulated = rospy.get_param("/use_sim_time", None)
+    return found if simulated is None else {**found, "/use_sim_time": simulated}
