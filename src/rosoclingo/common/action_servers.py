@@ -3,12 +3,12 @@
 from typing import Any
 
 import rospy
-from actionlib import ActionServer
+from actionlib import ActionServer, SimpleActionServer
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import ending
 
-__all__ = ["forget_cancels", "start_server"]
+__all__ = ["forget_cancels", "forget_goal_times", "start_server"]
 
 
 def start_server(server: ActionServer) -> None:
@@ -28,6 +28,15 @@ def forget_cancels(server: ActionServer) -> None:
     """Forget the last cancel's time; after time went back, each goal until that time would be cancelled on arrival."""
     with server.lock:
         server.last_cancel = rospy.Time()
+
+
+def forget_goal_times(server: SimpleActionServer) -> None:
+    """Forget when the last goals and cancels came; after time went back, each goal until then would be recalled."""
+    with server.lock:
+        for handle in (server.current_goal, server.next_goal):
+            if handle.get_goal() is not None:
+                handle.get_goal_id().stamp = rospy.Time()  # the server compares the stamps alone, clients the ids
+    forget_cancels(server.action_server)
 
 
 def _publish_status(server: ActionServer, event: Any) -> None:

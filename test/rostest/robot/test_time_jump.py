@@ -20,8 +20,9 @@ from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 class TimeJump(unittest.TestCase):
     def test_time_goes_back_on_the_way(self):
         driver = Driver()
+        driver.wait(lambda: rospy.get_time() > 30.0)  # so far back that the goals to come are stamped before the last
         driver.send(pose_goal(13.9, 0.0))
-        driver.wait(lambda: driver.speed[0] > 0.3 and rospy.get_time() > 5.0)
+        driver.wait(lambda: driver.speed[0] > 0.3)
         driver.client.cancel_goal()
         self.assertEqual(driver.end()[0], PREEMPTED)
         driver.send(pose_goal(4.0, 0.0))

@@ -19,7 +19,7 @@ from move_base_msgs.msg import (
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from std_srvs.srv import Empty, EmptyResponse
 
-from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.action_servers import forget_goal_times, start_server
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
@@ -224,7 +224,7 @@ class MoveBaseNode:
         self._look(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)
-            forget_cancels(self._server.action_server)
+            forget_goal_times(self._server)
         elif now - self._last_tick < self._settings.controller_period - 1e-6:
             return
         self._last_tick = now
