@@ -4,23 +4,25 @@ What is connected stays connected without a master. But a new one knows no node,
 """
 
 import threading
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 import rosgraph
 import rospy
-from rospy.impl.registration import get_service_manager
+from rospy.impl.registration import get_service_manager, get_topic_manager
 
 from rosoclingo.common.worker import ending
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 __all__ = ["Registration"]
 
+Entries = Set[Tuple[str, ...]]
+
 #: Seconds of wall time between two questions to the master.
 PERIOD = 2.0
 
 
 class Registration:
-    """Asks the master whether it knows this node, and where not tells it topics, services and private parameters.
+    """Asks the master whether it knows this node, and tells it the topics, services and private parameters it lacks.
 
     Made by a node that has read its parameters and asked for all it wants; asks until the node ends, in a thread of
     its own, as a master may take seconds to answer.
@@ -32,6 +34,7 @@ class Registration:
         self._parameters: Optional[Dict[str, Any]] = None  # what the node was started with, once asked for
         self._ended = threading.Event()
         self._period = period
+        self._missing: List[Entries] = [set(), set(), set()]  # publications, subscriptions and services
         self._lost = False
         rospy.on_shutdown(self._ended.set)
         threading.Thread(target=self._run, name="registration", daemon=True).start()
@@ -45,30 +48,39 @@ class Registration:
             self._ended.wait(self._period)
 
     def _ask(self) -> None:
-        known = self._master.lookupNode(self._name, self._name)[0] == 1  # by this node or, later, by its namesake
-        if known or ending():  # a node that ends has taken its entry back
-            self._lost = False
-            self._parameters = _parameters(self._name) if self._parameters is None else self._parameters
+        lists = self._master.getSystemState(self._name)[2]
+        listed = [{name for name, nodes in entries if self._name in nodes} for entries in lists]
+        missing = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._own(), listed)]
+        before, self._missing = self._missing, missing
+        twice = [now & then for now, then in zip(missing, before)]  # what is new rospy is about to tell the master
+        if ending():  # it takes its entries back
             return
-        self._lose("the ROS master was restarted and does not know this node: it is told again")
-        self._register()
+        if any(twice):
+            self._lose("the ROS master was restarted and does not know all of this node: it is told again")
+            self._register(*twice)
+        if self._parameters is None:
+            self._parameters = _parameters(self._name)
         self._lost = False
+
+    def _own(self) -> Tuple[Any, Any, Any]:
+        """Publications and subscriptions with their types, services with their addresses: lists of pairs of str."""
+        topics = get_topic_manager()
+        return topics.get_publications(), topics.get_subscriptions(), get_service_manager().get_services()
 
     def _lose(self, text: str) -> None:
         if not self._lost:
             rospy.logwarn("%s: %s", self._name, text)
         self._lost = True
 
-    def _register(self) -> None:
+    def _register(self, publications: Entries, subscriptions: Entries, services: Entries) -> None:
         self._restore_parameters()
-        own = api(self._uri)
-        for topic, kind in own.getPublications(self._name)[2]:
+        for topic, kind in publications:
             self._master.registerPublisher(self._name, topic, kind, self._uri)
-        for topic, kind in own.getSubscriptions(self._name)[2]:
+        for topic, kind in subscriptions:
             code, _, publishers = self._master.registerSubscriber(self._name, topic, kind, self._uri)
             if code == 1:
-                own.publisherUpdate("/master", topic, publishers)
-        for service, uri in get_service_manager().get_services():  # nodes have no question for these
+                api(self._uri).publisherUpdate("/master", topic, publishers)
+        for service, uri in services:
             self._master.registerService(self._name, service, uri, self._uri)
 
     def _restore_parameters(self) -> None:

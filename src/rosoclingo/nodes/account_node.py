@@ -10,6 +10,7 @@ from std_msgs.msg import String
 
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.msg import InterfaceIO, PackageStates, ROSoClingoActionGoal, TaskPlan
+from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
 
 #: Topics of an account and their types, relative to the core's namespace.
@@ -44,7 +45,7 @@ class TopicAccount:
         self._tolerance = tolerance
         self._lock = threading.Lock()
         self._readers: Dict[str, Callable[[float, Any], None]] = {
-            "out_rosoclingo": lambda time, message: self.account.dispatched(time, message.facts),
+            "out_rosoclingo": self._dispatched,
             "in_rosoclingo": lambda time, message: self.account.returned(time, message.interface, message.facts),
             "rosoclingo/goal": lambda time, message: self.account.goal(time, message.goal_id.id, message.goal.request),
             "rosoclingo/cancel": lambda time, message: self.account.cancel(time, message.id),
@@ -71,6 +72,10 @@ class TopicAccount:
         with self._lock:
             self.account.finish()
             return self.account.summary
+
+    def _dispatched(self, time: float, message: InterfaceIO) -> None:
+        if message.interface != CORE:  # else the core tells of itself
+            self.account.dispatched(time, message.facts)
 
     def _statuses(self, time: float, message: GoalStatusArray) -> None:
         for one in message.status_list:
