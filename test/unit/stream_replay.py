@@ -1,8 +1,9 @@
 """Plays the stream that a core told to a solver of its own, and compares."""
 
-from rosoclingo.oclingo import ReactiveSolver, SolveOutcome, parse_updates
-from rosoclingo.reasoning import PlanMade, UpdateSent
-from rosoclingo.reasoning.keywords import ACTION_LIB, action_of, is_keyword
+from rosoclingo.oclingo import ReactiveSolver, parse_updates
+from rosoclingo.reasoning import ActionsDispatched, PlanMade, Problem, UpdateSent
+from rosoclingo.runs.recorded_run import RunCollector
+from rosoclingo.runs.replay import AGREEING, Replay, Verdict
 
 
 def replayed(program, stream):
@@ -11,23 +12,27 @@ def replayed(program, stream):
     return [solver.update(update) for update in parse_updates(stream)]
 
 
-def check_replay(program, journal, most=200):
-    """The stream gives the same plan lengths; each update was told once. The latest ``most`` plans are compared."""
+def recorded(journal):
+    """The run that a journal of a core's events tells of."""
+    collector = RunCollector()
+    takes = {
+        UpdateSent: lambda event: collector.update(event.stream),
+        PlanMade: lambda event: collector.plan(event.cycle, event.horizon, [str(one.atom) for one in event.actions]),
+        ActionsDispatched: lambda event: collector.dispatched([str(one.atom) for one in event.actions]),
+        Problem: lambda event: collector.problem(f"cycle {event.cycle}: {event.message}"),
+    }
+    for event in journal.events:
+        takes.get(type(event), lambda event: None)(event)
+    (run,) = collector.runs()
+    return run
+
+
+def check_replay(program, journal, verdicts=(*AGREEING, Verdict.MISSED)):
+    """Each decision is one of the ``verdicts``, and explained where it is another than now; each update was told once."""
     told = journal.of(UpdateSent)
-    results = replayed(program, journal.stream)
-    assert len(results) == len(told)
-    plans = {event.cycle: event for event in journal.of(PlanMade)}
-    last = {event.cycle: result for event, result in zip(told, results)}
-    for cycle in sorted(last)[-most:]:
-        result, plan = last[cycle], plans[cycle]
-        if result.outcome is SolveOutcome.SATISFIABLE:
-            left = [
-                atom for atom in result.answers[0] if is_keyword(atom, ACTION_LIB) and action_of(atom).cycle >= cycle
-            ]
-            told_left = [action for action in plan.actions if action.cycle >= cycle]
-            assert (cycle, result.horizon, len(left)) == (cycle, plan.horizon, len(told_left))
-        else:
-            assert not [action for action in plan.actions if action.cycle >= cycle]
+    reports = list(Replay(recorded(journal), program).reports()) if told else []
+    odd = [report.line() for report in reports if not report.explained or report.verdict not in verdicts]
+    assert not odd
     begun_anew = any("#anew." in event.stream for event in told)
     steps = [event.cycle for event in told]
     assert begun_anew or steps == list(range(1, len(steps) + 1)), "each cycle's update is told once"

@@ -33,6 +33,7 @@ from rosoclingo.reasoning import (
 from rosoclingo.reasoning.core_state import Health, Level, Report
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.keywords import return_of
+from rosoclingo.runs.recorded_run import RunProgram
 
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
 SHUTDOWN_TIME = 5.0
@@ -85,6 +86,8 @@ class CoreNode:
         ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
             of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
             ``~plan`` is ``shortest``, else with plans that may be shorter.
+        ~program (std_msgs/String, latched): the program whole, its constants, and what else decisions depend on, as
+            JSON: with ``~updates`` and ``~task_plan`` all that ``rosrun rosoclingo replay`` needs.
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Actions served:
@@ -114,7 +117,9 @@ class CoreNode:
             self._watch_recovery,
         )
         self._worker = Worker(self._settle)
-        self._topics = CoreTopics(lambda: self._core.awaited, _new_run())
+        run = _new_run()
+        self._topics = CoreTopics(lambda: self._core.awaited, run)
+        self._topics.program_loaded(RunProgram.of(run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
         self._health = CoreHealth(self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {

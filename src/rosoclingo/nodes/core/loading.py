@@ -1,6 +1,6 @@
 """The core node's parameters: read from the parameter server and checked; errors name the mend."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
@@ -34,6 +34,12 @@ class CoreParameters:
     def time_to_shorten(self) -> Optional[float]:
         """The solver's time for a shorter plan than the first; None where each plan is to be shortest."""
         return None if self.plan == "shortest" else self.plan_time
+
+    @property
+    def deciding(self) -> Dict[str, Any]:
+        """The parameters that decisions depend on, beside the program, by name."""
+        times = {"plan": self.plan, "plan_time": self.plan_time, "recovery_timeout": self.recovery_timeout}
+        return {**asdict(self.settings), **times}
 
 
 def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:

@@ -23,6 +23,7 @@ class CoreTopics:
         _greet_first(self._out)
         self._out.publish(self._run)  # to those who came before rospy had heard of the newcomers' greeting
         self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
+        self._program = rospy.Publisher("~program", String, latch=True, queue_size=1)
         self._updates = rospy.Publisher("~updates", String, queue_size=100)
         self._cycle = rospy.Publisher("~cycle", UInt32, latch=True, queue_size=10)
         self._told = 0
@@ -32,6 +33,10 @@ class CoreTopics:
     def listeners(self) -> Set[str]:
         """The names of the nodes that hear the actions."""
         return {connection.endpoint_id for connection in self._out.impl.connections}
+
+    def program_loaded(self, text: str) -> None:
+        """Publish what the program is, and what else decisions depend on."""
+        self._program.publish(String(text))
 
     def update_sent(self, event: UpdateSent) -> None:
         """Publish a stream update."""

@@ -25,8 +25,12 @@ FLUSH = 1.0  # s of wall time between two flushes: so much is lost with a record
 NOTES = "~notes"  # the topic of what a bag says about itself
 LINGER = 0.5  # s of wall time for what is on its way when the recorder alone is ended
 
+#: What every node says, those of others too: nobody's end is waited for because of it.
+OF_ALL = ("/rosout",)
+
 #: Topics that a recorder of the case study has to be connected to before a scenario begins.
 RECORDED = (
+    "/rosoclingo/program",
     "/rosoclingo/updates",
     "/rosoclingo/task_plan",
     "/rosoclingo/result",
@@ -40,7 +44,7 @@ class RecorderNode:
     """Records topics into a bag that holds everything up to the end of the run.
 
     Of a launch that ends, the recorder ends last: it goes on until all whose topics it records have ended, and has
-    then read what they had sent. A second signal ends it at once. A recorder that is killed leaves ``FILE.active``,
+    then read what they had sent; ``/rosout`` apart, which every node has. A second signal ends it at once. A recorder that is killed leaves ``FILE.active``,
     which holds all but the last second; the next one lays it aside, mended. What the bag says about itself, as what
     it lacks, is in the topic ``~notes`` of the bag.
 
@@ -110,7 +114,8 @@ class RecorderNode:
 
     def _open_topics(self) -> List[str]:
         """The topics that somebody who has not ended publishes; of all others everything has been taken."""
-        return [one.resolved_name for one in self._subscribers if one.get_num_connections() > 0]
+        own = (one for one in self._subscribers if one.resolved_name not in OF_ALL)
+        return [one.resolved_name for one in own if one.get_num_connections() > 0]
 
     def _close(self) -> None:
         going_on = self._open_topics()

@@ -1,6 +1,8 @@
 """Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
 
+import json
 from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
@@ -29,6 +31,7 @@ class ReactiveProgram:
 
     Attributes:
         sources: the texts that it was made of.
+        texts: these and all that they include, in order.
         constants: values of ``#const`` names that were given from outside, as symbols.
         first_step: the first grounded step (1 unless ``#iinit`` says less).
         windows: the distinct lengths w of ``#volatile t : w.``, in steps.
@@ -43,8 +46,10 @@ class ReactiveProgram:
 
     """
 
-    def __init__(self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None) -> None:
-        """Take the texts in order.
+    def __init__(
+        self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
+    ) -> None:
+        """Take the texts in order; with ``whole`` all that they include is among them.
 
         Raises ProgramError with all faults that can be found without grounding.
         """
@@ -52,7 +57,8 @@ class ReactiveProgram:
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
         self._directives = Directives()
         self.warnings: List[str] = []
-        parsed = read_sources(sources, self._directives, self.warnings)
+        parsed = read_sources(sources, self._directives, self.warnings, whole)
+        self.texts = tuple(one.source for one in parsed)
         self._delays: Optional[Delays] = None
         self._known_delays: Dict[Signature, Optional[int]] = {}
         self.parts: List[Part] = rewrite(parsed, self._directives)
@@ -73,6 +79,12 @@ class ReactiveProgram:
     ) -> "ReactiveProgram":
         """Take one text; ``name`` stands for the file in messages."""
         return cls([Source(name, text)], constants)
+
+    @property
+    def fingerprint(self) -> str:
+        """What programs of the same texts and constants share, wherever their files lie: a SHA-256 in hexadecimal."""
+        constants = sorted((name, str(value)) for name, value in self.constants.items())
+        return sha256(json.dumps([[one.text for one in self.texts], constants]).encode("ascii")).hexdigest()
 
     def declares_external(self, name: str, arity: int) -> bool:
         """Tell whether some external of this name and arity is declared."""

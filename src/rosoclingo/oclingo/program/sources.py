@@ -40,16 +40,18 @@ class Source:
 class Parsed(NamedTuple):
     """A source after parsing."""
 
-    name: str
+    source: Source
     statements: List[AST]
 
 
-def read_sources(sources: Sequence[Source], found: Directives, warnings: List[str]) -> List[Parsed]:
+def read_sources(
+    sources: Sequence[Source], found: Directives, warnings: List[str], whole: bool = False
+) -> List[Parsed]:
     """Parse ``sources`` and what they include, in either dialect; add oClingo's directives to ``found``.
 
-    Raises ProgramError with all the faults of all files.
+    With ``whole`` all that they include is among them. Raises ProgramError with all the faults of all files.
     """
-    collector = _Collector()
+    collector = _Collector(whole)
     for source in sources:
         collector.add(source)
     texts: Sequence[str] = ()
@@ -60,7 +62,7 @@ def read_sources(sources: Sequence[Source], found: Directives, warnings: List[st
         warnings.extend(warning for result in results for warning in result.warnings)
     except ProgramError as error:
         faults.extend(error.faults)
-    parsed = [_parse(source.name, text, found, faults) for source, text in zip(collector.sources, texts)]
+    parsed = [_parse(source, text, found, faults) for source, text in zip(collector.sources, texts)]
     if faults or found.faults:
         raise ProgramError([*found.faults, *faults])
     return parsed
@@ -69,7 +71,8 @@ def read_sources(sources: Sequence[Source], found: Directives, warnings: List[st
 class _Collector:
     """Follows ``#include``, each file once; the files of a program are translated together."""
 
-    def __init__(self) -> None:
+    def __init__(self, whole: bool) -> None:
+        self._whole = whole
         self._seen: Set[Path] = set()
         self.sources: List[Source] = []
         self.faults: List[Fault] = []
@@ -77,7 +80,7 @@ class _Collector:
     def add(self, source: Source) -> None:
         """Take a source and all that it includes."""
         self.sources.append(source)
-        for name, line in included_files(source.text):
+        for name, line in () if self._whole else included_files(source.text):
             self._include(source, name, line)
 
     def _include(self, source: Source, name: str, line: int) -> None:
@@ -95,15 +98,15 @@ class _Collector:
                 self.faults.extend(error.faults)
 
 
-def _parse(name: str, text: str, found: Directives, faults: List[Fault]) -> Parsed:
-    messages, statements = Messages(), []  # type: Messages, List[AST]
+def _parse(source: Source, text: str, found: Directives, faults: List[Fault]) -> Parsed:
+    name, messages, statements = source.name, Messages(), []  # type: str, Messages, List[AST]
     try:
         parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
     except RuntimeError as error:
         faults.extend(_named(fault, name) for fault in messages.faults(error))
     for statement in statements:
         _relocate(statement, name)
-    return Parsed(name, statements)
+    return Parsed(source, statements)
 
 
 def _named(fault: Fault, name: str) -> Fault:

@@ -1,0 +1,186 @@
+"""The command ``replay``: a recorded run solved again, without a master."""
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+from typing import Callable, List, Optional, Sequence, Tuple
+
+from rosoclingo.nodes.recording.bag_reader import bag_runs
+from rosoclingo.oclingo import ProgramError, ReactiveProgram
+from rosoclingo.oclingo.service.table import format_answer
+from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunProgram
+from rosoclingo.runs.replay import AGREEING, CycleReport, Replay, Shown, Verdict, summary
+
+Say = Callable[[str], None]
+
+_DESCRIPTION = """\
+Solve a recorded run again: for each cycle, whether the decisions agree, or how they differ and why. Another plan as
+short is no difference; a longer one is told. No ROS master is needed."""
+
+_EPILOG = """\
+Exit code: 0, 1 where a difference is not explained, 2 for a wrong command line or a recording that cannot be replayed.
+A bag is made by the launch files' record:=true."""
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(
+        prog="replay", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("recording", metavar="RUN.bag", type=Path, help="the recording")
+    parser.add_argument("--to", type=_cycle, metavar="N", help="stop at cycle N and show its answer as a table")
+    parser.add_argument(
+        "--stream",
+        metavar="FILE",
+        help="write the online progression for `oclingo --shortest --stream FILE` (- is standard output), solve nothing",
+    )
+    parser.add_argument(
+        "--program-to", type=Path, metavar="FOLDER", help="write the program's files into FOLDER, and say how to run them"
+    )
+    parser.add_argument(
+        "--program",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="the program's files, for a recording that has none, or to see what another program would have done",
+    )
+    parser.add_argument(
+        "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="with --program: a constant's value"
+    )
+    parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")
+    parser.add_argument("--run", type=_cycle, metavar="N", help="which run, where a core was started several times")
+    parser.add_argument(
+        "--plan-time",
+        type=_seconds,
+        metavar="SECONDS",
+        help="processor time for a shorter plan than the first one (default: the run's; shortest plans for ~plan: shortest)",
+    )
+    parser.add_argument("--all", action="store_true", help="a line for each cycle, also for those that agree")
+    return parser
+
+
+def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
+    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+    parser = make_parser()
+    options = parser.parse_args(arguments)
+    if options.const and not options.program:
+        parser.error("--const needs --program; a recording has its own constants")
+    try:
+        runs = _chosen(bag_runs(options.recording, options.core), options)
+        if options.stream is not None or options.program_to is not None:
+            _write(runs[-1], options, say)
+            return 0
+        return max(_replay(run, options, say) for run in runs)
+    except (RecordingError, ProgramError) as error:
+        return _fail(str(error))
+    except OSError as error:
+        return _fail(f"{error.filename}: {error.strerror}")
+    except KeyboardInterrupt:
+        return 130
+
+
+def _fail(text: str) -> int:
+    sys.stderr.write(f"replay: {text}\n")
+    return 2
+
+
+def _chosen(runs: List[RecordedRun], options: argparse.Namespace) -> List[RecordedRun]:
+    """Return the runs that are meant: one where one is asked for, or needed."""
+    if options.run is not None:
+        if options.run > len(runs):
+            raise RecordingError(f"{options.recording} holds {len(runs)} runs of the core, --run {options.run} is none")
+        return [runs[options.run - 1]]
+    if len(runs) > 1 and (options.to or options.stream or options.program_to):
+        raise RecordingError(f"{options.recording} holds {len(runs)} runs of the core: choose one by --run N")
+    return runs
+
+
+def _write(run: RecordedRun, options: argparse.Namespace, say: Say) -> None:
+    """Write the stream, the program, or both."""
+    if options.stream == "-":
+        say(run.stream)
+    elif options.stream is not None:
+        Path(options.stream).write_text(run.stream, encoding="utf-8")
+    if options.program_to is not None:
+        words = _program_of(run).write(options.program_to)
+        stream = options.stream if options.stream not in (None, "-") else "FILE"
+        say(f"rosrun rosoclingo oclingo {' '.join(words)} --shortest --stream {stream}")
+
+
+def _program_of(run: RecordedRun) -> RunProgram:
+    if run.program is None:
+        raise RecordingError(
+            "the recording lacks the program (topic rosoclingo/program), as those of earlier versions do: "
+            "name the program's files by --program FILE ..."
+        )
+    return run.program
+
+
+def _load(run: RecordedRun, options: argparse.Namespace, say: Say) -> Tuple[ReactiveProgram, Optional[float], float]:
+    """Return the program, and the time for plans and for searches."""
+    if options.program is None:
+        program = _program_of(run).load()
+    else:
+        constants = dict(word.partition("=")[::2] for word in options.const)
+        program = ReactiveProgram.from_files(options.program, constants)
+        if run.program is not None and program.fingerprint != run.program.fingerprint:
+            say("this is another program than the run's: differences may come from that")
+    if run.program is None:
+        return program, 1.0 if options.plan_time is None else options.plan_time, 10.0
+    plan_time = run.program.plan_time if options.plan_time is None else options.plan_time
+    return program, plan_time, float(run.program.settings.get("search_timeout", 10.0))
+
+
+def _replay(run: RecordedRun, options: argparse.Namespace, say: Say) -> int:
+    """Replay a run and tell of it; return the exit code."""
+    program, plan_time, search_time = _load(run, options, say)
+    last = run.cycles[-1].cycle
+    if options.to is not None and options.to > last:
+        raise RecordingError(f"the run has {last} cycles, --to {options.to} is beyond them")
+    reports: List[CycleReport] = []
+    for report in Replay(run, program, plan_time, search_time).reports():
+        reports.append(report)
+        if options.all or not report.explained or report.verdict not in AGREEING:
+            say(report.line())
+        if report.cycle == options.to:
+            _show(report, say)
+            break
+    for line in summary(reports):
+        say(line)
+    return int(not all(report.explained for report in reports))
+
+
+def _show(report: CycleReport, say: Say) -> None:
+    """Show a cycle's answer, and the one found now where it is another."""
+    if report.verdict not in (Verdict.SAME, Verdict.NONE):
+        _table("as it was told", report.told, say)
+        _table("as it is found now", report.found, say)
+    else:
+        _table("", report.found or report.told, say)
+
+
+def _table(words: str, shown: Optional[Shown], say: Say) -> None:
+    title = f"Answer {words}".rstrip()
+    if shown is None:
+        say(f"{title}: none")
+        return
+    say(f"{title}, horizon {shown.horizon}")
+    width = max(shutil.get_terminal_size((100, 24)).columns, 60)
+    say(format_answer(shown.atoms, shown.horizon + 1, width).rstrip() or "(no atom)")
+
+
+def _cycle(text: str) -> int:
+    if text.isascii() and text.isdigit() and 0 < int(text) < 2**31:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is no number from 1 on")
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+    return value

@@ -1,0 +1,279 @@
+"""A run as it was recorded: its program and, cycle by cycle, what the core was told and what it decided.
+
+Whoever reads a recording, of whatever kind, gives it to a :class:`RunCollector` message by message.
+"""
+
+import json
+import re
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+import clingo
+
+from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_atom, parse_update
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.updates import Anew
+from rosoclingo.reasoning.keywords import ACTION_LIB, KeywordError, action_of, is_keyword
+
+#: The form of what :meth:`RunProgram.text` writes.
+FORMAT = 1
+
+_CYCLE = re.compile(r"cycle (\d+): ")
+
+
+class RecordingError(RuntimeError):
+    """A recording that cannot be read or replayed; the text says what is wrong with it and what to do."""
+
+
+class ProgramFile(NamedTuple):
+    """A text of a program; ``included`` where another one names it."""
+
+    name: str
+    text: str
+    included: bool
+
+
+@dataclass(frozen=True)
+class RunProgram:
+    """The program of a run, whole, and what else its decisions depend on.
+
+    Attributes:
+        run: what no other run has; a core that goes on with an earlier run has that one's.
+        files: all texts in order, those that others include as well.
+        constants: the values of ``#const`` names, as text.
+        fingerprint: see :attr:`ReactiveProgram.fingerprint`.
+        settings: the core's parameters by name.
+        clingo_version: that of the core.
+
+    """
+
+    run: str
+    files: Tuple[ProgramFile, ...]
+    constants: Dict[str, str]
+    fingerprint: str
+    settings: Dict[str, Any] = field(default_factory=dict)
+    clingo_version: str = ""
+
+    @classmethod
+    def of(cls, run: str, program: ReactiveProgram, settings: Mapping[str, Any]) -> "RunProgram":
+        """Return what is to be kept of a loaded program."""
+        files = tuple(ProgramFile(one.name, one.text, one not in program.sources) for one in program.texts)
+        constants = {name: str(value) for name, value in program.constants.items()}
+        return cls(run, files, constants, program.fingerprint, dict(settings), clingo.__version__)
+
+    def text(self) -> str:
+        """Return it as JSON."""
+        return json.dumps({"format": FORMAT, **asdict(self)})
+
+    @classmethod
+    def parse(cls, text: str) -> "RunProgram":
+        """Return what :meth:`text` wrote; raises RecordingError."""
+        try:
+            values = json.loads(text)
+            form = values.pop("format")
+            if form != FORMAT:
+                version = "a later" if form > FORMAT else "another"
+                raise RecordingError(f"its program has format {form}: replay it with {version} version of rosoclingo")
+            return cls(**{**values, "files": tuple(ProgramFile(*one) for one in values["files"])})
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise RecordingError(f"its program is damaged: {error}; take another copy of the recording") from None
+
+    def load(self) -> ReactiveProgram:
+        """Return the program; raises RecordingError."""
+        sources = [Source(one.name, one.text) for one in self.files]
+        try:
+            program = ReactiveProgram(sources, self.constants, whole=True)
+        except ProgramError as error:
+            raise RecordingError(f"its program cannot be used: {error}") from None
+        if program.fingerprint != self.fingerprint:
+            raise RecordingError("its program is not that of the run: the recording was changed; take another copy")
+        return program
+
+    @property
+    def plan_time(self) -> Optional[float]:
+        """Seconds of processor time for a shorter plan than the first; None where each plan was to be shortest."""
+        return None if self.settings.get("plan") == "shortest" else float(self.settings.get("plan_time", 1.0))
+
+    def write(self, folder: Path) -> List[str]:
+        """Write the files into ``folder``, as they lay to each other; return the arguments of ``oclingo`` for them."""
+        paths = _apart([one.name for one in self.files])
+        for path, one in zip(paths, self.files):
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_text(one.text, encoding="utf-8")
+        words = [str(folder / path) for path, one in zip(paths, self.files) if not one.included]
+        return [*(f"-c {name}={value}" for name, value in sorted(self.constants.items())), *words]
+
+
+def _apart(names: Sequence[str]) -> List[Path]:
+    """Return where files of these names go in a folder: below what their folders share; what is no path beside them."""
+    paths = [Path(name).absolute() for name in names if "/" in name]
+    shared = _shared([path.parent for path in paths])
+    return [
+        Path(name).absolute().relative_to(shared) if "/" in name else Path(re.sub(r"\W", "", name) + ".lp")
+        for name in names
+    ]
+
+
+def _shared(folders: Sequence[Path]) -> Path:
+    """Return the innermost folder that all the others lie in."""
+    above = [{folder, *folder.parents} for folder in folders]
+    return max(set.intersection(*above), key=lambda path: len(path.parts)) if above else Path("/")
+
+
+class RecordedPlan(NamedTuple):
+    """A plan that was told: its actions from its cycle on, none where there was none, and the last step ground."""
+
+    horizon: int
+    actions: Tuple[str, ...]
+
+
+@dataclass
+class RecordedCycle:
+    """What led to a cycle, and what was decided.
+
+    Attributes:
+        cycle: its number.
+        updates: what the solver took, one update but for a program that begins anew.
+        plans: the plans that were told, in order; the last one counts.
+        dispatched: the actions that went out, None where that is not known.
+        problems: what the core told of in its log.
+
+    """
+
+    cycle: int
+    updates: List[StreamUpdate] = field(default_factory=list)
+    plans: List[RecordedPlan] = field(default_factory=list)
+    dispatched: Optional[List[str]] = None
+    problems: List[str] = field(default_factory=list)
+
+
+@dataclass
+class RecordedRun:
+    """A run: its program, None where that was not recorded, and its cycles in order."""
+
+    program: Optional[RunProgram] = None
+    cycles: List[RecordedCycle] = field(default_factory=list)
+
+    @property
+    def stream(self) -> str:
+        """The online progression, for ``oclingo --shortest --stream``."""
+        return "\n".join(str(update) for one in self.cycles for update in one.updates)
+
+
+class _Open:
+    """A run of which more may come: cycles by number, since topics overtake each other."""
+
+    def __init__(self, program: Optional[RunProgram] = None) -> None:
+        self.program = program
+        self.told = 0
+        self._leading: List[StreamUpdate] = []  # of a program that begins anew, up to the present cycle
+        self.last: Optional[RecordedCycle] = None  # whose plan came last of all
+        self._cycles: Dict[int, RecordedCycle] = {}
+
+    def at(self, cycle: int) -> RecordedCycle:
+        """What is known of a cycle."""
+        self.last = None
+        return self._cycles.setdefault(cycle, RecordedCycle(cycle))
+
+    def update(self, update: StreamUpdate) -> None:
+        """Take an update; those of a program that begins anew go through the cycles before in a few steps."""
+        step = update.step or 1
+        self._leading.append(update)
+        if step > self.told:
+            self.told = step
+            self.at(step).updates += self._leading
+            self._leading = []
+
+    def close(self) -> RecordedRun:
+        """The run; raises RecordingError where updates are lacking."""
+        cycles = [self._cycles[number] for number in sorted(self._cycles) if self._cycles[number].updates]
+        for expected, one in enumerate(cycles, 1):
+            if one.cycle != expected:
+                raise RecordingError(_lacking(expected, one.cycle - 1))
+        return RecordedRun(self.program, cycles)
+
+
+def _lacking(first: int, last: int) -> str:
+    cycles = f"cycle {first}" if first == last else f"cycles {first} to {last}"
+    mend = "let the recorder begin before the first request (record:=true)" if first == 1 else "see its notes"
+    return f"the updates of {cycles} are lacking, without which the others cannot be solved again: {mend}"
+
+
+class RunCollector:
+    """Puts together what a recording holds, message by message in order; raises RecordingError.
+
+    Topics may overtake each other, but each is in order itself. A core that is started again begins another run.
+    """
+
+    def __init__(self) -> None:
+        self._runs: List[_Open] = []
+
+    def program(self, text: str) -> None:
+        """Take what a core said of its program when it began."""
+        found = RunProgram.parse(text)
+        if self._runs and self._runs[-1].program is not None and self._runs[-1].program.run == found.run:
+            return
+        if self._runs and not self._runs[-1].told and self._runs[-1].program is None:
+            self._runs[-1].program = found
+            return
+        early = self._runs[-1].last if self._runs else None
+        if early is not None and early.cycle == 1 and not early.plans[-1].actions:
+            early.plans.pop()  # a core tells a plan as it begins, which has overtaken this
+        self._runs.append(_Open(found))
+
+    def update(self, text: str) -> None:
+        """Take an update that was in force."""
+        try:
+            update = parse_update(text)
+        except OclingoError as error:
+            raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
+        if update.step == 1 and self._run.told and Anew() not in update.items:
+            self._runs.append(_Open())
+        self._run.update(update)
+
+    def plan(self, cycle: int, horizon: int, actions: Sequence[str]) -> None:
+        """Take a plan that was told, with the last actions done."""
+        ahead = tuple(text for text in actions if _cycle_of(text) >= cycle)
+        found = self._run.at(cycle)
+        found.plans.append(RecordedPlan(horizon, ahead))
+        self._run.last = found
+
+    def dispatched(self, facts: Sequence[str]) -> None:
+        """Take what went out to the interfaces; what is no action is passed over."""
+        for text in facts:
+            cycle = _cycle_of(text)
+            if cycle:
+                one = self._run.at(cycle)
+                known = one.dispatched or []
+                one.dispatched = known if text in known else [*known, text]
+
+    def problem(self, text: str) -> None:
+        """Take a line of the core's log."""
+        found = _CYCLE.match(text)
+        if found is not None and self._runs:
+            self._run.at(int(found.group(1))).problems.append(text[found.end() :])
+
+    def runs(self) -> List[RecordedRun]:
+        """Return the runs with updates, in order; raises RecordingError where there is none."""
+        found = [one for one in (run.close() for run in self._runs) if one.cycles]
+        if not found:
+            raise RecordingError(
+                "no update of a core is in it: nobody has asked for anything, or the recorder was not connected"
+            )
+        return found
+
+    @property
+    def _run(self) -> _Open:
+        if not self._runs:
+            self._runs.append(_Open())
+        return self._runs[-1]
+
+
+def _cycle_of(text: str) -> int:
+    """Return the cycle of an action, 0 for anything else."""
+    try:
+        atom = parse_atom(text)
+        return action_of(atom).cycle if is_keyword(atom, ACTION_LIB) else 0
+    except (OclingoError, KeywordError):
+        return 0

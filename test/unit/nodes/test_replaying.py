@@ -1,0 +1,211 @@
+"""The command ``replay`` on bags: runs as a recorder writes them, and bags that hold none."""
+
+import shutil
+from pathlib import Path
+from pkgutil import extend_path
+
+import pytest
+from core_driver import Driver, soon
+from shipped import shipped
+
+import rosoclingo
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
+from rosoclingo.runs.recorded_run import RunProgram
+
+ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
+GOALS = ("goal(office3,office2,1)", "goal(office2,office4,2)")
+
+
+@pytest.fixture(scope="module")
+def driver():
+    """A run of the mailbot with two goals."""
+    driver = Driver(settings=CoreSettings(), program=shipped("mailbot.lp", "office.lp"), solver=soon)
+    for text in GOALS:
+        driver.goal(text, text).succeed()
+    return driver.finish()
+
+
+@pytest.fixture
+def replay(monkeypatch):
+    """The command; its exit code and its lines."""
+    pytest.importorskip("rosbag")
+    from rosoclingo.nodes.recording.replaying import main
+
+    def run(*words):
+        lines = []
+        code = main([str(word) for word in words], lines.append)
+        return code, "\n".join(lines)
+
+    return run
+
+
+@pytest.fixture
+def write(monkeypatch, tmp_path, driver):
+    """Writes a bag of the run, with ``left_out`` topics, of cores in some namespaces."""
+    rosbag = pytest.importorskip("rosbag")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    messages = pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+    from std_msgs.msg import String
+
+    def to_messages(event):
+        if isinstance(event, UpdateSent):
+            yield "rosoclingo/updates", String(event.stream)
+        elif isinstance(event, PlanMade):
+            actions = [str(one.atom) for one in event.actions]
+            yield "rosoclingo/task_plan", messages.TaskPlan(cycle=event.cycle, horizon=event.horizon, actions=actions)
+        elif isinstance(event, ActionsDispatched):
+            facts = [str(one.atom) for one in event.actions]
+            yield "out_rosoclingo", messages.InterfaceIO("all", facts)
+
+    def write(left_out=(), spaces=("/",), change=lambda topic, message: message):
+        path = tmp_path / "run.bag"
+        program = RunProgram.of("run", driver.program, {"plan": "soon", "plan_time": 1.0})
+        with rosbag.Bag(str(path), "w") as bag:
+            for space in spaces:
+                said = [("rosoclingo/program", String(program.text()))]
+                said += [one for event in driver.journal.events for one in to_messages(event)]
+                for topic, message in said:
+                    if topic not in left_out:
+                        bag.write(space + topic, change(topic, message))
+        return path
+
+    return write
+
+
+def test_a_recorded_run_replays(replay, write):
+    code, text = replay(write())
+    assert code == 0
+    assert text.endswith("no unexplained difference")
+    assert "UNEXPLAINED" not in text
+
+
+def test_each_cycle_has_a_line_where_that_is_asked_for(replay, write, driver):
+    _, text = replay(write(), "--all")
+    cycles = len(driver.journal.of(UpdateSent))
+    assert sum(line.startswith("cycle ") for line in text.splitlines()) == cycles >= 10
+
+
+def test_a_cycle_s_answer_is_a_table(replay, write):
+    code, text = replay(write(), "--to", 3, "--all")
+    assert code == 0
+    assert "3 cycles:" in text
+    assert "cycle 4" not in text
+    assert "Answer, horizon" in text
+    assert "_action_lib(deliver,1,t)" in text
+    with pytest.raises(SystemExit):
+        replay(write(), "--to", "0")
+
+
+def test_a_cycle_beyond_the_run(replay, write, capsys):
+    assert replay(write(), "--to", 999)[0] == 2
+    assert "--to 999 is beyond" in capsys.readouterr().err
+
+
+def test_a_decision_that_is_no_plan_is_an_error(replay, write):
+    def change(topic, message):
+        if topic == "rosoclingo/task_plan" and message.cycle == 2 and message.actions:
+            message.actions = [one.replace("office3", "office1") for one in message.actions]
+        return message
+
+    code, text = replay(write(change=change))
+    assert code == 1
+    assert "cycle 2: UNEXPLAINED: no plan of the program: none has _action_lib(" in text
+    assert text.endswith("1 unexplained: cycles 2")
+    code, text = replay(write(change=change), "--to", 2)
+    assert code == 1
+    assert "Answer as it was told: none" in text
+    assert "Answer as it is found now, horizon" in text
+
+
+def test_stream_and_program_are_written(replay, write, driver, tmp_path):
+    code, text = replay(write(), "--stream", "-")
+    assert (code, text.split()) == (0, driver.journal.stream.split())
+    code, text = replay(write(), "--stream", tmp_path / "stream", "--program-to", tmp_path / "program")
+    assert code == 0
+    assert (tmp_path / "stream").read_text().split() == driver.journal.stream.split()
+    files = f"{tmp_path}/program/mailbot.lp {tmp_path}/program/office.lp"
+    assert text == f"rosrun rosoclingo oclingo {files} --shortest --stream {tmp_path}/stream"
+
+
+def test_a_bag_of_an_earlier_version_lacks_the_program(replay, write, capsys):
+    path = write(left_out=["rosoclingo/program"])
+    assert replay(path)[0] == 2
+    assert "lacks the program (topic rosoclingo/program)" in capsys.readouterr().err
+    files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
+    assert replay(path, "--program", *files)[0] == 0
+
+
+def test_another_program(replay, write, tmp_path):
+    files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
+    assert "another program" not in replay(write(), "--program", *files)[1]
+    code, text = replay(write(), "--program", *files, "-c", "capacity=0")
+    assert code == 1
+    assert "this is another program than the run's" in text
+
+
+@pytest.mark.parametrize(
+    ("left_out", "spaces", "why"),
+    [
+        (["rosoclingo/updates"], ("/",), "no stream updates of a core"),
+        (["rosoclingo/task_plan"], ("/",), "lacks /rosoclingo/task_plan"),
+        ([], ("/a/", "/b/"), "the runs of 2 cores are in it: name one of /a/rosoclingo, /b/rosoclingo by --core"),
+        ([], (), "the bag is empty"),
+    ],
+)
+def test_what_a_bag_lacks_is_told(replay, write, capsys, left_out, spaces, why):
+    path = write(left_out, spaces)
+    assert replay(path)[0] == 2
+    assert why in capsys.readouterr().err
+
+
+def test_one_of_several_cores(replay, write, capsys):
+    path = write(spaces=("/a/", "/b/"))
+    assert replay(path, "--core", "b/rosoclingo")[0] == 0
+    assert replay(path, "--core", "c")[0] == 2
+    assert "the core c is not in it, but /a/rosoclingo, /b/rosoclingo" in capsys.readouterr().err
+
+
+def test_a_core_that_was_started_again(replay, write, capsys):
+    path = write(spaces=("/", "/"), left_out=["rosoclingo/program"])
+    files = ("--program", ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
+    code, text = replay(path, *files)
+    assert (code, text.count("no unexplained difference")) == (0, 2)
+    assert replay(path, *files, "--run", 2)[1].count("no unexplained difference") == 1
+    assert replay(path, *files, "--to", 2)[0] == 2
+    assert "holds 2 runs of the core: choose one by --run N" in capsys.readouterr().err
+    assert replay(path, *files, "--run", 3)[0] == 2
+
+
+def test_a_run_that_begins_too_late(replay, write, capsys):
+    def change(topic, message):
+        if topic == "rosoclingo/updates" and message.data.startswith("#step 1 "):
+            message.data = message.data.replace("#step 1 ", "#step 2 ", 1)
+        return message
+
+    assert replay(write(change=change))[0] == 2
+    assert "the updates of cycle 1 are lacking" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [0, 5, 100, 5000, -1, -500])
+def test_a_bag_that_is_cut_off(replay, write, capsys, size):
+    path = write()
+    path.write_bytes(path.read_bytes()[:size])
+    assert replay(path)[0] == 2
+    error = capsys.readouterr().err
+    assert "rosbag reindex" in error
+    assert "Traceback" not in error
+
+
+def test_a_bag_that_is_none(replay, write, capsys, tmp_path):
+    assert replay(tmp_path / "none.bag")[0] == 2
+    assert "none.bag cannot be read: No such file" in capsys.readouterr().err
+    shutil.copy(__file__, tmp_path / "test.bag")
+    assert replay(tmp_path / "test.bag")[0] == 2
+    assert "is no bag, or damaged" in capsys.readouterr().err
+
+
+def test_a_wrong_command_line(replay):
+    for words in ([], ["a.bag", "--to", "x"], ["a.bag", "-c", "a=1"], ["a.bag", "--plan-time", "-1"]):
+        with pytest.raises(SystemExit) as ended:
+            replay(*words)
+        assert ended.value.code == 2

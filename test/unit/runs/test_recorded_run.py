@@ -1,0 +1,101 @@
+"""What a recording holds, put together: whatever overtakes what, and whatever is lacking."""
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
+
+GO = "_action_lib(go,{0},{0})"
+
+
+def update(step, items=""):
+    return f"#step {step} : 5. {items} #end step."
+
+
+def program(run, text="a."):
+    return RunProgram.of(run, ReactiveProgram.from_text(text), {}).text()
+
+
+def cycles(collector):
+    return [[(one.cycle, len(one.updates), len(one.plans)) for one in run.cycles] for run in collector.runs()]
+
+
+def test_topics_overtake_each_other():
+    collector = RunCollector()
+    collector.plan(1, 1, [])
+    collector.dispatched([GO.format(1)])
+    collector.plan(1, 3, [GO.format(1), GO.format(2)])
+    collector.program(program("first"))
+    collector.update(update(1))
+    collector.problem("cycle 2: it rains")
+    collector.plan(2, 3, [GO.format(1), GO.format(2)])
+    collector.update(update(2))
+    (run,) = collector.runs()
+    assert run.program.run == "first"
+    assert [one.plans[-1] for one in run.cycles] == [
+        RecordedPlan(3, (GO.format(1), GO.format(2))),
+        RecordedPlan(3, (GO.format(2),)),
+    ]
+    assert [one.dispatched for one in run.cycles] == [[GO.format(1)], None]
+    assert [one.problems for one in run.cycles] == [[], ["it rains"]]
+    assert run.stream.count("#end step.") == 2
+
+
+def test_what_goes_out_twice_or_is_no_action():
+    collector = RunCollector()
+    collector.update(update(1))
+    collector.dispatched(['_run("x")', GO.format(1), "_cancel(go,1,1)", "no term ("])
+    collector.dispatched([GO.format(1)])  # to one who comes late
+    assert collector.runs()[0].cycles[0].dispatched == [GO.format(1)]
+
+
+def test_a_core_that_is_started_again_begins_another_run():
+    collector = RunCollector()
+    collector.program(program("first"))
+    collector.update(update(1))
+    collector.plan(1, 3, [GO.format(1)])
+    collector.plan(1, 1, [])  # the next one's as it begins, which overtakes its program
+    collector.program(program("second"))
+    collector.program(program("second"))
+    collector.update(update(1))
+    collector.update(update(2))
+    collector.update(update(1))  # a third one, whose program was not heard
+    runs = collector.runs()
+    assert [run.program and run.program.run for run in runs] == ["first", "second", None]
+    assert [[one.cycle for one in run.cycles] for run in runs] == [[1], [1, 2], [1]]
+    assert [len(one.plans) for one in runs[0].cycles] == [1]
+
+
+def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
+    collector = RunCollector()
+    for step in range(1, 130):
+        collector.update(update(step))
+    collector.update(update(100, "#anew. #closed 1..99."))
+    collector.update(update(130, "#closed 100..129."))
+    collector.update(update(131))
+    assert cycles(collector)[0][-2:] == [(130, 2, 0), (131, 1, 0)]
+    collector = RunCollector()
+    collector.update(update(1, "#anew."))
+    assert cycles(collector) == [[(1, 1, 0)]]
+
+
+@pytest.mark.parametrize(
+    ("steps", "text"),
+    [
+        ([3, 4], "cycles 1 to 2 are lacking.*begin before the first request"),
+        ([1, 3], "cycle 2 are lacking.*see its notes"),
+        ([], "no update of a core"),
+    ],
+)
+def test_what_is_lacking_is_told(steps, text):
+    collector = RunCollector()
+    collector.program(program("first"))
+    with pytest.raises(RecordingError, match=text):
+        for step in steps:
+            collector.update(update(step))
+        collector.runs()
+
+
+def test_an_update_that_is_none_is_told():
+    with pytest.raises(RecordingError, match="an update is damaged: 1:5"):
+        RunCollector().update("step")

@@ -1,0 +1,205 @@
+"""A recorded run solved again: what agrees, what differs with a reason, and what is found out."""
+
+import re
+from dataclasses import replace
+
+import pytest
+from core_driver import PLANS, Driver
+from shipped import shipped
+from stream_replay import recorded
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.service.command import main as oclingo
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
+from rosoclingo.runs.replay import Replay, Verdict, summary
+
+#: Goal do(Id): press one of two buttons, as often as one likes, in whatever cycles.
+BUTTONS = """
+#program cumulative(t).
+#external _request/2.
+#external _return/3.
+open(Id,t) :- _request(do(Id),t+1).
+open(Id,t) :- open(Id,t-1), not pressed(t-1).
+{ _action_lib(press,(left;right),t) } 1 :- open(Id,t).
+pressed(t) :- _action_lib(press,B,t), not failed(t).
+failed(t)  :- _action_lib(press,B,t), _return(press,V,t), V != B.
+#show _action_lib/3.
+#program volatile(t).
+:- open(Id,t), not pressed(t).
+"""
+
+
+def played(way, *goals):
+    """A run of the mailbot with a failure and a cancelled goal."""
+    program = shipped("mailbot.lp", "office.lp")
+    driver = Driver(settings=CoreSettings(horizon_limit=40), program=program, solver=PLANS[way])
+    for number, text in enumerate(goals):
+        driver.goal(f"key{number}", text).succeed()
+    driver.fail("failed")
+    driver.cancel("key0")
+    driver.finish()
+    return driver
+
+
+def pressed():
+    """A run in which one of two buttons is pressed, its program, and the plan of its first cycle."""
+    driver = Driver(BUTTONS).goal("key", "do(1)").finish()
+    run = recorded(driver.journal)
+    (action,) = run.cycles[0].plans[-1].actions
+    return driver.program, run, action
+
+
+def other(action):
+    return action.replace("left", "RIGHT").replace("right", "left").replace("RIGHT", "right")
+
+
+def first(run, program, **options):
+    """What becomes of the first cycle."""
+    return next(Replay(run, program, **options).reports())
+
+
+@pytest.mark.parametrize("way", PLANS)
+def test_a_run_agrees_with_itself(way):
+    driver = played(way, "goal(office3,office2,1)", "goal(office4,office1,2)", "goal(office2,office4,3)")
+    run = recorded(driver.journal)
+    reports = list(Replay(run, driver.program, None if way == "shortest" else 1.0).reports())
+    assert [report.cycle for report in reports] == [cycle.cycle for cycle in run.cycles]
+    assert {report.verdict for report in reports} <= {Verdict.SAME, Verdict.AS_SHORT, Verdict.NONE}
+    assert all(report.explained for report in reports)
+    assert len(reports) > 10
+    assert summary(reports)[-1] == "no unexplained difference"
+
+
+def test_another_plan_as_short_is_no_difference():
+    program, run, action = pressed()
+    run.cycles[0].plans = [RecordedPlan(1, (other(action),))]
+    run.cycles[0].dispatched = [other(action)]
+    report = first(run, program)
+    assert (report.verdict, report.explained) == (Verdict.AS_SHORT, True)
+    assert [str(atom) for atom in report.told.atoms] == [other(action)]
+    assert [str(atom) for atom in report.found.atoms] == [action]
+
+
+@pytest.mark.parametrize(("plan_time", "explained"), [(1.0, True), (None, False)])
+def test_a_longer_plan_is_told(plan_time, explained):
+    program, run, action = pressed()
+    later = action.replace(",1)", ",3)")
+    run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(3, (later,))], None
+    report = first(run, program, plan_time=plan_time)
+    assert (report.verdict, report.explained) == (Verdict.LONGER, explained)
+    assert re.search("3 steps.* one of 1 is found", report.line())
+    assert ("UNEXPLAINED" in report.line()) is not explained
+
+
+@pytest.mark.parametrize(
+    ("actions", "why"),
+    [
+        (["_action_lib(press,lever,1)"], "none has _action_lib(press,lever,1)"),
+        (["_action_lib(press,left,1)", "_action_lib(press,right,1)"], "none has _action_lib(press,right,1) after"),
+        (["_action_lib(press,left,1)", "_action_lib(press,left,2)"], "none has _action_lib(press,left,2) after"),
+    ],
+)
+def test_what_is_no_plan_is_an_error(actions, why):
+    program, run, _ = pressed()
+    run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(2, tuple(actions))], None
+    report = first(run, program)
+    assert (report.verdict, report.explained) == (Verdict.WRONG, False)
+    assert why in report.line()
+
+
+def test_a_plan_that_leaves_something_undone_is_an_error():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office2,office3,1)")
+    run = recorded(driver.journal)
+    (plan,) = run.cycles[0].plans[1:]
+    run.cycles[0].plans = [plan._replace(actions=plan.actions[:-1])]
+    report = first(run, driver.program)
+    assert (report.verdict, report.explained) == (Verdict.WRONG, False)
+    assert "leaves something undone" in report.why
+
+
+def test_other_actions_than_planned_are_an_error():
+    program, run, action = pressed()
+    run.cycles[0].dispatched = [other(action)]
+    report = first(run, program)
+    assert (report.verdict, report.explained) == (Verdict.SENT, False)
+    assert f"{other(action)} in place of {action}" in report.line()
+    run.cycles[0].plans = []
+    assert first(run, program).verdict is Verdict.SENT
+
+
+@pytest.mark.parametrize(
+    ("problems", "explained"),
+    [
+        ([], False),
+        (["no plan was found before the search was ended: it took longer than 10 s"], True),
+        (["the search was left: a goal was cancelled"], True),
+        (["the robot sings"], False),
+    ],
+)
+def test_no_plan_though_there_is_one(problems, explained):
+    program, run, _ = pressed()
+    run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [RecordedPlan(1, ())], None, problems
+    report = first(run, program)
+    assert (report.verdict, report.explained) == (Verdict.MISSED, explained)
+    assert not explained or problems[-1] in report.line()
+
+
+def test_an_update_that_is_refused_ends_it():
+    collector = RunCollector()
+    for step in range(1, 7):
+        collector.update(f"#step {step} : 0. #end step.")
+    program = ReactiveProgram.from_text("#program cumulative(t). { m(t) }. p(t/4) :- m(t), t > 3.")
+    reports = list(Replay(collector.runs()[0], program).reports())
+    assert [report.cycle for report in reports] == [1, 2, 3, 4, 5]
+    assert (reports[-1].verdict, reports[-1].explained) == (Verdict.REFUSED, False)
+    assert "redefinition" in reports[-1].line()
+    assert summary(reports)[-1] == "1 unexplained: cycles 5"
+
+
+def test_a_search_that_takes_too_long_is_ended():
+    program, run, _ = pressed()
+    run.cycles[0].plans, run.cycles[0].dispatched = [], None
+    assert first(run, program, search_time=1e-9).verdict is Verdict.NONE
+
+
+def test_the_program_that_was_kept_is_the_same_program(tmp_path):
+    program = shipped("mailbot.lp", "office.lp")
+    kept = RunProgram.parse(RunProgram.of("run", program, {"plan": "soon", "plan_time": 2.5}).text())
+    assert kept.load().fingerprint == program.fingerprint == kept.fingerprint
+    assert kept.plan_time == 2.5
+    assert replace(kept, settings={"plan": "shortest"}).plan_time is None
+    words = kept.write(tmp_path)
+    assert [word for word in words if "delivery" in word] == []
+    assert ReactiveProgram.from_files(words).fingerprint == program.fingerprint
+    assert (tmp_path / "delivery" / "rules.lp").is_file()
+
+
+def test_the_text_of_a_program_that_was_changed_is_refused():
+    kept = RunProgram.of("run", ReactiveProgram.from_text("a."), {})
+    with pytest.raises(RecordingError, match="the recording was changed"):
+        replace(kept, files=(kept.files[0]._replace(text="b."),)).load()
+    with pytest.raises(RecordingError, match="cannot be used"):
+        replace(kept, files=(kept.files[0]._replace(text="b"),)).load()
+    for text in ("", "{}", "[]", '{"format": 1}', '{"format": "x"}'):
+        with pytest.raises(RecordingError, match="damaged"):
+            RunProgram.parse(text)
+    with pytest.raises(RecordingError, match="a later version"):
+        RunProgram.parse('{"format": 2}')
+
+
+@pytest.mark.parametrize("goals", [("goal(office3,office2,1)", "goal(office4,office1,2)")])
+def test_the_stream_gives_the_same_answers_by_the_command(goals, tmp_path, capsys):
+    driver = played("shortest", *goals)
+    run = recorded(driver.journal)
+    words = RunProgram.of("run", driver.program, {}).write(tmp_path)
+    (tmp_path / "stream").write_text(run.stream)
+    assert oclingo([*words, "--shortest", "--stream", str(tmp_path / "stream"), "--json"]) == 0
+    told = [line for line in capsys.readouterr().out.splitlines() if line]
+    found = [report.found for report in Replay(run, driver.program).reports()]
+    assert len(told) == len(found) > 5
+    for line, shown in zip(told, found):
+        answers = re.findall(r'"answers": (\[.*?\]\]|\[\])', line)[0]
+        assert (answers == "[]") is (shown is None)
+        if shown is not None:
+            assert f'"horizon": {shown.horizon}' in line
