@@ -28,7 +28,7 @@ def recorded(journal):
 
 
 def check_replay(program, journal, verdicts=(*AGREEING, Verdict.MISSED)):
-    """Each decision is one of the ``verdicts``, and explained where it is another than now; each update was told once."""
+    """Each decision is one of the ``verdicts``, and explained where another is found now; updates were told once."""
     told = journal.of(UpdateSent)
     reports = list(Replay(recorded(journal), program).reports()) if told else []
     odd = [report.line() for report in reports if not report.explained or report.verdict not in verdicts]

@@ -60,7 +60,7 @@ class RunProgram:
         """Return what is to be kept of a loaded program."""
         files = tuple(ProgramFile(one.name, one.text, one not in program.sources) for one in program.texts)
         constants = {name: str(value) for name, value in program.constants.items()}
-        return cls(run, files, constants, program.fingerprint, dict(settings), clingo.__version__)
+        return cls(run, files, constants, program.fingerprint, dict(settings), ".".join(map(str, clingo.version())))
 
     def text(self) -> str:
         """Return it as JSON."""
@@ -217,10 +217,7 @@ class RunCollector:
         if self._runs and not self._runs[-1].told and self._runs[-1].program is None:
             self._runs[-1].program = found
             return
-        early = self._runs[-1].last if self._runs else None
-        if early is not None and early.cycle == 1 and not early.plans[-1].actions:
-            early.plans.pop()  # a core tells a plan as it begins, which has overtaken this
-        self._runs.append(_Open(found))
+        self._begin(found)
 
     def update(self, text: str) -> None:
         """Take an update that was in force."""
@@ -229,7 +226,7 @@ class RunCollector:
         except OclingoError as error:
             raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
         if update.step == 1 and self._run.told and Anew() not in update.items:
-            self._runs.append(_Open())
+            self._begin()
         self._run.update(update)
 
     def plan(self, cycle: int, horizon: int, actions: Sequence[str]) -> None:
@@ -262,6 +259,13 @@ class RunCollector:
                 "no update of a core is in it: nobody has asked for anything, or the recorder was not connected"
             )
         return found
+
+    def _begin(self, program: Optional[RunProgram] = None) -> None:
+        """Begin another run; the plan that a core tells as it begins may have come before."""
+        early = self._runs[-1].last if self._runs else None
+        if early is not None and early.cycle == 1 and not early.plans[-1].actions:
+            early.plans.pop()
+        self._runs.append(_Open(program))
 
     @property
     def _run(self) -> _Open:

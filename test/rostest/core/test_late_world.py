@@ -5,120 +5,27 @@ ROSOCLINGO_SEED chooses another course of things, ROSOCLINGO_GOALS how many goal
 """
 
 import os
-import queue
 import sys
 import threading
 import unittest
 from pathlib import Path
-from random import Random
 
 import rospy
 import rostest
-from actionlib import ActionClient
-from actionlib.action_client import CommState
-from actionlib_msgs.msg import GoalStatus
-from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
-
-from rosoclingo.common.action_clients import cancel_goal
-from rosoclingo.reasoning import Outcome
-from rosoclingo.reasoning.keywords import CORE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 
-from carrying_world import HOUSE, OFFICE, ROBOT, Play
-from interface_helpers import wait_for_server, wait_to_hear, wait_until
+from carrying_stage import Stage
+from carrying_world import HOUSE, OFFICE, ROBOT
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
 GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "100"))  # in each of the two worlds
-ENDS = {  # a goal that is recalled before it arrives has no result of its own
-    GoalStatus.SUCCEEDED: "succeeded",
-    GoalStatus.PREEMPTED: "canceled",
-    GoalStatus.RECALLED: "canceled",
-    GoalStatus.ABORTED: "aborted",
-    GoalStatus.REJECTED: "rejected",
-}
-SILENCE = 120.0  # seconds of wall time in which something has to happen, on the slowest machine
-
-
-class Stage:
-    """A core node, and a play around it."""
-
-    def __init__(self, name, domain):
-        self._happened = queue.Queue()
-        self._handles = {}
-        self._cancelled = set()
-        self.play = Play(domain, self, Random(SEED), GOALS)
-        self._publisher = rospy.Publisher(name + "/in_rosoclingo", InterfaceIO, queue_size=1000)
-        self._subscriber = rospy.Subscriber(name + "/out_rosoclingo", InterfaceIO, self._note)
-        self._client = ActionClient(name + "/rosoclingo", ROSoClingoAction)
-        wait_for_server(self._client)
-        core = f"/{name}/rosoclingo"
-        wait_until(lambda: self._publisher.impl.has_connection(core), f"{core} to listen")
-        wait_to_hear(self._subscriber, nodes=[core])
-
-    def send(self, key, text):
-        """Send a goal."""
-        goal = ROSoClingoGoal(text)
-        self._handles[key] = self._client.send_goal(goal, lambda handle: self._changed(key, handle))
-
-    def cancel(self, key):
-        """Cancel a goal, not before the core is known to have it: actionlib would take an early one for lost."""
-        self._cancelled.add(key)
-        self._cancel(key, self._handles[key])
-
-    def tell(self, facts):
-        """Tell facts as an interface."""
-        self._publisher.publish(InterfaceIO("world", facts))
-
-    def _note(self, message):
-        for fact in message.facts if message.interface != CORE else ():
-            self._happened.put((self.play.command, (fact,)))
-
-    def _cancel(self, key, handle):
-        if key in self._cancelled and handle.get_comm_state() in (CommState.PENDING, CommState.ACTIVE):
-            self._cancelled.discard(key)
-            cancel_goal(self._client, handle)
-
-    def _changed(self, key, handle):
-        self._cancel(key, handle)
-        if handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK:
-            self._happened.put((self.play.acknowledged, (key,)))
-        if handle.get_comm_state() == CommState.DONE:
-            status, result = handle.get_terminal_state(), handle.get_result()
-            end = ENDS.get(status, "lost")
-            if result is not None and result.message and Outcome(result.outcome).name.lower() != end:
-                end = f"{result.outcome}, but its status is {status}"
-            self._happened.put((self.play.ended, (key, end, handle.get_goal_status_text())))
-
-    def run(self):
-        """Play until all goals have ended."""
-        if not self.play.live:
-            self.play.stir()
-        while not self.play.over:
-            do, arguments = self._happened.get(timeout=SILENCE)
-            do(*arguments)
-            if not self.play.live:
-                self.play.stir()
-
-    def run_to_the_end(self):
-        """Play, then ask for all that is on the robot, and for one thing more; nothing fails any more."""
-        self.run()
-        for _ in range(20):
-            if not self.play.ask_for_all_that_is_aboard():
-                break
-            self.run()
-        before = self.play.ends["succeeded"]
-        for _ in range(20):
-            if self.play.ends["succeeded"] == before:
-                self.play.wish()
-                self.run()
-        return self.play.ends["succeeded"] > before
 
 
 class LateWorld(unittest.TestCase):
     def test_each_action_and_each_end_is_right(self):
-        stages = [Stage("office", OFFICE), Stage("house", HOUSE)]
+        stages = [Stage("office", OFFICE, SEED, GOALS), Stage("house", HOUSE, SEED, GOALS)]
         threads = [threading.Thread(target=self.play, args=(stage,)) for stage in stages]
         self.ended_well = []
         for one in threads:

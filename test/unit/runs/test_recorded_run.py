@@ -90,9 +90,9 @@ def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
 def test_what_is_lacking_is_told(steps, text):
     collector = RunCollector()
     collector.program(program("first"))
+    for step in steps:
+        collector.update(update(step))
     with pytest.raises(RecordingError, match=text):
-        for step in steps:
-            collector.update(update(step))
         collector.runs()
 
 

@@ -44,7 +44,8 @@ class RecorderNode:
     """Records topics into a bag that holds everything up to the end of the run.
 
     Of a launch that ends, the recorder ends last: it goes on until all whose topics it records have ended, and has
-    then read what they had sent; ``/rosout`` apart, which every node has. A second signal ends it at once. A recorder that is killed leaves ``FILE.active``,
+    then read what they had sent; ``/rosout`` apart, which every node has. A second signal ends it at once. A recorder
+    that is killed leaves ``FILE.active``,
     which holds all but the last second; the next one lays it aside, mended. What the bag says about itself, as what
     it lacks, is in the topic ``~notes`` of the bag.
 

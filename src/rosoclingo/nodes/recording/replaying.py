@@ -33,10 +33,13 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--stream",
         metavar="FILE",
-        help="write the online progression for `oclingo --shortest --stream FILE` (- is standard output), solve nothing",
+        help="write the online progression, for `oclingo --shortest --stream FILE` (-: standard output), and end",
     )
     parser.add_argument(
-        "--program-to", type=Path, metavar="FOLDER", help="write the program's files into FOLDER, and say how to run them"
+        "--program-to",
+        type=Path,
+        metavar="FOLDER",
+        help="write the program's files into FOLDER, and say how to run them",
     )
     parser.add_argument(
         "--program",
@@ -54,7 +57,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--plan-time",
         type=_seconds,
         metavar="SECONDS",
-        help="processor time for a shorter plan than the first one (default: the run's; shortest plans for ~plan: shortest)",
+        help="processor time for a shorter plan than the first one (default: the run's; no limit for ~plan: shortest)",
     )
     parser.add_argument("--all", action="store_true", help="a line for each cycle, also for those that agree")
     return parser

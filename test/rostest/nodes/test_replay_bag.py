@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""A recorded run replays with no unexplained difference, and its stream gives the same answers by the command.
+
+ROSOCLINGO_SEED chooses another course of things, ROSOCLINGO_GOALS how many goals there are in each of the two worlds.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import rosbag
+import rospy
+import rostest
+
+from rosoclingo.nodes.recording.recorder import is_recording
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
+
+from carrying_stage import Stage
+from carrying_world import HOUSE, OFFICE
+from interface_helpers import Process, wait_until
+
+SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
+GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "10"))
+WORLDS = {"office": OFFICE, "house": HOUSE}
+CORE_TOPICS = [
+    f"/{world}/{topic}"
+    for world in WORLDS
+    for topic in ("out_rosoclingo", "rosoclingo/program", "rosoclingo/updates", "rosoclingo/task_plan")
+]
+TOPICS = ["/rosout", "/diagnostics", *CORE_TOPICS]
+LIMIT = 500  # seconds of wall time for a command, on the slowest machine
+
+
+def command(*words):
+    """Run one of the package's commands without a master; its exit code and what it wrote."""
+    environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1"}
+    words = ("rosrun", "rosoclingo", *map(str, words))
+    done = subprocess.run(words, env=environment, text=True, timeout=LIMIT, capture_output=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+class ReplayBag(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.bag = Path(cls.folder.name, "run.bag")
+        with Process("rosrun", "rosoclingo", "record", f"_bag:={cls.bag}", f"_topics:=[{', '.join(TOPICS)}]") as record:
+            wait_until(lambda: is_recording(TOPICS), "the recorder to be connected")
+            stages = [Stage(name, world, SEED, GOALS) for name, world in WORLDS.items()]
+            threads = [threading.Thread(target=stage.run) for stage in stages]
+            for one in threads:
+                one.start()
+            for one in threads:
+                one.join()
+            record.signal(signal.SIGINT)
+            wait_until(lambda: is_recording([]), "the recorder to wait for the others")
+            record.signal(signal.SIGINT)
+            cls.ended = record.wait()[0]
+        cls.over = [stage.play.over for stage in stages]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_the_bag_holds_what_it_should(self):
+        self.assertEqual((self.ended, self.over), (0, [True, True]))
+        with rosbag.Bag(str(self.bag)) as bag:
+            self.assertLessEqual(set(TOPICS), set(bag.get_type_and_topic_info().topics))
+
+    def test_no_difference_is_unexplained(self):
+        for world in WORLDS:
+            code, text, error = command("replay", self.bag, "--core", f"{world}/rosoclingo")
+            self.assertEqual((code, error), (0, ""), text)
+            self.assertTrue(text.endswith("no unexplained difference\n"), text)
+            print(f"{world}: {text}")
+
+    def test_the_stream_gives_the_same_answers(self):
+        core, stream, folder = ("--core", "house/rosoclingo"), f"{self.bag}.stream", f"{self.bag}_program"
+        code, text, error = command("replay", self.bag, *core, "--stream", stream, "--program-to", folder)
+        self.assertEqual((code, error), (0, ""))
+        self.assertTrue(text.startswith("rosrun rosoclingo oclingo "), text)
+        code, text, _ = command(*text.split()[2:], "--json")
+        self.assertEqual(code, 0)
+        with rosbag.Bag(str(self.bag)) as bag:
+            told = {one.cycle: one for _, one, _ in bag.read_messages(["/house/rosoclingo/task_plan"])}
+        compared = 0
+        for found in map(json.loads, text.splitlines()):
+            plan = told.get(found["step"])
+            if plan is not None and plan.actions and found["answers"]:
+                self.assertEqual((found["step"], found["horizon"]), (plan.cycle, plan.horizon))
+                compared += 1
+        self.assertGreaterEqual(compared, 5)
+
+
+if __name__ == "__main__":
+    rospy.init_node("replay_test")
+    rostest.rosrun("rosoclingo", "replay", ReplayBag, sys.argv)
