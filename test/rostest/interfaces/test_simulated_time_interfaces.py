@@ -8,6 +8,7 @@ from pathlib import Path
 import rospy
 import rostest
 from actionlib.msg import TestAction
+from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -18,11 +19,16 @@ from interface_helpers import CoreSide, Server, wait_until
 class SimulatedTimeInterfaces(unittest.TestCase):
     def set_clock(self, seconds):
         self.clock.publish(Clock(rospy.Time(seconds)))
-        wait_until(lambda: rospy.get_time() == seconds, "the time to arrive")
+        wait_until(lambda: rospy.get_time() == seconds == self.told, "the time to arrive, at the interface too")
+
+    def note(self, message):
+        self.told = message.header.stamp.to_sec()
 
     def test_a_day_in_simulated_time(self):
         rospy.init_node("core_side")
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
+        self.told = None  # the interface's time, which it tells once a second of wall time
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self.note)
         core = CoreSide()
         server = Server("slow", TestAction)
         core.wait_for("interface")

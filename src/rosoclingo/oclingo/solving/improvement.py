@@ -115,10 +115,10 @@ class Improvement:
         return grounding.search(1, halt, self._first, last, given, conflicts, best=False)
 
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
-        """Take ``found`` for the plan; where it idles, the same without these steps if that is one."""
+        """Take ``found`` for the plan; where it idles, the same without these steps if that is one; a stop ends that."""
         plan = _without_idling(Plan.of(found.answers[-1], found.horizon).since(self._step + 1), self._step)
         end = max(self._first, self._step, plan.last_cycle)
-        if end < found.horizon:
+        if end < found.horizon and not halt():
             sooner = self._ask(grounding, halt, end, [*present, *Part(end + 1).given(plan)], self._conflicts)
             found = sooner if sooner.satisfiable else found
         self._plan = Plan.of(found.answers[-1], found.horizon)

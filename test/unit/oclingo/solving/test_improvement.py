@@ -127,6 +127,7 @@ def test_no_question_is_asked_after_a_stop(looks, monkeypatch):
 
     def asked(grounding, models, stopped_now, *arguments, **limits):
         assert True not in stopped
+        stopped_now()  # a search that is quick never looks, one that is slow does
         return search(grounding, models, stopped_now, *arguments, **limits)
 
     monkeypatch.setattr(Grounding, "search", asked)

@@ -288,7 +288,7 @@ def test_whether_steps_may_be_idle_stays_unknown_where_the_trial_was_ended(monke
 
     program = ReactiveProgram.from_text(WALK)
     monkeypatch.setattr(idling, "Grounding", Ended)
-    assert not idling.may_idle(program, lambda: True)
+    assert not idling.may_idle(program, lambda: False)
     assert idling.may_idle(program, lambda: False), "it is tried again"
 
 
