@@ -11,7 +11,7 @@ def ended(pid):
     for _ in range(1200):
         try:
             state = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()[0]
-        except FileNotFoundError:
+        except OSError:  # it goes between the opening of the file and the reading, too
             return True
         if state == "Z":
             return True

@@ -9,7 +9,7 @@ import pytest
 
 rospy = pytest.importorskip("rospy")
 worker_module = pytest.importorskip("rosoclingo.common.worker")
-PATIENCE = 30.0
+PATIENCE = 120.0  # seconds of wall time
 
 
 @pytest.fixture

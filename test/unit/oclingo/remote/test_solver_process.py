@@ -70,6 +70,12 @@ def at_look(number):
     return stopped
 
 
+def after_work(process, seconds=0.1):
+    """A stop request once the child has worked for so long: it is in the midst of what it was asked for."""
+    before = process.worked
+    return lambda: process.worked > before + seconds
+
+
 @pytest.mark.parametrize("case", [case for case in CASES if len(case["updates"]) > 2], ids=lambda case: case["name"])
 def test_answers_are_those_of_a_solver_in_this_process(case):
     program = ReactiveProgram.from_text(case["program"])
@@ -108,11 +114,11 @@ def test_what_is_asked_for_when_the_process_dies_is_dropped():
 
 
 def test_a_stop_ends_a_search_and_leaves_the_update_in_force():
-    with process_of(ENDLESS) as process:
+    with process_of(ENDLESS, patience=600.0, grace=600.0) as process:
         solver = process.solver()
         solver.update(parse_update("#step 1 : 0. #endstep."))
         pid = process.pid
-        result = solver.update(parse_update("#step 1. #endstep."), at_look(50))
+        result = solver.update(parse_update("#step 1. #endstep."), after_work(process))
         assert result.outcome is SolveOutcome.INTERRUPTED
         assert process.pid == pid, "it heeded the stop"
         assert result.horizon == solver.horizon > 1
@@ -126,7 +132,7 @@ def test_a_stop_ends_grounding_and_drops_the_update():
         solver.update(parse_update("#step 1. e(1). #endstep."))
         pid = process.pid
         with pytest.raises(DroppedError, match="did not heed a stop, since it was grounding"):
-            solver.update(parse_update("#step 2. e(2). #endstep."), at_look(25))
+            solver.update(parse_update("#step 2. e(2). #endstep."), after_work(process))
         assert process.pid != pid
         assert (solver.step, solver.horizon) == (1, 1)
         assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
@@ -139,7 +145,7 @@ def test_the_work_of_all_children_is_counted():
         before = process.worked
         assert before > 0.0
         with pytest.raises(DroppedError):
-            solver.update(parse_update("#step 2. e(2). #endstep."), lambda: process.worked > before + 0.1)
+            solver.update(parse_update("#step 2. e(2). #endstep."), after_work(process))
         assert process.worked > before + 0.1, "what was ended has worked as well"
         assert elapsed() > 0.1
 
@@ -152,7 +158,7 @@ def test_a_grounding_in_pieces_is_dropped_between_them():
         solver.update(parse_update("#step 320. #endstep."))
         pid = process.pid
         with pytest.raises(DroppedError, match="a stop came while the program was ground anew"):
-            solver.update(parse_update("#step 320. big(1). #endstep."), at_look(25))
+            solver.update(parse_update("#step 320. big(1). #endstep."), after_work(process))
         assert atoms(solver.update(parse_update("#step 320. #endstep."))) == [[]], "the update was dropped as a whole"
         assert atoms(solver.update(parse_update("#step 320. big(1). #endstep."))) == [wanted]
         assert process.pid == pid
@@ -164,7 +170,7 @@ def test_a_short_grounding_comes_to_its_end():
         solver = process.solver()
         solver.update(parse_update("#step 320. #endstep."))
         pid = process.pid
-        assert solver.update(parse_update("#step 320. big(1). #endstep."), at_look(25)).step == 320
+        assert solver.update(parse_update("#step 320. big(1). #endstep."), after_work(process)).step == 320
         assert "big(1)" in atoms(solver.update(parse_update("#step 320. #endstep.")))[0]
         assert process.pid == pid
 
@@ -180,7 +186,7 @@ def test_a_process_that_is_lost_is_replaced_by_one_kept_ready():
             lost, spare = process.pid, process.spare_pid
             assert spare is not None
             with pytest.raises(DroppedError):
-                solver.update(parse_update("#step 2. #endstep."), at_look(25))
+                solver.update(parse_update("#step 2. #endstep."), after_work(process))
             assert ended(lost)
             assert (process.pid, process.spare_pid) == (spare, None)
         assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
@@ -209,12 +215,12 @@ def test_the_process_kept_ready_may_be_lost_as_well():
 @pytest.mark.parametrize("files", [["mailbot.lp", "office.lp"], ["house.lp", "home.lp"]], ids=["office", "house"])
 def test_stops_at_any_time_cost_no_process_with_our_encodings(files, monkeypatch):
     monkeypatch.setattr(process_module, "GROWTH", 2**60)  # none is replaced for its size
-    chance, looks = random.Random(3), [0]
+    chance, speed, looks = random.Random(3), random.Random(3), [0]
     program = shipped(*files)
 
     def watch():
         """Every other search is left for something that has come, at some time or other."""
-        looks[0] = chance.choice([1, 1, 20, 30, 50, 10**9, 10**9])
+        looks[0] = speed.choice([1, 1, 20, 30, 50, 10**9, 10**9])
 
         def look():
             looks[0] -= 1
@@ -235,8 +241,10 @@ def test_stops_at_any_time_cost_no_process_with_our_encodings(files, monkeypatch
                 house = f"bring({rooms[0]},{chance.choice(['cup', 'book', 'tray', 'towel'])})"
                 office = f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})"
                 core.add_goal(str(number), office if "office.lp" in files else house)
-            elif chance.random() < 0.1:
-                core.cancel_goal(chance.choice(core.live_goals).key)
+                unwanted = chance.random() < 0.2 and str(number)  # so many of the goals, however often a search is left
+            elif unwanted in [goal.key for goal in core.live_goals]:
+                core.cancel_goal(unwanted)
+                unwanted = None
             core.advance(0.0)
             for action in core.awaited:
                 core.receive("test", [f"_return({action.interface},{action.parameter},{action.cycle})"])
@@ -249,7 +257,7 @@ def test_stops_at_any_time_cost_no_process_with_our_encodings(files, monkeypatch
 
 @pytest.mark.slow
 def test_a_stop_while_the_process_is_rebuilt_lets_it_go_on():
-    with process_of(HEAVY) as process:
+    with process_of(HEAVY, patience=600.0, grace=600.0) as process:
         solver = process.solver()
         solver.update(parse_update("#step 1. big(1). #endstep."))
         kill(process)
@@ -410,11 +418,12 @@ def test_states_that_come_with_searches_lead_back_whatever_ends_the_child():
 
 
 def test_the_state_of_a_search_that_was_ended_has_its_update():
-    with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100_000, log_limit=0) as process:
+    options = {"shortest": True, "oclingo_strings": False, "horizon_limit": 100_000, "log_limit": 0}
+    with process_of(ENDLESS, patience=600.0, grace=600.0, **options) as process:
         solver = process.solver()
         result = solver.update(parse_update("#step 1. e(1). #endstep."))
         assert atoms(result) == [["c(1)", "e(1)"]]
-        result = solver.update(parse_update("#step 2. #endstep."), at_look(5))
+        result = solver.update(parse_update("#step 2. #endstep."), after_work(process))
         assert (result.outcome, solver.step) == (SolveOutcome.INTERRUPTED, 2)
         (checkpoint,) = solver.log.entries
         assert (checkpoint.state.step, checkpoint.state.horizon) == (2, result.horizon)

@@ -161,15 +161,16 @@ def test_a_search_that_is_stopped_without_a_plan_is_interrupted():
     assert solver.log.update == WANTED, "the update is in force"
 
 
-def test_a_search_that_is_stopped_with_a_plan_has_it():
-    solver = pigeons(free=6, plan_time=FOREVER)
-    stopped = []
+def test_a_search_that_is_stopped_with_a_plan_has_it(monkeypatch):
+    solver, answered, search = pigeons(free=6, plan_time=FOREVER), [], Grounding.search
 
-    def stop():
-        stopped.append(solver.horizon)
-        return len(stopped) > 200
+    def searched(*asked, **limits):
+        found = search(*asked, **limits)
+        answered.append(found.satisfiable)
+        return found
 
-    result = solver.update(WANTED, stop)
+    monkeypatch.setattr(Grounding, "search", searched)
+    result = solver.update(WANTED, lambda: True in answered)
     assert (result.outcome, result.shortest) == (SolveOutcome.SATISFIABLE, False)
     assert result.horizon >= 6
 
