@@ -6,13 +6,12 @@ import signal
 import subprocess
 import threading
 import time
-import xmlrpc.client
-from http.client import HTTPException
 
-import rosgraph
 import rospy
 from actionlib.action_server import ActionServer
 from rosoclingo.msg import InterfaceIO
+
+from rosoclingo.common.connections import comes_to
 
 PATIENCE = 100.0  # seconds of wall time; long, so that no test depends on how fast the machine is
 
@@ -26,33 +25,13 @@ def wait_until(condition, what):
 
 
 def wait_to_hear(*subscribers, nodes=()):
-    """Wait until all that is published on the topics of these subscribers comes to them.
+    """Wait until all that is published on the topics of these subscribers comes to them; by these nodes, too.
 
-    rospy counts a connection at its reading end first: what is published before the writing end does is lost. So each
-    publisher that is alive is asked; there is one at least, and those of these names are among them.
+    rospy counts a connection at its reading end first: what is published before the writing end does is lost.
     """
-    wanted = {rospy.resolve_name(node) for node in nodes}
-    for subscriber in subscribers:
-        topic = subscriber.resolved_name
-        wait_until(lambda name=topic: _all_write_to_us(name, wanted), f"the publishers of {topic} to write to us")
-
-
-def _all_write_to_us(topic, wanted):
-    state = dict(rosgraph.Master(rospy.get_name()).getSystemState()[0])
-    writing = {node: _writes_to_us(node, topic) for node in state.get(topic, ())}
-    alive = {node: writes for node, writes in writing.items() if writes is not None}
-    return bool(alive) and all(alive.values()) and wanted <= alive.keys()
-
-
-def _writes_to_us(node, topic):
-    """Whether a node counts this one among those to which it writes a topic; None where it does not answer."""
-    me = rospy.get_name()
-    try:
-        uri = rosgraph.Master(me).lookupNode(node)
-        connections = xmlrpc.client.ServerProxy(uri).getBusInfo(me)[2]
-    except (OSError, HTTPException, xmlrpc.client.Error, rosgraph.MasterError):
-        return None
-    return any(one[1:3] == [me, "o"] and one[4] == topic for one in connections)
+    wanted, me = [rospy.resolve_name(node) for node in nodes], rospy.get_name()
+    for topic in [one.resolved_name for one in subscribers]:
+        wait_until(lambda name=topic: comes_to(me, name, wanted), f"the publishers of {topic} to write to us")
 
 
 def wait_for_server(client):
@@ -108,14 +87,8 @@ class Server:
         self._server.start()
 
     def take(self):
-        """The next goal's handle.
-
-        rospy counts a connection at its reading end first: what is published before the writing end does is lost.
-        """
-        handle = self._goals.get(timeout=PATIENCE)
-        for publisher in (self._server.status_pub, self._server.result_pub):
-            wait_until(lambda one=publisher: one.get_num_connections() > 0, "a client to listen")
-        return handle
+        """The next goal's handle."""
+        return self._goals.get(timeout=PATIENCE)
 
     def accept(self):
         """The next goal's handle, accepted."""

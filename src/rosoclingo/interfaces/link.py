@@ -1,16 +1,22 @@
 """The client of one actionlib server: whether it is connected, goals sent to it, and their progress."""
 
 import threading
-from typing import Any, Callable, Iterable, Optional, Set
+import time
+from typing import Any, Callable, Dict, Iterable, Optional, Set
 
+import rospy
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
 
 from rosoclingo.common.action_clients import cancel_goal
+from rosoclingo.common.connections import readers
 from rosoclingo.interfaces.action_runs import Event
 from rosoclingo.interfaces.templates import Ended
 
 # Seconds of wall time that the connection to a server may be down before the server counts as gone.
 CONNECTION_GRACE = 1.0
+
+# Seconds of wall time that a server which is connected, but does not say that it writes to this node, is waited for.
+WRITING_GRACE = 5.0
 
 STATUS_NAMES = {
     TerminalState.SUCCEEDED: "succeeded",
@@ -42,6 +48,7 @@ class ServerLink:
     def __init__(self, server: str, action_type: type) -> None:
         self._client = ActionClient(server, action_type)
         self._down_since: Optional[float] = None
+        self._met: Dict[str, float] = {}  # connected servers, and when they count as writing to us
         self._changed = threading.Condition()
 
     @property
@@ -50,11 +57,21 @@ class ServerLink:
 
         Names are compared, because a recorder of these topics is connected as well.
         """
-        servers = _publishers(self._client.status_sub) & _publishers(self._client.result_sub)
-        return any(
-            self._client.pub_goal.impl.has_connection(server) and self._client.pub_cancel.impl.has_connection(server)
-            for server in servers
-        )
+        client, now = self._client, time.monotonic()
+        servers = _publishers(client.status_sub) & _publishers(client.result_sub)
+        inlets = client.pub_goal.impl, client.pub_cancel.impl
+        found = [server for server in servers if all(one.has_connection(server) for one in inlets)]
+        self._met = {server: self._met.get(server, now + WRITING_GRACE) for server in found}
+        return any(self._is_written_to_by(server, now) for server in found)
+
+    def _is_written_to_by(self, server: str, now: float) -> bool:
+        """Whether what the server publishes comes here: rospy counts a connection at this end first."""
+        if now < self._met[server]:
+            topics, written = (self._client.status_sub.name, self._client.result_sub.name), readers(server) or {}
+            if not all(rospy.get_name() in written.get(topic, ()) for topic in topics):
+                return False
+            self._met[server] = now
+        return True
 
     @property
     def starting(self) -> bool:

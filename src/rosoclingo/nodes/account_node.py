@@ -8,6 +8,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 
+from rosoclingo.common.connections import comes_to
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.msg import InterfaceIO, PackageStates, ROSoClingoActionGoal, TaskPlan
 from rosoclingo.reasoning.keywords import CORE
@@ -110,9 +111,9 @@ class AccountNode(TopicAccount):
 
     @property
     def connected(self) -> bool:
-        """Whether every topic of the core has reached this node."""
-        core = [one for one in self._subscribers if one.name.endswith(CORE_TOPICS)]
-        return all(one.get_num_connections() > 0 for one in core)
+        """Whether all that the core publishes comes to this node, and what others publish of the rest."""
+        names = [one.name for one in self._subscribers]
+        return all(comes_to(rospy.get_name(), one, none_will_do=not one.endswith(CORE_TOPICS)) for one in names)
 
     def _on_message(self, message: Any, topic: str) -> None:
         self.take(topic, message, rospy.get_time())

@@ -9,6 +9,7 @@ from actionlib import ActionClient, ClientGoalHandle, CommState
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
+from rosoclingo.common.connections import comes_to
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
 from rosoclingo.nodes.server_watch import UNHEARD, ServerWatch, Silence
 
@@ -98,16 +99,21 @@ class CoreClient:
         self.goals: List[SentGoal] = []
 
     def wait_for_server(self, timeout: float) -> bool:
-        """Wait until goals will arrive, at most ``timeout`` seconds of wall time; whether they will."""
+        """Wait until goals and news of them will arrive, at most ``timeout`` s of wall time; whether they will."""
         end = time.monotonic() + timeout
         while time.monotonic() < end and not rospy.is_shutdown():
             # actionlib measures its time-out by ROS time, which may stand still or not have begun: so in short turns
             status = self._client.last_status_msg
-            if status is not None and self._client.wait_for_server(rospy.Duration(0.001)):
-                self._watch = ServerWatch(status._connection_header["callerid"])
+            server = "" if status is None else status._connection_header["callerid"]
+            if server and self._client.wait_for_server(rospy.Duration(0.001)) and self._hears(server):
+                self._watch = ServerWatch(server)
                 return True
             self.wait(0.02)
         return False
+
+    def _hears(self, server: str) -> bool:
+        subscribers = (self._client.feedback_sub, self._client.result_sub)
+        return all(comes_to(rospy.get_name(), one.resolved_name, [server]) for one in subscribers)
 
     def send(self, text: str) -> SentGoal:
         """Send a goal."""

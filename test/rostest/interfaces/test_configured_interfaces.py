@@ -3,8 +3,10 @@
 
 import signal
 import sys
+import threading
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import rospy
 import rostest
@@ -23,6 +25,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from clingo import Function, Number
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Log
+from rospy.topics import _PublisherImpl
 
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import Limits
@@ -33,7 +36,7 @@ from rosoclingo.interfaces.hosting import InterfacesNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Process, Server, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, CoreSide, Process, Server, wait_to_hear, wait_until
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -119,6 +122,24 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.assertEqual(self.core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
         self.core.send("absent", "_action_lib(absent,a,2)", "_cancel(absent,a,2)")
         self.assertEqual(self.core.receive(), ["_return(absent,preempted,2)"])
+
+    def test_a_goal_waits_until_its_result_will_be_heard(self):
+        """rospy counts a connection at its reading end first: before the server does, its result would be lost."""
+        counts, add, lines = threading.Event(), _PublisherImpl.add_connection, []
+
+        def late(topic, connection):
+            if topic.name == "/late/result":
+                counts.wait(PATIENCE)
+            return add(topic, connection)
+
+        wait_to_hear(rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg)), nodes=["interface"])
+        with mock.patch.object(_PublisherImpl, "add_connection", late):
+            server = Server("late", TestAction)
+            self.core.send("late", "_action_lib(late,a,1)")
+            wait_until(lambda: any("late: waits for the action server late" in one for one in lines), "that it waits")
+            counts.set()
+            server.take().set_rejected()
+            self.assertEqual(self.core.receive(), ["_return(late,rejected,1)"])
 
     def test_a_server_that_never_acknowledges(self):
         goals, cancels = [], []

@@ -9,12 +9,11 @@ from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Deque, Iterable, List, Tuple
-from xmlrpc.client import ServerProxy
 
 import genpy
-import rosgraph
 import rospy
 
+from rosoclingo.common.connections import comes_to, readers
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
 
@@ -127,13 +126,8 @@ class RecorderNode:
 
 
 def is_recording(topics: Iterable[str], name: str = "/record") -> bool:
-    """Whether the recorder of that name is there and connected to all of some topics (full names)."""
-    try:
-        uri = rosgraph.Master(rospy.get_caller_id()).lookupNode(name)
-        connections = ServerProxy(uri).getBusInfo(rospy.get_caller_id())[2]
-    except (OSError, rosgraph.MasterException):
-        return False
-    return set(topics) <= {connection[4] for connection in connections}
+    """Whether the recorder of that name is there, and all that is published on some topics (full names) comes to it."""
+    return readers(name) is not None and all(comes_to(name, topic) for topic in topics)
 
 
 def _bytes(message: Any) -> bytes:

@@ -55,6 +55,7 @@ class ScenarioPlayer:
         self._news = threading.Condition()
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
+        self._core = ""  # its node's name, by its plans
         self._missing = set(wait_for)
         self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
         self._facts = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
@@ -74,7 +75,7 @@ class ScenarioPlayer:
                 raise PlayError("no action server rosoclingo")
         if any(event.verb == "facts" for event in self._scenario.events):
             self.wait_until(
-                lambda: self._facts.get_num_connections() > 0, timeout, lambda: "nobody reads in_rosoclingo"
+                lambda: self._facts.impl.has_connection(self._core), timeout, lambda: "the core reads no in_rosoclingo"
             )
         self._put_packages(timeout)
 
@@ -136,14 +137,14 @@ class ScenarioPlayer:
 
     def wait_until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
         """Wait for a condition, at most ``timeout`` seconds of wall time; raises PlayError with what is ``missing``."""
-        turns = int(timeout / _TURN)
+        end = time.monotonic() + timeout
         while not condition():
-            turns -= 1
-            if turns < 0 or rospy.is_shutdown():
+            if time.monotonic() > end or rospy.is_shutdown():
                 raise PlayError(f"{missing()} within {timeout:g} s")
             self._turn()
 
     def _on_plan(self, message: TaskPlan) -> None:
+        self._core = message._connection_header["callerid"]
         self._begun.setdefault(message.cycle, rospy.get_time())
 
     def _on_status(self, _message: GoalStatusArray, name: str) -> None:

@@ -115,7 +115,7 @@ class Improvement:
         return grounding.search(1, halt, self._first, last, given, conflicts, best=False)
 
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
-        """Take ``found`` for the plan; where it idles, the same without these steps if that is one; a stop ends that."""
+        """Take ``found`` for the plan; where it idles, the same without these steps if that is one and no stop came."""
         plan = _without_idling(Plan.of(found.answers[-1], found.horizon).since(self._step + 1), self._step)
         end = max(self._first, self._step, plan.last_cycle)
         if end < found.horizon and not halt():

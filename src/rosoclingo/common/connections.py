@@ -1,0 +1,50 @@
+"""Whether all that is published on a topic comes to a node.
+
+rospy counts a connection at its reading end first, and what is published before the writing end counts it as well is
+lost. So those who publish are asked whom they write to.
+"""
+
+from contextlib import suppress
+from typing import Dict, Iterable, List, Optional, Set
+
+import rosgraph
+import rospy
+
+from rosoclingo.common.xmlrpc_api import FAULTS, api
+
+__all__ = ["comes_to", "readers"]
+
+
+def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_do: bool = False) -> bool:
+    """Whether all that is published on a topic from now on comes to the node ``reader``; names are full ones.
+
+    So it is where all nodes that publish it, but for those that do not answer, write it to the reader. There is one at
+    least, unless ``none_will_do``, and the ``publishers`` are among them.
+    """
+    asked = {node: readers(node) for node in _publishers(topic)}
+    answers = {node: found.get(topic, set()) for node, found in asked.items() if found is not None}
+    enough = (bool(answers) or none_will_do) and answers.keys() >= set(publishers)
+    return enough and all(reader in found for found in answers.values())
+
+
+def readers(node: str) -> Optional[Dict[str, Set[str]]]:
+    """Return topics of a node, each with the nodes to which it writes it; None where it does not answer."""
+    me = rospy.get_name()
+    with suppress(*FAULTS):
+        code, _, uri = api(rosgraph.get_master_uri()).lookupNode(me, node)
+        code, _, connections = api(uri).getBusInfo(me) if code == 1 else (code, "", [])
+        if code == 1:
+            found: Dict[str, Set[str]] = {}
+            for _, other, direction, _, topic, *_ in connections:
+                if direction == "o":
+                    found.setdefault(topic, set()).add(other)
+            return found
+    return None
+
+
+def _publishers(topic: str) -> List[str]:
+    with suppress(*FAULTS):
+        code, _, state = api(rosgraph.get_master_uri()).getSystemState(rospy.get_name())
+        published: Dict[str, List[str]] = dict(state[0]) if code == 1 else {}
+        return published.get(topic, [])
+    return []
