@@ -39,7 +39,7 @@ def command_line(pid: int) -> str:
         return ""
 
 
-def end_leftovers(mark: str, grace: float = 5.0) -> List[str]:
+def end_leftovers(mark: str, grace: float = 30.0) -> List[str]:
     """Ends what is still there of a run after a grace time, in seconds; returns the command lines."""
     deadline = time.monotonic() + grace
     while time.monotonic() < deadline and any(command_line(pid) for pid in processes_with(mark)):

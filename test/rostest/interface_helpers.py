@@ -13,7 +13,7 @@ from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import comes_to
 
-PATIENCE = 100.0  # seconds of wall time; long, so that no test depends on how fast the machine is
+PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on how fast the machine is, or how busy
 
 
 def wait_until(condition, what):

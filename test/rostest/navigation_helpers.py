@@ -6,7 +6,7 @@ import threading
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
-from interface_helpers import wait_to_hear
+from interface_helpers import PATIENCE, wait_to_hear
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
@@ -49,7 +49,7 @@ class Driver:
             self.speed = (math.hypot(twist.linear.x, twist.linear.y), twist.angular.z)
             self._changed.notify_all()
 
-    def wait(self, condition, limit=120.0):
+    def wait(self, condition, limit=PATIENCE):
         """Wait until something holds, which is looked at with each pose; give up after ``limit`` s of wall time."""
         with self._changed:
             if not self._changed.wait_for(condition, timeout=limit):

@@ -77,9 +77,8 @@ class MasterRestarted(unittest.TestCase):
         self.restart_master()
         wait_until(lambda: self.known(*entries), "the core at the new master")
         self.assertEqual(rosgraph.Master("/test").getParam("/rosoclingo/program_files"), [str(ERRANDS)])
-        answer = ["rostopic", "pub", "--once", "in_rosoclingo", "rosoclingo/InterfaceIO", ANSWER]
-        subprocess.run(answer, check=True, timeout=PATIENCE, stdout=subprocess.DEVNULL)
-        self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "what was under way succeeds")
+        with Process("rostopic", "pub", "-r", "2", "in_rosoclingo", "rosoclingo/InterfaceIO", ANSWER):
+            self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "what was under way succeeds")
 
     def test_services_are_found_again(self):
         entry = (2, "/static_map", "/map_server")

@@ -21,7 +21,7 @@ class ReferencePage(unittest.TestCase):
 
     def look(self, script, node, given):
         """Wait until the node is up and has what is documented, or say what differs."""
-        wanted, end = documented(script, node, given), time.monotonic() + 60.0
+        wanted, end = documented(script, node, given), time.monotonic() + 300.0
         while offered(node) != wanted and time.monotonic() < end and not rospy.is_shutdown():
             rospy.rostime.wallsleep(0.1)
         self.assertEqual(offered(node), wanted)

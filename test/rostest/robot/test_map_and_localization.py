@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import Process
+from interface_helpers import PATIENCE, Process
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = str(ROOT / "worlds" / "office.yaml")
@@ -31,7 +31,7 @@ SMALL = "{image: small.pgm, resolution: 0.5, origin: [1, 2, 0], negate: 0, occup
 class Maps(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.wait_for_service("change_map", timeout=60.0)
+        rospy.wait_for_service("change_map", timeout=PATIENCE)
         cls.get, cls.change = rospy.ServiceProxy("static_map", GetMap), rospy.ServiceProxy("change_map", LoadMap)
 
     def setUp(self):
@@ -39,8 +39,8 @@ class Maps(unittest.TestCase):
 
     def test_topics_and_service_agree(self):
         served = self.get().map
-        shown = rospy.wait_for_message("map", OccupancyGrid, timeout=30.0)
-        metadata = rospy.wait_for_message("map_metadata", MapMetaData, timeout=30.0)
+        shown = rospy.wait_for_message("map", OccupancyGrid, timeout=PATIENCE)
+        metadata = rospy.wait_for_message("map_metadata", MapMetaData, timeout=PATIENCE)
         self.assertEqual(served.header.frame_id, "map")
         self.assertEqual((served.info.width, served.info.height), (348, 208))
         self.assertEqual((served.info.origin.position.x, served.info.origin.position.y), (-0.7, -5.2))
@@ -56,7 +56,7 @@ class Maps(unittest.TestCase):
             answer = self.change(str(Path(folder, "small.yaml")))
             self.assertEqual(answer.result, LoadMapResponse.RESULT_SUCCESS)
             self.assertEqual(list(answer.map.data), [0, 0, 0, 100, 0, -1])
-            shown = rospy.wait_for_message("map", OccupancyGrid, timeout=30.0)
+            shown = rospy.wait_for_message("map", OccupancyGrid, timeout=PATIENCE)
             self.assertEqual((shown.info.width, shown.info.height, shown.info.resolution), (3, 2, 0.5))
             self.assertEqual(self.change("package://rosoclingo/worlds/office.yaml").map.info.width, 348)
             self.assertEqual(self.change(f"file://{folder}/small.yaml").map.info.width, 3)
@@ -153,7 +153,7 @@ class Localization(unittest.TestCase):
         for name, kind in (("amcl_pose", PoseWithCovarianceStamped), ("particlecloud", PoseArray)):
             late = queue.Queue()
             subscriber = rospy.Subscriber(name, kind, late.put)
-            self.assertEqual(late.get(timeout=30.0).header.frame_id, "floor")
+            self.assertEqual(late.get(timeout=PATIENCE).header.frame_id, "floor")
             subscriber.unregister()
 
     def test_zzz_an_initial_pose_moves_the_map(self):
@@ -221,7 +221,7 @@ class SimulatorParameters(unittest.TestCase):
             values = ("_paused:=true", "_use_model_names:=true", "_base_watchdog_timeout:=1.0", "_speed:=0")
             files = (f"_world:={folder}/world.yaml", f"_map:={folder}/large.yaml")
             with Process("rosrun", "rosoclingo", "simulator", "__name:=other", *values, *files):
-                rospy.wait_for_service("other/step", timeout=60.0)
+                rospy.wait_for_service("other/step", timeout=PATIENCE)
                 self.check()
                 self.check_lasers()
 
@@ -282,9 +282,9 @@ class SimulatorParameters(unittest.TestCase):
         self.assertAlmostEqual(sent["anna/base_laser_link_1"].transform.translation.x, -0.1)
         begin, end = step(0).time.to_sec(), step(50).time.to_sec()
         for scan, period, count in zip(scans, (0.1, 0.5), (50, 10)):
-            stamps = [scan.get(timeout=30.0).header.stamp.to_sec()]
+            stamps = [scan.get(timeout=PATIENCE).header.stamp.to_sec()]
             while stamps[-1] < end - period + 0.01:
-                stamps.append(scan.get(timeout=30.0).header.stamp.to_sec())
+                stamps.append(scan.get(timeout=PATIENCE).header.stamp.to_sec())
             self.assertEqual(len([stamp for stamp in stamps if stamp > begin + 0.01]), count, stamps)
 
 

@@ -28,7 +28,7 @@ from std_srvs.srv import Empty
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from documented_names import documented, offered
-from interface_helpers import wait_to_hear, wait_until
+from interface_helpers import PATIENCE, wait_to_hear, wait_until
 from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
@@ -149,10 +149,10 @@ class NavigationFaults(unittest.TestCase):
 
     def test_costmaps(self):
         """The global one in the map's frame, the local one around the robot in odometry's; and what changes of them."""
-        whole = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+        whole = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
         self.assertEqual((whole.header.frame_id, whole.info.width, whole.info.height), ("map", 348, 208))
         self.assertTrue({0, 99, 100, -1} <= set(whole.data))
-        local = rospy.wait_for_message("/move_base/local_costmap/costmap", OccupancyGrid, timeout=60)
+        local = rospy.wait_for_message("/move_base/local_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
         self.assertEqual((local.header.frame_id, local.info.width, local.info.height), ("odom", 120, 120))
         self.assertAlmostEqual(local.info.origin.position.x, 1.9 - 3.0, delta=0.06)
         updates = []
@@ -168,12 +168,12 @@ class NavigationFaults(unittest.TestCase):
             column, row = ((v - o) / 0.05 for v, o in ((3.3, -0.7), (0.0, -5.2)))
             self.assertTrue(update.x <= column <= update.x + update.width, update.x)
             self.assertTrue(update.y <= row <= update.y + update.height, update.y)
-            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
             self.assertGreater(again.data.count(100), whole.data.count(100))
             self.relaying.discard("base_scan")  # so that nothing but the service can clear it
             self.driver.wait(lambda: rospy.get_time() > again.header.stamp.to_sec() + 2.0)
             rospy.ServiceProxy("/move_base/clear_costmaps", Empty)()
-            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=60)
+            again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
             self.assertEqual(again.data, whole.data)
         finally:
             self.relaying.add("base_scan")
@@ -204,7 +204,7 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
 
     def test_broken_messages_harm_nothing(self):
-        scan = rospy.wait_for_message("base_scan", numpy_msg(LaserScan), timeout=60)
+        scan = rospy.wait_for_message("base_scan", numpy_msg(LaserScan), timeout=PATIENCE)
         relay = rospy.Publisher("relayed_scan", numpy_msg(LaserScan), queue_size=100)
         odom = rospy.Publisher("odom", Odometry, queue_size=100)
         charts = rospy.Publisher("map", OccupancyGrid, queue_size=10)
@@ -234,7 +234,7 @@ class NavigationFaults(unittest.TestCase):
 
     def test_footprints(self):
         for name, frame in (("global", "map"), ("local", "odom")):
-            footprint = rospy.wait_for_message(f"/move_base/{name}_costmap/footprint", PolygonStamped, timeout=60)
+            footprint = rospy.wait_for_message(f"/move_base/{name}_costmap/footprint", PolygonStamped, timeout=PATIENCE)
             self.assertEqual(footprint.header.frame_id, frame)
             distances = [self.driver.distance(p.x, p.y) for p in footprint.polygon.points]
             self.assertAlmostEqual(max(distances), 0.18, delta=0.02)

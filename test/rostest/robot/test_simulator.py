@@ -5,6 +5,7 @@ import math
 import sys
 import threading
 import unittest
+from pathlib import Path
 
 import rospy
 import rostest
@@ -18,6 +19,10 @@ from std_msgs.msg import String
 from std_srvs.srv import Empty, SetBool
 from tf2_msgs.msg import TFMessage
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import PATIENCE, wait_to_hear
+
 START = (1.9, 0.0)
 
 
@@ -26,14 +31,14 @@ class Stamps:
 
     def __init__(self, topic, kind):
         self.changed, self.messages = threading.Condition(), []
-        rospy.Subscriber(topic, kind, self._take, queue_size=1000)
+        self.subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=1000)
 
     def _take(self, message):
         with self.changed:
             self.messages.append(message)
             self.changed.notify_all()
 
-    def wait(self, condition, limit=60.0):
+    def wait(self, condition, limit=PATIENCE):
         with self.changed:
             start = len(self.messages)
             if not self.changed.wait_for(lambda: condition(self.messages[start:]), timeout=limit):
@@ -54,12 +59,14 @@ class SimulatorTest(unittest.TestCase):
         cls.pause, cls.step = cls.service("pause", SetBool), cls.service("step", StepSimulation)
         cls.place, cls.door = cls.service("set_pose", SetRobotPose), cls.service("set_door", SetDoor)
         cls.put, cls.remove = cls.service("put_obstacle", PutObstacle), cls.service("remove_obstacle", RemoveObstacle)
-        cls.truth.wait(len)
-        cls.scan.wait(len)
+        topics = (cls.odom, cls.truth, cls.scan, cls.clock, cls.transforms, cls.collisions)
+        wait_to_hear(*(one.subscriber for one in topics))
+        for one in topics[:-1]:
+            one.wait(len)
 
     @staticmethod
     def service(name, kind):
-        rospy.wait_for_service("/simulator/" + name, timeout=60.0)
+        rospy.wait_for_service("/simulator/" + name, timeout=PATIENCE)
         return rospy.ServiceProxy("/simulator/" + name, kind)
 
     def setUp(self):

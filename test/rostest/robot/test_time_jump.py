@@ -14,6 +14,7 @@ from rosoclingo.msg import PickupAction, PickupGoal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from interface_helpers import PATIENCE
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -45,7 +46,8 @@ class TimeJump(unittest.TestCase):
         for server in ("move_base", "pickup", "deliver"):
             now = rospy.get_time()
             while (
-                rospy.wait_for_message(server + "/status", GoalStatusArray, timeout=30.0).header.stamp.to_sec() <= now
+                rospy.wait_for_message(server + "/status", GoalStatusArray, timeout=PATIENCE).header.stamp.to_sec()
+                <= now
             ):
                 pass
 

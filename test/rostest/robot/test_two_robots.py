@@ -17,6 +17,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from interface_helpers import PATIENCE
 from navigation_helpers import SUCCEEDED, Driver, pose_goal
 
 
@@ -36,24 +37,26 @@ class TwoRobots(unittest.TestCase):
         expected = {f"/robot_{i}/{name}" for i in (0, 1) for name in names} | {"/clock", "/tf"}
         self.assertEqual(offered - {"/rosout", "/simulator/collisions"}, expected)
         self.assertEqual(heard - {"/clock"}, {"/robot_0/cmd_vel", "/robot_1/cmd_vel"})
-        rospy.wait_for_service("/reset_positions", timeout=30.0)
+        rospy.wait_for_service("/reset_positions", timeout=PATIENCE)
 
     def test_frames_are_those_of_stage_ros(self):
         for i in (0, 1):
-            odom = rospy.wait_for_message(f"robot_{i}/odom", Odometry, timeout=60.0)
+            odom = rospy.wait_for_message(f"robot_{i}/odom", Odometry, timeout=PATIENCE)
             self.assertEqual(
                 (odom.header.frame_id, odom.child_frame_id), (f"robot_{i}/odom", f"robot_{i}/base_footprint")
             )
-            scan = rospy.wait_for_message(f"robot_{i}/base_scan", LaserScan, timeout=60.0)
+            scan = rospy.wait_for_message(f"robot_{i}/base_scan", LaserScan, timeout=PATIENCE)
             self.assertEqual(scan.header.frame_id, f"robot_{i}/base_laser_link")
-            costmap = rospy.wait_for_message(f"robot_{i}/move_base/local_costmap/costmap", OccupancyGrid, timeout=60.0)
+            costmap = rospy.wait_for_message(
+                f"robot_{i}/move_base/local_costmap/costmap", OccupancyGrid, timeout=PATIENCE
+            )
             self.assertEqual(costmap.header.frame_id, f"robot_{i}/odom")
         seen = set()
         chain = ("odom", "base_footprint", "base_link", "base_laser_link")
         wanted = {(f"robot_{i}/{a}", f"robot_{i}/{b}") for i in (0, 1) for a, b in zip(chain, chain[1:])}
         wanted |= {("map", f"robot_{i}/odom") for i in (0, 1)}
         while seen != wanted:
-            for t in rospy.wait_for_message("/tf", TFMessage, timeout=60.0).transforms:
+            for t in rospy.wait_for_message("/tf", TFMessage, timeout=PATIENCE).transforms:
                 seen.add((t.header.frame_id, t.child_frame_id))
             self.assertLessEqual(seen, wanted)
 

@@ -23,7 +23,7 @@ from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.reasoning.keywords import CORE
 
 OPTIONS = argparse.Namespace()
-PATIENCE = 60.0
+PATIENCE = 300.0  # seconds of wall time
 GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
 
 

@@ -18,7 +18,7 @@ import rostest
 import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
-PATIENCE = 120.0  # seconds of wall time for one command
+PATIENCE = 300.0  # seconds of wall time for one command
 STAYING = ("roslaunch", "python3")  # these commands run in terminals of their own, until the end
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODES = {"canceled": 2, "rejected": 3, "aborted": 4}  # of the exit, by the word that is printed last
