@@ -17,7 +17,7 @@ MOST_PATIENCE = 8
 FIRST = 8
 
 #: The part of the time for a search that a plan with new goals is to take.
-SHARE = 0.03
+SHARE = 0.3
 
 #: So many times as many goals as before there may be at the next time, and after a search took too long.
 FASTER, SLOWLY = 2.0, 1.25
@@ -26,11 +26,13 @@ FASTER, SLOWLY = 2.0, 1.25
 class GoalWindow:
     """The room for goals, sought as TCP seeks its window (Jacobson 1988), lest it be too much and have to be undone.
 
-    Goals join in batches, as each time the program is ground anew: once there is no room left, none joins before half
-    of it is free. With each plan for new goals there is room for so many that the next one takes a ``SHARE`` of the
-    time for a search, as it grows with the square of their number: goals times steps. Where none was found in time
-    there is room for those that were kept. ``most`` goals have room, 0 for any number; ``seconds`` is the time for a
-    search, 0 for no limit: then there is room for any number as long as a plan is found.
+    Few goals begin, so that the first plan is there soon. With each plan for new goals there is room for so many that
+    the next one takes a ``SHARE`` of the time for a search, as it grows with the square of their number: goals times
+    steps. It is a large share, since a plan for some goals sends the robot past the places of others. Goals join in
+    batches, as each time the program is ground anew: once there is no room left, none joins before half of it is free
+    or there is room for all. Where no plan was found in time there is room for the goals that were kept. ``most`` goals
+    have room, 0 for any number; ``seconds`` is the time for a search, 0 for no limit: then there is room for any number
+    as long as a plan is found.
     """
 
     def __init__(self, most: int = 0, seconds: float = 0.0) -> None:
@@ -46,10 +48,11 @@ class GoalWindow:
         """How many goals there is room for, None for any number."""
         return min((one for one in (self._size, self._most) if one), default=None)
 
-    def has_room(self, goals: int) -> bool:
-        """Whether there is room for one more beside so many ``goals``."""
+    def has_room(self, goals: int, waiting: int) -> bool:
+        """Whether there is room beside so many ``goals`` for one of those that are ``waiting``."""
         size = self._size
-        self._full = size is not None and (goals >= size or (self._full and goals > size // 2))
+        few = size is None or goals <= size // 2 or goals + waiting <= size
+        self._full = size is not None and (goals >= size or (self._full and not few))
         return not self._full and not 0 < self._most <= goals
 
     def found(self, goals: int, seconds: Optional[float]) -> None:
@@ -134,7 +137,7 @@ class GoalQueue:
 
     def next(self) -> Optional[Goal]:
         """The goal whose turn it is to be fed, None where there is none."""
-        if not self._waiting or not self.window.has_room(len(self.served)) or self.tried is not None:
+        if not self._waiting or not self.window.has_room(len(self.served), len(self._waiting)) or self.tried is not None:
             return None
         first, ready = self.first, self._ready
         fit = (goal for goal in ready if not goal.tries or goal is first)

@@ -20,7 +20,7 @@ def test_at_first_there_is_room_for_a_few():
 
 
 @pytest.mark.parametrize(
-    ("seconds", "size"), [(0.0, 16), (0.01, 16), (0.075, 16), (0.15, 12), (0.3, 8), (1.2, 4), (9.0, 4)]
+    ("seconds", "size"), [(0.0, 16), (0.1, 16), (0.75, 16), (1.5, 12), (3.0, 8), (12.0, 4), (90.0, 4)]
 )
 def test_so_many_goals_have_room_that_plans_take_the_time_that_they_may(seconds, size):
     """A plan takes four times as long for twice as many goals, up to which their number changes at a time."""
@@ -30,12 +30,20 @@ def test_so_many_goals_have_room_that_plans_take_the_time_that_they_may(seconds,
 
 
 def test_goals_join_once_half_of_the_room_is_free():
-    clients = crowd(30, search_timeout=10.0).plan(0.3)
+    clients = crowd(30, search_timeout=10.0).plan(3.0)
     assert clients.end(1, 2, 3).served == [4, 5, 6, 7, 8]
     assert clients.end(4).served == [*range(5, 13)]
-    clients.plan(0.3).cancel(*range(13, 31))
+    clients.plan(3.0).cancel(*range(13, 31))
     assert clients.end(5, 6, 7, 8).served == [9, 10, 11, 12]
     assert clients.add(40).served == [9, 10, 11, 12, 40], "the room is not full"
+
+
+def test_goals_join_sooner_where_there_is_room_for_all():
+    clients = crowd(11, search_timeout=10.0).plan(3.0)
+    assert clients.end(1, 2).served == [3, 4, 5, 6, 7, 8]
+    assert clients.end(3).served == [*range(4, 12)]
+    soon = crowd(15, search_timeout=10.0).plan(0.1)
+    assert soon.served == [*range(1, 16)], "all are known once there is a plan for some"
 
 
 def test_only_plans_for_new_goals_and_full_rooms_tell_that_there_may_be_more():
@@ -44,11 +52,11 @@ def test_only_plans_for_new_goals_and_full_rooms_tell_that_there_may_be_more():
     assert len(clients.served) == 8
     few = crowd(7, search_timeout=10.0).plan(0.01).add(*range(8, 30))
     assert len(few.served) == 8
-    slow = crowd(7, search_timeout=10.0).plan(1.2)
+    slow = crowd(7, search_timeout=10.0).plan(12.0)
     assert slow.goals.queue.window.size == 4
 
 
-@pytest.mark.parametrize("seconds", [0.01, 0.133, 0.3])
+@pytest.mark.parametrize("seconds", [0.1, 1.33, 3.0])
 def test_a_room_that_is_not_full_stays_as_it_is_where_plans_take_no_longer_than_they_may(seconds):
     assert crowd(3, search_timeout=10.0).plan(seconds).goals.queue.window.size == 8
 
