@@ -137,7 +137,8 @@ class GoalQueue:
 
     def next(self) -> Optional[Goal]:
         """The goal whose turn it is to be fed, None where there is none."""
-        if not self._waiting or not self.window.has_room(len(self.served), len(self._waiting)) or self.tried is not None:
+        room = bool(self._waiting) and self.window.has_room(len(self.served), len(self._waiting))
+        if not room or self.tried is not None:
             return None
         first, ready = self.first, self._ready
         fit = (goal for goal in ready if not goal.tries or goal is first)

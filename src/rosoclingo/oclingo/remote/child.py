@@ -5,13 +5,19 @@ import selectors
 import signal
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, List, Optional
+from typing import IO, Callable, List, Optional, Tuple
 
 from rosoclingo.oclingo.remote.wire import Lines, Message, encode
 
+POLL = 0.002
+"""Seconds of wall time between two looks at the stop request."""
+
 _CHUNK = 1 << 20
+
+Stopped = Callable[[], bool]
 
 
 class WorkerLostError(Exception):
@@ -46,6 +52,7 @@ class WorkerProcess:
         self._replies: IO[bytes] = self._process.stdout
         self._lines = Lines()
         self._messages: List[Message] = []
+        self._unwanted = 0  # so many of the replies to come
         self._worked = 0.0
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._replies, selectors.EVENT_READ)
@@ -94,7 +101,36 @@ class WorkerProcess:
             if not data:
                 self._lost()
             self._messages.extend(self._lines.feed(data))
+            unwanted = min(self._unwanted, len(self._messages))
+            del self._messages[:unwanted]
+            self._unwanted -= unwanted
         return self._messages.pop(0) if self._messages else None
+
+    def reply(self, stopped: Optional[Stopped], patience: Tuple[float, float], leaves: bool = False) -> Message:
+        """Wait for the reply to a command; where it is ``stopped`` ask the child to heed that.
+
+        After the first seconds of ``patience`` the child is asked to drop what it does, after the second ones it is
+        given up: raises WorkerLostError. What ``leaves`` nothing of use is not waited for then: the reply is empty.
+        """
+        begin: Optional[float] = None
+        dropped = False
+        while True:
+            reply = self.receive(POLL)
+            if reply is not None:
+                return reply
+            if begin is None:
+                if stopped is None or not stopped():
+                    continue
+                begin = time.monotonic()
+                self.send({"do": "interrupt"})
+                if leaves:
+                    self._unwanted += 1
+                    return {}
+            if time.monotonic() - begin >= patience[0] and not dropped:
+                dropped = True
+                self.send({"do": "drop"})
+            if time.monotonic() - begin > patience[1]:
+                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
 
     def kill(self) -> None:
         """End the child, whatever it does, and leave nothing of it."""

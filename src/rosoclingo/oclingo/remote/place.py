@@ -14,6 +14,7 @@ class Place:
         number: what the child knows it by.
         child: the child that has such a solver, None where none has it.
         read: the log that the child's solver has read, or will have.
+        ahead: whether the child's solver may know a better plan than was told.
 
     """
 
@@ -21,6 +22,7 @@ class Place:
         self.number = number
         self.child: Optional[WorkerProcess] = None
         self.read: Optional[StreamLog] = None
+        self.ahead = False
 
     def unread(self, log: StreamLog) -> List[Message]:
         """Return the entries of ``log`` that the solver has not read, if it has read any log."""

@@ -17,7 +17,7 @@ import clingo
 from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.remote.child import WorkerLostError, WorkerProcess
+from rosoclingo.oclingo.remote.child import Stopped, WorkerLostError, WorkerProcess
 from rosoclingo.oclingo.remote.place import Place
 from rosoclingo.oclingo.remote.wire import (
     Message,
@@ -32,11 +32,11 @@ from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.solver import ForeseeingSolver, SolveResult
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, Taken, entry_to_message
 
-POLL = 0.002
-"""Seconds of wall time between two looks at the stop request."""
-
 POLL_PREPARING = 0.02
-"""The same while a child takes a program or a log: that is often done in a moment, and would be asked for again."""
+"""Seconds of wall time between two looks at the stop request while a child takes a program or a log.
+
+That is often done in a moment, and would be asked for again.
+"""
 
 GRACE = 1.0
 """Seconds of wall time that a grounding may go on after a stop request before it is dropped between two pieces."""
@@ -51,8 +51,6 @@ GROWTH = 32 * 2**20
 
 LOAD = 20
 """Seconds of wall time that count for one second of work: a solver that does not work at all is not waited for."""
-
-Stopped = Callable[[], bool]
 
 
 class ProcessSolver(ForeseeingSolver):
@@ -86,12 +84,15 @@ class ProcessSolver(ForeseeingSolver):
         return replace(result, warnings=update.warnings + result.warnings)
 
     def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
-        """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do."""
+        """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do.
+
+        A stop is passed on, and not waited for.
+        """
         if self._log.plan is None or self._log.plan.shortest:
             return None
         command, reply = {"do": "improve", "plan": plan_to_message(self._log.plan)}, {}
         with suppress(NotReadyError):
-            reply = self._process.have(self._place, self._log, command, stopped)
+            reply = self._process.have(self._place, self._log, command, stopped, leaves=True)
         if not reply:
             return None
         result = result_from_message(reply)
@@ -230,18 +231,23 @@ class SolverProcess:
         self._have_spare()
         return reply
 
-    def have(self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped]) -> Message:
-        """Have the solver at ``place`` read what is new in ``log`` and do a ``command``; return the child's reply."""
+    def have(
+        self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped], leaves: bool = False
+    ) -> Message:
+        """Have the solver at ``place`` read what is new in ``log`` and do a ``command``; return the child's reply.
+
+        What ``leaves`` nothing behind but a better plan is not waited for once it is ``stopped``: there is no reply.
+        """
 
         def ask() -> Message:
             """Tell the child what its solver has not read of the log yet, and the command."""
             self._prepare(stopped, place, log, command.get("update"))
             assert self._child is not None
             self._child.send({**command, **self._about(place, place.unread(log))})
-            return self._wait(stopped)
+            return self._child.reply(stopped, (self._grace, self._patience), leaves)
 
         reply = self._guarded(ask, place, log)
-        place.read = log
+        place.read, place.ahead = log, leaves and not reply
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
         return reply
@@ -252,8 +258,9 @@ class SolverProcess:
         if child is None or len(self._preparing) >= BEHIND or not child.alive or not self._reads(place, log):
             return  # the next command comes with what is unread
         with suppress(WorkerLostError):  # it sees to that, too
-            child.send({"do": "follow", **self._about(place, place.unread(log))})
-            place.read = log
+            plan = {"plan": plan_to_message(log.plan)} if place.ahead else {}
+            child.send({"do": "follow", **plan, **self._about(place, place.unread(log))})
+            place.read, place.ahead = log, False
             self._preparing.append(place)
 
     def has_read(self, place: Place, log: StreamLog) -> None:
@@ -303,7 +310,7 @@ class SolverProcess:
             self._rebuild(place, log, coming)
         reply: Message = {}
         while self._preparing:
-            reply = self._wait(stopped, kills=False)
+            reply = self._prepared(stopped)
             prepared = self._preparing.popleft()
             if "faults" in reply:
                 raise ProgramError(faults_from_message(reply))
@@ -312,6 +319,16 @@ class SolverProcess:
                 if prepared is place:
                     raise SolverError(f"the solver can't be rebuilt: {reply['refused']}")
         return reply
+
+    def _prepared(self, stopped: Optional[Stopped]) -> Message:
+        """Wait for the reply to what the child prepares, which goes on with it on a stop."""
+        assert self._child is not None
+        while True:
+            reply = self._child.receive(POLL_PREPARING)
+            if reply is not None:
+                return reply
+            if stopped is not None and stopped():
+                raise NotReadyError("the solver still takes again what led here; ask again")
 
     def _reads(self, place: Place, log: StreamLog) -> bool:
         """Whether the child has a solver at ``place`` that has read nothing but what is in ``log``."""
@@ -330,28 +347,6 @@ class SolverProcess:
         """Say which solver a command is for, what it is to read before, and which ones nobody refers to any more."""
         left = [self._left.pop() for _ in range(len(self._left))]
         return {"solver": place.number, "log": entries, "left": left}
-
-    def _wait(self, stopped: Optional[Stopped], kills: bool = True) -> Message:
-        """Wait for the child's reply; on a stop ask it to heed that, and after some patience give it up."""
-        assert self._child is not None
-        begin: Optional[float] = None
-        dropped = False
-        while True:
-            reply = self._child.receive(POLL if kills else POLL_PREPARING)
-            if reply is not None:
-                return reply
-            if begin is None:
-                if stopped is None or not stopped():
-                    continue
-                if not kills:
-                    raise NotReadyError("the solver still takes again what led here; ask again")
-                begin = time.monotonic()
-                self._child.send({"do": "interrupt"})
-            if time.monotonic() - begin >= self._grace and not dropped:
-                dropped = True
-                self._child.send({"do": "drop"})
-            if time.monotonic() - begin > self._patience:
-                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
 
     def _spawn(self) -> None:
         """Have a child, the one that was kept ready if there is one; it answers once it has the program."""

@@ -163,9 +163,11 @@ class Worker:
         return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
 
     def _follow(self, command: Message) -> Message:
-        """Have a solver read an update that was foreseen, and so is answered."""
+        """Have a solver read an update that was foreseen, and so is answered; it may be told the plan that goes on."""
         solver = self._solvers[command["solver"]]
         solver.restore(self._known.longer(solver.log, command["log"]))
+        if "plan" in command:
+            solver.log.plan = plan_from_message(command["plan"])
         solver.log.foreseen = True
         solver.read()
         return {}

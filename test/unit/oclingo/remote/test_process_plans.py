@@ -33,6 +33,23 @@ def test_plans_are_shortened_in_a_process_as_well():
         assert solver.update(parse_update(f"#step 2. :- not {action}. #endstep.")).horizon == 3
 
 
+def test_a_stop_of_what_shortens_a_plan_is_not_waited_for():
+    """Whatever the process is at; what it finds then is not told, and it goes by the plan that is followed."""
+    program = ReactiveProgram.from_text(program_text())
+    with SolverProcess(program, shortest=True, oclingo_strings=False, plan_time=0.0) as process:
+        solver = process.solver()
+        solver.update(parse_update("#step 1. _request(3,1). #endstep."))
+        (action,) = (one for one in solver.log.plan.actions if cycle_of(one) == 1)
+        worse = Plan(solver.log.plan.later().actions | {action}, solver.log.plan.horizon + 1)
+        solver.log.plan = worse
+        os.kill(process.pid, signal.SIGSTOP)
+        for _ in range(2):
+            assert solver.improve(lambda: True) is None
+        os.kill(process.pid, signal.SIGCONT)
+        assert solver.log.plan == worse
+        assert solver.improve().plan.horizon == worse.horizon - 1
+
+
 def test_plans_soon_come_from_a_process_as_well():
     """A time for plans goes to the child, what is proven comes back, and a new child is told the last plan."""
     program = ReactiveProgram.from_text(program_text())

@@ -1,8 +1,9 @@
 """The worker of a solver's process: logs whose states it knows."""
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_atom, parse_update
 from rosoclingo.oclingo.remote import solver_worker as worker
-from rosoclingo.oclingo.remote.wire import program_to_message
+from rosoclingo.oclingo.remote.wire import plan_to_message, program_to_message
+from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
 
 LOADED = {
@@ -58,6 +59,16 @@ def test_another_program_begins_anew():
         rebuild(child, 1, [told])
         answers += child._update({"solver": 1, "log": [], "update": "#step 1. #endstep."})["answers"]
     assert answers == ["", "e(1)"]
+
+
+def test_a_plan_that_is_followed_may_be_told():
+    child, plan = worker.Worker(Unstopped()), Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2)
+    child._load(LOADED)
+    rebuild(child, 1, [])
+    told = [{"do": "update", "update": f"#step {step}. #endstep.", "horizon": step} for step in (1, 2)]
+    child._follow({"solver": 1, "log": told[:1], "plan": plan_to_message(plan)})
+    child._follow({"solver": 1, "log": told[1:]})
+    assert (child._solvers[1].step, child._solvers[1].log.plan) == (2, plan)
 
 
 def test_logs_that_were_used_long_ago_are_let_go():
