@@ -162,15 +162,15 @@ def test_a_search_that_is_stopped_without_a_plan_is_interrupted():
 
 
 def test_a_search_that_is_stopped_with_a_plan_has_it(monkeypatch):
-    solver, answered, search = pigeons(free=6, plan_time=FOREVER), [], Grounding.search
+    solver, horizons, search = pigeons(free=6, plan_time=FOREVER), [0], Grounding.search
 
     def searched(*asked, **limits):
         found = search(*asked, **limits)
-        answered.append(found.satisfiable)
+        horizons.append(found.horizon if found.satisfiable else 0)
         return found
 
     monkeypatch.setattr(Grounding, "search", searched)
-    result = solver.update(WANTED, lambda: True in answered)
+    result = solver.update(WANTED, lambda: max(horizons) >= 6)
     assert (result.outcome, result.shortest) == (SolveOutcome.SATISFIABLE, False)
     assert result.horizon >= 6
 
