@@ -17,6 +17,7 @@ from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
+from rosoclingo.reasoning.refusals import refusals
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import (
@@ -241,6 +242,8 @@ class Core:
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._announce.update(self._step, self._planner.in_force)
             self._use(result, now, bool(batch.goals))
+            for problem in refusals(result.answers[0], batch.facts):
+                self._problem(*problem)
             return
         self._announce.plan(result, self._shown())
         if result.outcome is SolveOutcome.UNSATISFIABLE:

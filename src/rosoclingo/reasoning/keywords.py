@@ -13,6 +13,7 @@ RETURN = "_return"
 FAILED = "_failed"
 STATUS = "_status"
 EXPLAIN = "_explain"
+REFUSE = "_refuse"
 CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
 RUN = "_run"
@@ -21,7 +22,9 @@ RUN = "_run"
 CORE = "rosoclingo"
 
 #: Keywords that only the core itself or the program may state: ``(name, arity)``.
-RESERVED = frozenset({(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (CANCEL_ACTION, 3)})
+RESERVED = frozenset(
+    {(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (REFUSE, 3), (CANCEL_ACTION, 3)}
+)
 
 #: The return value of an action that did not answer in time.
 TIMEOUT = Function("timeout")

@@ -13,13 +13,14 @@ import rospkg
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from rosgraph_msgs.msg import Log
 from rosoclingo.msg import TaskPlan
 from std_msgs.msg import UInt32
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import PATIENCE, wait_until
+from interface_helpers import PATIENCE, wait_to_hear, wait_until
 
 DATA = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data")
 
@@ -50,7 +51,10 @@ class LateFacts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("late_facts_test")
+        cls.said = []
+        cls.log = rospy.Subscriber("/rosout", Log, lambda message: cls.said.append(message.msg))
         cls.battery, cls.house = Side(""), Side("/house")
+        wait_to_hear(cls.log, nodes=["/house/rosoclingo"])
 
     def test_the_house_after_a_late_fact(self):
         side = self.house
@@ -60,6 +64,19 @@ class LateFacts(unittest.TestCase):
         side.client.send("bring(kitchen,newspaper)").ends_as(GoalStatus.SUCCEEDED)
         side.hands.tell("_blocked(hallway,living_room,now)", origin="door")
         side.client.send("bring(bedroom,cup)").ends_as(GoalStatus.SUCCEEDED)
+
+    def test_the_house_where_robot_and_thing_are_corrected(self):
+        side = self.house
+        side.hands.at_once = True
+        done = len(side.hands.seen)
+        words = ("_at(bedroom,now)", "_lies(cup,study,now)", "_at(cellar,now)")
+        for fact in words:
+            side.hands.tell(fact, origin="operator")
+            side.updates.wait_for(fact.split(",now")[0])
+        side.client.send("bring(hallway,cup)").ends_as(GoalStatus.SUCCEEDED)
+        found = [text[len("_action_lib(") :].rpartition(",")[0] for text in side.hands.seen[done:]]
+        self.assertEqual(found, ["move_base,study", "pickup,cup", "move_base,hallway", "deliver,cup"])
+        wait_until(lambda: any("there is no place cellar" in text for text in self.said), "the core to refuse it")
 
     def test_the_battery_and_the_stream(self):
         side = self.battery
