@@ -36,7 +36,7 @@ CORE_TOPICS = [
     for topic in ("out_rosoclingo", "rosoclingo/program", "rosoclingo/updates", "rosoclingo/task_plan")
 ]
 TOPICS = ["/rosout", "/diagnostics", *CORE_TOPICS]
-LIMIT = 500  # seconds of wall time for a command, on the slowest machine
+LIMIT = 1500  # seconds of wall time for a command, on the slowest machine
 
 
 def command(*words):
