@@ -14,7 +14,7 @@ from rosoclingo.msg import PickupAction, PickupGoal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE
+from interface_helpers import PATIENCE, wait_for_server
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -30,7 +30,7 @@ class TimeJump(unittest.TestCase):
         driver.wait(lambda: driver.speed[0] > 0.3)
         cancelled = rospy.get_time()
         pickup = SimpleActionClient("pickup", PickupAction)
-        pickup.wait_for_server()
+        wait_for_server(pickup.action_client)
         pickup.cancel_goals_at_and_before_time(rospy.Time.from_sec(cancelled + 1000.0))
         ended = pickup.send_goal_and_wait(PickupGoal(package="1"))
         self.assertIn(ended, (GoalStatus.RECALLED, PREEMPTED), "the cancel may overtake the goal, or not")
