@@ -112,11 +112,11 @@ def _declaration(
     position, offset = place
     others = [one for number, one in enumerate(term.arguments) if number != position]
     binding = [literal for literal in _plain_literals(statement) if _binds(literal, part.parameter, fixed)]
-    bound = {name for literal in binding for name in _names(literal)}
-    names = {name for one in others for name in _names(one)}
+    bound = {name for literal in binding for name in names_in(literal)}
+    names = {name for one in others for name in names_in(one)}
     if not names <= bound or "_" in names or any(_mentions(one, part.parameter) for one in others):
         return
-    needed = [literal for literal in binding if names & set(_names(literal))]
+    needed = [literal for literal in binding if names & set(names_in(literal))]
     arguments = [*map(str, others)]
     arguments.insert(position, f"{_STEP}+({offset})")
     domain = f" : {', '.join(map(str, needed))}" if needed else ""
@@ -143,19 +143,20 @@ def _is_simple(term: AST) -> bool:
     return term.ast_type in (ASTType.Variable, ASTType.SymbolicTerm)
 
 
-def _nodes(term: AST) -> Iterator[AST]:
+def nodes_of(term: AST) -> Iterator[AST]:
     """Yield a term or literal and all below it."""
     yield term
     for key in term.child_keys:
         child = getattr(term, key)
         for one in child if isinstance(child, ASTSequence) else [child]:
             if isinstance(one, AST):
-                yield from _nodes(one)
+                yield from nodes_of(one)
 
 
-def _names(term: AST) -> List[str]:
-    return [one.name for one in _nodes(term) if one.ast_type == ASTType.Variable]
+def names_in(term: AST) -> List[str]:
+    """Return the names of the variables in a term or literal, each as often as it stands there."""
+    return [one.name for one in nodes_of(term) if one.ast_type == ASTType.Variable]
 
 
 def _mentions(term: AST, name: str) -> bool:
-    return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in _nodes(term))
+    return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in nodes_of(term))

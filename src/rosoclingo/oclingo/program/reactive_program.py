@@ -18,6 +18,7 @@ from rosoclingo.oclingo.program.directives import Directives, Placed
 from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
@@ -42,6 +43,7 @@ class ReactiveProgram:
         advises: whether ``#heuristic`` statements tell the solver where to look first.
         shows: the predicates of ``#show p/n.``
         domains: what the rules of a step could use of open signatures, where they tell.
+        return_rules: rules that tell what returns bear on; None where they can't.
         warnings: what is odd but usable, as text.
 
     """
@@ -96,8 +98,12 @@ class ReactiveProgram:
 
     @property
     def tells_plainly(self) -> bool:
-        """Whether answers show all actions, and no return is shown: one plan, and neither the best nor some of many."""
-        return not self.optimizes and ACTION in self.shows and RETURN not in self.shows
+        """Whether an answer tells its actions, no returns, and by rules of its own what returns bear on.
+
+        Answers are one plan then, and neither the best nor some of many.
+        """
+        shows = ACTION in self.shows and RETURN not in self.shows
+        return shows and not self.optimizes and self.return_rules is not None
 
     def delay_of(self, name: str, arity: int) -> Optional[int]:
         """Return after how many cycles (0 or 1) such a fact bears on actions; None where it has no cycle.
@@ -111,8 +117,11 @@ class ReactiveProgram:
             self._known_delays[signature] = self._delays.of(signature)
         return self._known_delays[signature]
 
-    def load_into(self, control: clingo.Control) -> None:
-        """Add all statements to ``control``; raises RuntimeError as clingo does, details go to its logger."""
+    def load_into(self, control: clingo.Control, foresees: bool = False) -> None:
+        """Add all statements to ``control``, with those that tell what returns bear on where it ``foresees``.
+
+        Raises RuntimeError as clingo does, details go to its logger.
+        """
         with ProgramBuilder(control) as builder:
             for part in self.parts:
                 builder.add(part.header)
@@ -120,6 +129,8 @@ class ReactiveProgram:
                     builder.add(statement)
         for opened in (*self._open_parts.values(), *(domain[:3] for domain in self.domains.values())):
             control.add(*opened)
+        for asking in self.return_rules.texts if foresees and self.return_rules is not None else ():
+            control.add(*asking)
 
     def open_part(self, atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
         """Return the part to ground, with its arguments, that makes ``atom`` an external or a fact."""
@@ -206,6 +217,7 @@ class ReactiveProgram:
             for fact in (False, True)
         }
         self.domains: Dict[Signature, Domain] = {}
+        self.return_rules: Optional[ReturnRules] = None
         self.optimizes = self.advises = False
         self.shows: Set[Signature] = set()
         for part in self.parts:
@@ -242,6 +254,7 @@ class ReactiveProgram:
                     self._patterns.setdefault(one.signature, []).append(pattern)
         free = self.open_signatures - self.head_signatures - self._declarations.keys()
         self.domains = domains(self.parts, free, self._values)
+        self.return_rules = return_rules(self.parts, self._values)
 
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""

@@ -1,4 +1,4 @@
-"""What a grounding knows of its atoms: which externals may still be defined, what defines them, which rules have them.
+"""What a grounding knows of its atoms: which externals may still be defined, and what defines them.
 
 An external that gets a lapsing definition stays open behind it: the definition goes to its literal together with a
 rule by which a fresh external, its next *cell*, defines it as well.
@@ -88,11 +88,6 @@ class AtomTable:
         # once the program can never be satisfied
         known = self._control.symbolic_atoms[atom]
         return known is not None and known.literal in self._declared and known.literal not in self._defined
-
-    def open_literal(self, atom: clingo.Symbol) -> Optional[int]:
-        """Return the literal of an external that a rule may define now; None where ``atom`` is none."""
-        known = self._control.symbolic_atoms[atom] if self.is_open(atom) else None
-        return None if known is None else known.literal
 
     def is_closed(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""
@@ -204,64 +199,3 @@ class Heads(Observer):
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
         """Record what a rule with a weighted body defines."""
         self._fresh.update(head)
-
-
-class StepRecorder(Observer):
-    """Records the literals in the ground rules of each block of steps that are grounded at once.
-
-    Attributes:
-        blocks: first step of a block -> its steps.
-        heads: first step of a block -> atoms that its rules define.
-        atoms: first step of a block -> all atoms of its rules, and its externals.
-        names: the literals of the atoms that base has; clingo lets go of the names of those that are false for good.
-        opaque: True once something was grounded whose meaning is not in rules alone.
-
-    """
-
-    def __init__(self) -> None:
-        self._block: Optional[int] = None
-        self._heads: Set[int] = set()  # of the block
-        self._literals: Set[int] = set()  # of its bodies, and its externals
-        self.names: Dict[clingo.Symbol, int] = {}
-        self.blocks: Dict[int, range] = {}
-        self.heads: Dict[int, Set[int]] = {}
-        self.atoms: Dict[int, Set[int]] = {}
-        self.opaque = False
-
-    def begin(self, steps: range) -> None:
-        """Take what comes as the rules of ``steps``."""
-        self._block = steps[0]
-        self.blocks[steps[0]] = steps
-        self._heads, self._literals = set(), set()
-
-    def end(self) -> None:
-        """Take what comes as nobody's."""
-        if self._block is not None:
-            self.heads[self._block] = self._heads
-            self.atoms[self._block] = self._heads.union(map(abs, self._literals))
-        self._block = None
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Record a rule of some step."""
-        if self._block is not None:
-            self._heads.update(head)
-            self._literals.update(body)
-
-    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """Record a rule with a weighted body of some step."""
-        if self._block is not None:
-            self._heads.update(head)
-            self._literals.update(literal for literal, _ in body)
-
-    def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """Record an external of some step."""
-        if self._block is not None:
-            self._literals.add(atom)
-
-    def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
-        """Record that there are edges: those of all steps make one graph."""
-        self.opaque = True
-
-    def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
-        """Record that there are theory atoms, which may mean anything."""
-        self.opaque = True

@@ -66,8 +66,7 @@ class _Statements:
         self._program, self._fixed = program, fixed
         self._unsettled = {one.head for one in state.unsettled() if one.head is not None}
         self._heads = self._unsettled | {one.head for one in statements if one.head is not None}
-        defined = fixed.defined
-        self._past = told | {atom for atom, literal in fixed.literals.items() if literal in defined}
+        self._past = told | (fixed.literals.keys() & fixed.defined)
         self.facts = {one.head for one in statements if one.head is not None and not one.body}
         self.kept: List[Statement] = []
         self.false: Set[clingo.Symbol] = set()  # heads that were defined, but never come true
@@ -108,11 +107,10 @@ class _Statements:
         """Tell whether retired steps may have decided of ``head``, and by that of the rules that define it."""
         if head is None:
             return False
-        literal, last = self._fixed.literals.get(head), self._fixed.first - 1
-        if literal is not None:
-            return literal in self._fixed.steps and literal not in self._fixed.base
+        if head in self._fixed.literals:
+            return head in self._fixed.steps and head not in self._fixed.base
         # clingo lets go of the names of what is false for good
-        return self._program.may_see([head], self._program.first_step, last)
+        return self._program.may_see([head], self._program.first_step, self._fixed.first - 1)
 
     def _value(self, atom: clingo.Symbol) -> Optional[bool]:
         """Return what is decided of ``atom`` without regard to constraints, which may be the ones in question."""
@@ -140,19 +138,18 @@ def _move(
 
     def matters(atom: clingo.Symbol) -> bool:
         """Tell whether the steps to come, or what is not settled, may mention an atom."""
-        if atom in mentioned or fixed.literals.get(atom) in fixed.base:
+        if atom in mentioned or atom in fixed.base:
             return True
         return program.may_mention(atom, first) or program.may_declare(atom, first)
 
     steps, defined = fixed.steps, fixed.defined
     true = {atom for atom, value in fixed.values.items() if value}
-    told = {atom for atom in true if fixed.literals[atom] in defined} | (old.facts if old is not None else set())
+    told = (true & defined) | (old.facts if old is not None else set())
     shown = [] if old is None else list(old.shown)
     theirs = steps.keys() - fixed.base
-    fresh = {atom for atom in grounding.shown & true if fixed.literals[atom] in theirs}
-    fresh |= grounding.shown & statements.facts
+    fresh = grounding.shown & ((true & theirs) | statements.facts)
     fresh -= {atom for _, atom in shown}
-    shown += [(steps.get(fixed.literals[atom], first - 1), atom) for atom in fresh]
+    shown += [(steps.get(atom, first - 1), atom) for atom in fresh]
     facts = set(filter(matters, statements.facts))
     known = {atom for atom in facts if program.is_open_signature(atom) or program.may_declare(atom, first)}
     shown = [one for one in shown if one[0] >= first - SHOWN_STEPS]
@@ -171,7 +168,7 @@ def _ties(fixed: FixedAtoms, statements: _Statements) -> List[Statement]:
     found: List[Statement] = []
     for atom, value in fixed.values.items():
         # clingo calls facts what constraints have fixed: whether the atom is one tells nothing
-        if fixed.literals[atom] in mentioned and (value or not statements.is_settled(atom)):
+        if atom in mentioned and (value or not statements.is_settled(atom)):
             statement = Statement(None, (Literal(atom, not value),))
             found += [statement] if statement not in kept else []
     return found

@@ -1,96 +1,23 @@
 """What is foreseen: an answer stays one when what it plans is done with success, where its rules do not ask for that.
 
 Let M be an answer, and R the returns of success for actions of M that are to be told. If in every ground rule in
-whose body one of R stands, under ``not`` or not, some other literal is false in M, then M and R together are an answer
-of the program with R as facts: in both reducts the rules whose bodies M satisfies are the same. It needs no search.
+whose body one of R stands, under ``not`` or not, some literal that is no return is false in M, then M and R together
+are an answer of the program with R as facts: in both reducts the rules whose bodies M satisfies are the same. It needs
+no search. M itself tells where that is so, see :mod:`~rosoclingo.oclingo.program.return_rules`.
 
-There may be shorter ones then, if in another answer these rules come into play. That can't be where the false literal
-is about an action of the same cycle: all answers have the actions that were executed in it, and no others.
+There may be shorter ones then, if in another answer these rules come into play. That can't be where there are no such
+ground rules, nor where something is false of the actions of the same cycle: all answers have the actions that were
+executed in it, and no others.
 """
 
-from typing import Callable, Collection, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, FrozenSet, Iterable, NamedTuple, Optional, Set
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import RETURN
+from rosoclingo.oclingo.program.return_rules import ACTS, ASKS, ReturnRules
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Statement, StreamUpdate
-from rosoclingo.oclingo.solving.atom_table import StepRecorder
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
-
-
-class Mentions:
-    """The bodies of ground rules in which externals stand, for externals that came before these rules.
-
-    Attributes:
-        watched: the externals' literals.
-
-    """
-
-    def __init__(self) -> None:
-        self._bodies: Dict[int, List[Sequence[int]]] = {}
-        self.watched: Set[int] = set()
-        self._lost: Set[int] = set()  # what else they may bear on is not known
-
-    def watch(self, external: int, is_new: bool) -> None:
-        """Note in which bodies ``external`` stands from now on; where it ``is_new`` it has stood nowhere before."""
-        if external not in self._bodies:
-            self._bodies[external] = []
-            self.watched.update((external, -external))
-            if not is_new:
-                self._lost.add(external)
-
-    def note(self, body: Sequence[int]) -> None:
-        """Note the literals of one rule's body."""
-        for literal in self.watched.intersection(body):
-            self._bodies[abs(literal)].append(body)
-
-    def lose(self, literals: Iterable[int]) -> None:
-        """Note that something else than the body of a rule asks for ``literals``."""
-        self._lost.update(map(abs, self.watched.intersection(literals)))
-
-    def of(self, external: int) -> Optional[List[Sequence[int]]]:
-        """Return the bodies in which ``external`` stands; None where that is not all that may ask for it."""
-        return None if external in self._lost else self._bodies.get(external)
-
-
-class ForesightRecorder(StepRecorder):
-    """Records the bodies in which externals stand as well.
-
-    Attributes:
-        mentions: these bodies.
-
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.mentions = Mentions()
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Record a rule."""
-        super().rule(choice, head, body)
-        if not self.mentions.watched.isdisjoint(body):
-            self.mentions.note(body)
-
-    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """Record a rule with a weighted body."""
-        super().weight_rule(choice, head, lower_bound, body)
-        self.mentions.lose(literal for literal, _ in body)
-
-    def output_term(self, symbol: clingo.Symbol, condition: Sequence[int]) -> None:
-        """Record what a term that is shown asks for."""
-        self.mentions.lose(condition)
-
-    def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """Record an external of some step."""
-        if self._block is not None:
-            self.mentions.watch(atom, self._is_new(atom))
-        super().external(atom, value)
-
-    def _is_new(self, atom: int) -> bool:
-        """Whether no rule has had ``atom`` yet."""
-        if atom in self._heads or atom in self._literals or -atom in self._literals:
-            return False
-        return not any(atom in atoms for atoms in self.atoms.values())
 
 
 class Foreseen(NamedTuple):
@@ -108,31 +35,31 @@ class Foreseen(NamedTuple):
 
 def foresee(
     actions: Iterable[clingo.Symbol],
-    literal_of: Callable[[clingo.Symbol], Optional[int]],
-    mentions: Mentions,
-    rivals: Callable[[int], Collection[int]],
-    is_true: Callable[[int], bool],
+    rules: ReturnRules,
+    is_open: Callable[[clingo.Symbol], bool],
+    is_true: Callable[[clingo.Symbol], Optional[bool]],
 ) -> Foreseen:
     """Return what is foreseen of an answer with these ``actions``.
 
-    ``literal_of`` has the literal of an external that may still be told, ``rivals`` those of the actions of a cycle,
-    ``is_true`` tells of the answer.
+    ``rules`` say what returns bear on, ``is_open`` whether an external may still be told, ``is_true`` what the answer
+    says of an atom: None where no ground rule defines it.
     """
     returns: Set[clingo.Symbol] = set()
     certain: Set[clingo.Symbol] = set()
     for action in actions:
         told = success_of(action)
-        literal = literal_of(told)
-        bodies = None if literal is None else mentions.of(literal)
-        if bodies is None:
-            continue
-        false = [[one for one in body if not (one in mentions.watched or is_true(one))] for body in bodies]
-        if all(false):
+        asking = {number: is_true(_of(ASKS, number, action)) for number in range(rules.number)}
+        if is_open(told) and not any(asking.values()):
             returns.add(told)
-            ours = rivals(cycle_of(action)) if false else ()
-            if all(any(abs(one) in ours for one in body) for body in false):
+            ground = [number for number, asks in asking.items() if asks is not None]
+            if all(number in rules.acting and not is_true(_of(ACTS, number, action)) for number in ground):
                 certain.add(told)
     return Foreseen(frozenset(returns), frozenset(certain))
+
+
+def _of(name: str, number: int, action: clingo.Symbol) -> clingo.Symbol:
+    """Return the atom by which rule ``number`` tells something of the return of ``action``."""
+    return clingo.Function(name, [clingo.Number(number), *action.arguments])
 
 
 def success_of(action: clingo.Symbol) -> clingo.Symbol:

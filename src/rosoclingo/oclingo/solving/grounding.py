@@ -29,21 +29,28 @@ from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads, StepRecorder
+from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads
 from rosoclingo.oclingo.solving.doubts import Doubts
-from rosoclingo.oclingo.solving.foresight import Foreseen, ForesightRecorder, Mentions, foresee
+from rosoclingo.oclingo.solving.foresight import Foreseen, foresee
 from rosoclingo.oclingo.solving.horizon import ActionIndex, CycleIndex, ExternalIndex, HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, with_their_failures
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
 
+Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
+"""Program parts with their arguments."""
+
 DOMAIN_LIMIT = 100
 """Atoms of an open signature that are declared with each step, at most; more would cost more than to ground anew."""
 
-BASE = -(2**31)
-"""The base part among the steps of a recorder."""
+BASE = range(-(2**31), 1 - 2**31)
+"""The base part among the steps that were ground at once."""
+
+PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
+"""The part that has what steps must know of those that are retired, and its parameters."""
 
 
 class Search(NamedTuple):
@@ -70,7 +77,10 @@ class Grounding:
         horizon: the last grounded step; first step - 1 while only base is grounded.
         atoms: what updates may say of the atoms, and how.
         messages: what clingo said since they were last cleared.
-        recorder: the rules' atoms step by step, recorded where answers are shortest and nothing is in doubt.
+        past: the steps before those that are ground.
+        ground_parts: what was ground one after the other, with the steps, :data:`BASE` or none, where answers are
+            shortest.
+        names: the literals of the atoms that base has; clingo lets go of the names of those that are false for good.
         shown: the shown atoms of the last answer.
         satisfied: whether the last search had an answer, and nothing was added since but what was foreseen.
 
@@ -84,59 +94,57 @@ class Grounding:
         shortest: bool = False,
         past: Optional[Past] = None,
         doubted: FrozenSet[clingo.Symbol] = frozenset(),
-        recorder: Optional[StepRecorder] = None,
+        foresees: bool = False,
     ) -> None:
         """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
 
         With ``shortest`` no answer holds an action of a cycle beyond its horizon. Steps that ``past`` tells of are not
-        ground. Of facts that are ``doubted`` each search says whether they were told. Raises RuntimeError as clingo
-        does.
+        ground. Of facts that are ``doubted`` each search says whether they were told. Where it ``foresees``, answers
+        come with the returns that may be told. Raises RuntimeError as clingo does.
         """
         self.program = program
         self._shortest = shortest
         self.messages = Messages()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
-        self._observer, self._heads, self.recorder = Externals(), Heads(), recorder or StepRecorder()
-        self._externals = ExternalIndex(
-            self._control, program, self.recorder.blocks, () if shortest else program.domains
-        )
+        self._observer, self._heads = Externals(), Heads()
+        self.ground_parts: List[Tuple[range, Parts]] = []
+        self._blocks: Dict[int, range] = {}  # by their first step
+        self._externals = ExternalIndex(self._control, program, self._blocks, () if shortest else program.domains)
         self.atoms = AtomTable(self._control, self._session, self._externals.declared, self._heads.externals)
         self._doubts = Doubts(self._session, doubted) if doubted else None
         self._told = self._doubts.literals if self._doubts else {}  # fact in doubt -> literal under which it was told
         first = program.first_step if shortest else None
         self._actions = ActionIndex(self._control, self._session, ACTION, first, self._told)
         self._returns = CycleIndex(self._control, RETURN)
+        self._return_rules = program.return_rules if foresees else None
+        self._asked: Set[clingo.Symbol] = set()  # in the bodies of the stream's rules
         self._observe()
-        program.load_into(self._control)
+        program.load_into(self._control, foresees)
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
         self.satisfied = False
         self._options: Dict[str, str] = {}
         self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
-        self._past = past or Past(program.first_step, frozenset())
-        self._retired = frozenset(atom for _, atom in self._past.shown)
-        self.horizon = self._past.first - 1
+        self.past = past or Past(program.first_step, frozenset())
+        self._retired = frozenset(atom for _, atom in self.past.shown)
+        self.horizon = self.past.first - 1
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self.declare(open_atoms, facts)
         self._ground_base()
         self._externals.end_base()
-        self._tell(self._past.facts)
+        self._tell(self.past.facts)
 
     def _observe(self) -> None:
         """Let those observers hear of what is ground that have a use for it."""
         self._control.register_observer(self._observer)
         if self.program.defines_externals:
             self._control.register_observer(self._heads)
-        if self._shortest and self._doubts is None:  # nothing is retired of what is only asked about
-            self._control.register_observer(self.recorder)
 
     def _ground_base(self) -> None:
-        self.recorder.begin(range(BASE, BASE + 1))
-        self._ground([("base", [])], 1)
-        self.recorder.end()
-        if self._shortest:
-            self.recorder.names = {one.symbol: one.literal for one in self._control.symbolic_atoms}
+        self._ground([("base", [])], 1, BASE)
+        known = self._control.symbolic_atoms if self._shortest else ()
+        self.names = {one.symbol: one.literal for one in known}
 
     def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
         """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
@@ -150,14 +158,16 @@ class Grounding:
         doubted = [atom for atom in facts if atom in self._told]
         text = "".join(f"#external {atom}.\n" if atom in doubted else f"{atom}.\n" for atom in facts)
         if text:
-            self._control.add("__oclingo_past", [], text)
-            self._ground([("__oclingo_past", [])], self._past.first - 1)
+            self._control.add(*PAST, text)
+            self._ground([(PAST[0], [])], self.past.first - 1)
         for atom in doubted:
             self.add(Statement(atom), FOREVER)
 
-    def _ground(self, parts: Sequence[Tuple[str, Sequence[clingo.Symbol]]], step: int) -> None:
+    def _ground(self, parts: Parts, step: int, steps: range = range(0)) -> None:
         self._session.close()
         self._control.ground(parts)
+        if self._shortest:
+            self.ground_parts.append((steps, parts))
         self._externals.note(self._observer.fresh, step)
         self._observer.fresh.clear()
         self._heads.sort(self._externals.declared)
@@ -171,9 +181,8 @@ class Grounding:
         names = ("cumulative", "volatile", *self._domain_parts)
         parts = [(part, [clingo.Number(step)]) for step in steps for part in names]
         self.horizon, self.satisfied = last, False
-        self.recorder.begin(steps)
-        self._ground(parts, steps[0])
-        self.recorder.end()
+        self._blocks[steps[0]] = steps
+        self._ground(parts, steps[0], steps)
         for step in steps:
             self._bound(step)
         if self._shortest:
@@ -201,6 +210,7 @@ class Grounding:
     def add(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
         self.satisfied = False
+        self._asked.update(literal.atom for literal in statement.body)
         guard = None if statement.subject is None else self._told.get(statement.subject)
         if lifetime != FOREVER:
             if lifetime not in self._guards:
@@ -289,8 +299,8 @@ class Grounding:
                 this.shown = frozenset(model.symbols(shown=True)) - this._hidden - this._ends.names
                 answers.append(this.shown | this._retired)
                 horizons.append(this._ends.horizon_of(model, first, last))
-                if isinstance(this.recorder, ForesightRecorder) and not this.recorder.opaque:
-                    foreseen.append(this._foresee(model, this.recorder.mentions))
+                if this._return_rules is not None:
+                    foreseen.append(this._foresee(model, this._return_rules))
 
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
@@ -306,10 +316,18 @@ class Grounding:
         blamed = self._doubts.among(core) if self._doubts else frozenset()
         return Search(False, core=blamed, timeless=core.isdisjoint(horizon))
 
-    def _foresee(self, model: clingo.Model, mentions: Mentions) -> Foreseen:
+    def _foresee(self, model: clingo.Model, rules: ReturnRules) -> Foreseen:
         """Return what is foreseen of a model whose shown atoms are known."""
-        actions = self._actions.among(self.shown)
-        return foresee(actions, self.atoms.open_literal, mentions, self._actions.literals, model.is_true)
+        atoms = self._control.symbolic_atoms
+
+        def is_true(atom: clingo.Symbol) -> Optional[bool]:
+            known = atoms[atom]
+            return model.is_true(known.literal) if known is not None and known.literal else None
+
+        def may_be_told(atom: clingo.Symbol) -> bool:
+            return atom not in self._asked and self.atoms.is_open(atom)
+
+        return foresee(self._actions.among(self.shown), rules, may_be_told, is_true)
 
     def _configure(self, models: int, conflicts: Optional[int], best: bool) -> None:
         """Set clasp's options that differ from those of the last search: to set one takes long."""
@@ -344,19 +362,20 @@ def build_grounding(
     dropped: Callable[[], bool] = lambda: False,
     coming: Iterable[clingo.Symbol] = (),
     doubted: FrozenSet[clingo.Symbol] = frozenset(),
-    recorder: Optional[StepRecorder] = None,
+    foresees: bool = False,
 ) -> Grounding:
     """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
 
     Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
     for one head are what they are in a program of one piece. Atoms that are ``coming`` are known as externals,
-    and facts that are ``doubted`` were told where a search says so.
+    and facts that are ``doubted`` were told where a search says so; where it ``foresees``, answers come with the
+    returns that may be told.
     Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
     """
     facts = {one.head for one in state.permanent if one.head is not None and not one.body}
     facts -= with_their_failures(doubted)
     open_atoms = dict.fromkeys([*state.open_atoms, *coming])
-    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted, recorder)
+    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted, foresees)
     for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest or program.steps_apart else 1):
         if dropped():
             raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")

@@ -30,7 +30,6 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving import compaction
-from rosoclingo.oclingo.solving.foresight import ForesightRecorder
 from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
@@ -363,9 +362,9 @@ class Transaction:
     def _build(self) -> Grounding:
         """Ground the program anew and put in force all that the state holds."""
         coming = [atom for atom in self._coming if not self._setting.is_too_late(self.state, atom)]
-        recorder = ForesightRecorder() if self._setting.foresees and not self._doubted else None
+        foresees = self._setting.foresees and not self._doubted
         self.grounding = build_grounding(
-            self.program, self.state, self._shortest, self._dropped, coming, self._doubted, recorder
+            self.program, self.state, self._shortest, self._dropped, coming, self._doubted, foresees
         )
         self._fall_due(self.grounding)
         return self.grounding

@@ -5,8 +5,9 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, StreamUpdate, commitment, parse_atom
+from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Assert, Closed, Statement, Volatile
-from rosoclingo.oclingo.solving.foresight import Mentions, foresee, success_of
+from rosoclingo.oclingo.solving.foresight import Foreseen, foresee, success_of
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_log import StreamLog, cycle_of
 
@@ -210,48 +211,69 @@ def test_a_shorter_plan_is_foreseen_as_well(searches):
     assert searches == []
 
 
-# ---- Bodies ----------------------------------------------------------------------------------------------------------
+# ---- What rules ask for ----------------------------------------------------------------------------------------------
 
 GO, TOLD = parse_atom("_action_lib(go,1,7)"), parse_atom("_return(go,1,7)")
 
 
-def foreseen(bodies, true, watched=(10,), lost=()):
-    """What is foreseen of action 1, rival 2, whose return is external 10, with rules' bodies and what is true."""
-    mentions = Mentions()
-    for one in watched:
-        mentions.watch(one, is_new=True)
-    for body in bodies:
-        mentions.note(body)
-    mentions.lose(lost)
-    return foresee([GO], {TOLD: 10}.get, mentions, {7: {1, 2}}.get, lambda one: (abs(one) in true) == (one > 0))
+def foreseen(asks, acts=(), acting=(), told=TOLD):
+    """What is foreseen of an action; ``asks`` and ``acts`` hold what an answer says of the rules of some numbers."""
+    atoms = {parse_atom(f"__oclingo_asks({number},go,1,7)"): value for number, value in enumerate(asks)}
+    atoms.update({parse_atom(f"__oclingo_acts({number},go,1,7)"): value for number, value in enumerate(acts)})
+    rules = ReturnRules((), len(asks), frozenset(acting))
+    return foresee([GO], rules, lambda atom: atom == told, atoms.get)
 
 
 @pytest.mark.parametrize(
-    ("bodies", "returns", "certain"),
+    ("asks", "acts", "acting", "returns", "certain"),
     [
-        ([], 1, 1),
-        ([[10]], 0, 0),
-        ([[-10]], 0, 0),
-        ([[10, 1]], 0, 0),  # holds once it is told
-        ([[10, 2]], 1, 1),  # another action was not done
-        ([[10, -1]], 1, 1),
-        ([[-10, 2, 3]], 1, 1),
-        ([[10, 4]], 1, 0),  # what is false in this answer only
-        ([[10, -3]], 1, 0),
-        ([[10, 11]], 0, 0),  # what may be told as well
-        ([[10, 2], [10, 4]], 1, 0),
-        ([[10, 2], [3, 10]], 0, 0),
-        ([[3, 4]], 1, 1),
+        ([], [], [], 1, 1),
+        ([None], [], [], 1, 1),
+        ([True], [], [], 0, 0),
+        ([True], [True], [0], 0, 0),
+        ([False], [], [], 1, 0),  # what is false in this answer only
+        ([False], [True], [0], 1, 0),
+        ([False], [False], [0], 1, 1),  # another action was not done
+        ([False], [None], [0], 1, 1),
+        ([None, False], [], [], 1, 0),
+        ([False, False], [False, False], [1], 1, 0),
+        ([False, True], [False, None], [0, 1], 0, 0),
     ],
 )
-def test_a_return_is_foreseen_where_each_body_has_something_false(bodies, returns, certain):
-    found = foreseen(bodies, true={1, 3}, watched=(10, 11))
+def test_a_return_is_foreseen_where_no_rule_asks_for_it(asks, acts, acting, returns, certain):
+    found = foreseen(asks, acts, acting)
     assert (len(found.returns), len(found.certain)) == (returns, certain)
 
 
-def test_what_else_asks_for_a_return_is_not_known():
-    assert foreseen([], true={1}, lost=[-10]).returns == frozenset()
-    assert foreseen([], true={1}, watched=()).returns == frozenset()
-    mentions = Mentions()
-    mentions.watch(10, is_new=False)
-    assert mentions.of(10) is None
+def test_what_can_not_be_told_is_not_foreseen():
+    assert foreseen([], told=None) == Foreseen()
+
+
+@pytest.mark.parametrize(
+    ("rule", "returns", "certain"),
+    [
+        ("", 3, 3),
+        (FAILS, 3, 3),
+        ("far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).\n", 3, 1),  # nobody is so far before step 1
+        ("tired(t) :- far(t-1), _return(go,X,t).\n", 3, 3),
+        ("rests(t) :- _return(go,2,t).\n", 2, 2),
+        ("odd(t) :- not _return(go,2,t), at(2,t).\n", 2, 2),
+        ("odd(t) :- _return(go,_,t-1), at(3,t-1).\n", 2, 2),
+        ("often(t) :- 1 { _return(go,X,t) : at(X,t) }.\n", 0, 0),
+        ("#show told(X,t) : _return(go,X,t).\n", 0, 0),
+    ],
+)
+def test_which_returns_of_a_plan_are_foreseen(rule, returns, certain):
+    assert len(asked(solver_of(WALK + rule)).foreseen) == certain
+    found = asked(solver_of(WALK + rule, plan_time=0.0))
+    assert len(found.foreseen) == (certain if found.shortest else returns)
+
+
+def test_what_the_stream_asks_for_is_not_foreseen():
+    solver, told_first = solver_of(WALK + FAILS), parse_atom("_return(go,1,1)")
+    assert told_first in asked(solver).foreseen
+    rule = Statement(parse_atom("odd(1)"), (commitment(told_first).body[0],))
+    solver = solver_of(WALK + FAILS)
+    result = solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(3,1)")), rule)))
+    assert told_first not in result.foreseen
+    assert len(result.foreseen) == 2

@@ -10,7 +10,6 @@ from stream_logs import cut
 from test_solver import atoms, play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
-from rosoclingo.oclingo.solving.foresight import ForesightRecorder
 from rosoclingo.oclingo.solving.grounding import Grounding, Search, _block_ends
 from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState
 
@@ -49,10 +48,10 @@ def test_open_atoms_may_be_given_in_any_way():
     assert all(grounding.atoms.is_open(parse_atom(f"sees({one})")) for one in (1, 2))
 
 
-@pytest.mark.parametrize(("shortest", "recorder"), [(True, None), (True, ForesightRecorder()), (False, None)])
-def test_what_is_let_go_is_free_at_once(shortest, recorder):
+@pytest.mark.parametrize(("shortest", "foresees"), [(True, False), (True, True), (False, False)])
+def test_what_is_let_go_is_free_at_once(shortest, foresees):
     program = ReactiveProgram.from_text(EXTERNALS)
-    grounding = Grounding(program, [parse_atom("sees(1)")], set(), shortest, recorder=recorder)
+    grounding = Grounding(program, [parse_atom("sees(1)")], set(), shortest, foresees=foresees)
     grounding.ground_to(3)
     assert grounding.declared_between(1, 3)
     assert grounding.search(1, lambda: False, 1, 3).satisfiable
@@ -204,3 +203,20 @@ def test_an_update_is_no_other_for_a_search_that_was_stopped():
     found = solver.update(parse_update("#step 2 : 0. e(2). #endstep."), lambda: True)
     assert found.outcome is SolveOutcome.INTERRUPTED
     assert solver.solve().outcome is SolveOutcome.UNSATISFIABLE
+
+
+@pytest.mark.parametrize(("rule", "heard"), [("s(t) :- e(t).", False), ("{ s(t) }. e(t) :- s(t).", True)])
+@pytest.mark.parametrize("foresees", [True, False])
+def test_rules_are_heard_of_only_where_they_may_define_externals(monkeypatch, rule, heard, foresees):
+    """To hear of each rule takes as long as to ground it."""
+    program = ReactiveProgram.from_text(f"#program cumulative(t). #external e(t). {rule} #program volatile(t).")
+    observers, register = [], clingo.Control.register_observer
+
+    def note(self, observer, replace=False):
+        observers.append(observer)
+        register(self, observer, replace)
+
+    monkeypatch.setattr(clingo.Control, "register_observer", note)
+    grounding = Grounding(program, [], set(), shortest=True, foresees=foresees)
+    grounding.ground_to(3)
+    assert any(type(one).rule is not clingo.backend.Observer.rule for one in observers) is heard
