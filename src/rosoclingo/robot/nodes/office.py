@@ -1,6 +1,8 @@
 """The office of the case study: actionlib servers that let the simulated robot pick up and put down packages."""
 
+import contextlib
 import functools
+import xmlrpc.client
 from collections import deque
 from typing import Any, Callable, Deque, NamedTuple, Optional, Tuple
 
@@ -82,6 +84,9 @@ class OfficeNode:
     ----------
         ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
         ~packages (map, default {}): which packages lie where at the start, `{office3: [1, 2]}`.
+        ~kept (map, optional): set by the node at each change, before a goal ends: `{lying: {office3: ["1"]}, carried:
+            ["2"]}`. One that was killed and is started again goes on with it in place of ~packages, as the world has
+            not ended; a node that ends removes it.
         ~appear (bool, default false): a package never heard of is found where the robot first tries to pick it up.
         ~capacity (int, default 3): how many packages the robot can carry.
         ~duration (float, default 3.0): seconds of ROS time that the arm takes.
@@ -106,12 +111,17 @@ class OfficeNode:
         self._labels = LabelTable.read(given.at("labels"), self._pose.map_frame)
         capacity = given.at("capacity").whole(DEFAULT_CAPACITY, low=1)
         self._office = PackageOffice(self._labels.names, capacity, given.at("appear").flag(False))
-        self._office.read(given.at("packages"))
+        kept, packages = given.at("kept"), given.at("packages")
+        if kept.given:
+            self._office.read(kept.at("lying"), kept.at("carried"))
+        else:
+            self._office.read(packages)
         self._duration = given.at("duration").number(3.0, low=0.0)
         self._tolerance = given.at("tolerance").number(0.5, low=0.0)
         given.check()
         self._jobs: Deque[_Job] = deque()
         self._servers: Tuple[ActionServer, ...] = ()
+        self._kept = self._office.places
         self._last_time = 0.0
         self._worker = Worker(settle=self._tick, period=0.02)
         self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
@@ -119,7 +129,12 @@ class OfficeNode:
         self._worker.start()
         self._servers = (self._serve("pickup", PickupAction, _PICKUP), self._serve("deliver", DeliverAction, _DELIVER))
         self._service = rospy.Service("~put_package", PutPackage, self._on_put)
-        rospy.on_shutdown(lambda: self._worker.stop(2.0))
+        rospy.on_shutdown(self._end)
+
+    def _end(self) -> None:
+        self._worker.stop(2.0)
+        with contextlib.suppress(OSError, KeyError, xmlrpc.client.Error, rospy.ROSException):
+            rospy.delete_param("~kept")
 
     def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
         server = ActionServer(name, action, functools.partial(self._on_goal, kind), self._on_cancel, auto_start=False)
@@ -183,7 +198,19 @@ class OfficeNode:
         done = f"is at {location}" if location else "is gone"
         return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
 
+    def _keep(self) -> None:
+        """Have a parameter say where the packages are."""
+        if self._office.places == self._kept:
+            return
+        try:
+            rospy.set_param("~kept", {"lying": self._office.lying, "carried": self._office.carried})
+        except (OSError, xmlrpc.client.Error, rospy.ROSException) as error:
+            rospy.logerr("the packages are forgotten when this node dies: the master does not answer: %s", error)
+        else:
+            self._kept = self._office.places
+
     def _publish(self) -> None:
+        self._keep()
         message = PackageStates()
         message.header.stamp = rospy.get_rostime()
         message.packages = [PackageState(*place) for place in self._office.places]

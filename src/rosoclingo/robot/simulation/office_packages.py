@@ -71,8 +71,11 @@ class PackageOffice:
         reader.check(PackageError)
         return office
 
-    def read(self, reader: Reader) -> None:
-        """Put `{label: [package, ...]}`, as config/office_packages.yaml holds it; the reader has the faults."""
+    def read(self, reader: Reader, carried: Optional[Reader] = None) -> None:
+        """Put `{label: [package, ...]}`, as config/office_packages.yaml holds it; the readers have the faults.
+
+        ``carried`` lists those that the robot carries.
+        """
         for location, there in reader.entries("a mapping of labels to lists of packages", {}):
             for package in there.items("a list of packages"):
                 if str(package.value) in self._locations:
@@ -81,6 +84,12 @@ class PackageOffice:
                     self.put(str(package.value), location)
                 except PackageError as error:
                     package.fault(str(error))
+        for package in carried.items("a list of packages") if carried is not None else ():
+            if not str(package.value):
+                package.fault("a package needs an identifier")
+            elif str(package.value) in self._locations:
+                package.fault(f"{words_for(package.value)} is listed twice")
+            self._locations[str(package.value)] = None
 
     @property
     def places(self) -> List[PackagePlace]:
@@ -94,6 +103,15 @@ class PackageOffice:
     def carried(self) -> List[str]:
         """The packages that the robot carries."""
         return [place.package for place in self.places if place.carried]
+
+    @property
+    def lying(self) -> Dict[str, List[str]]:
+        """The packages that lie somewhere, as ``read`` takes them."""
+        found: Dict[str, List[str]] = {}
+        for place in self.places:
+            if not place.carried:
+                found.setdefault(place.location, []).append(place.package)
+        return found
 
     def put(self, package: str, location: str) -> None:
         """Put a package at a label, wherever it was before, also out of the robot's hands; raises PackageError."""

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosoclingo.common.reading import Reader
 from rosoclingo.robot.simulation import office_packages as packages
 from rosoclingo.robot.simulation.office_packages import PackageError, PackageOffice, PackagePlace
 
@@ -139,3 +140,23 @@ def test_never_more_than_three_never_lost_never_through_the_air(commands):
         if result.succeeded:
             assert after[package].carried == (verb == "pickup")
             assert robot_at == (before if verb == "pickup" else after)[package].location
+
+
+@given(st.lists(st.tuples(st.sampled_from(("pickup", "deliver")), st.sampled_from("129"), st.sampled_from(OFFICES))))
+def test_what_is_kept_makes_the_same_office(acts):
+    world = office(appear=True)
+    for act, package, place in acts:
+        getattr(world, act)(package, place)
+    heir, reader = PackageOffice(OFFICES, appear=True), Reader({"lying": world.lying, "carried": world.carried})
+    heir.read(reader.at("lying"), reader.at("carried"))
+    reader.check(PackageError)
+    assert heir.places == world.places
+
+
+def test_what_is_carried_cannot_lie_somewhere_as_well():
+    reader = Reader({"lying": {"office1": ["1"]}, "carried": ["1", ""]})
+    PackageOffice(OFFICES).read(reader.at("lying"), reader.at("carried"))
+    assert reader.faults == [
+        "carried[0]: package 1 is listed twice",
+        "carried[1]: a package needs an identifier",
+    ]
