@@ -6,7 +6,9 @@ import signal
 import subprocess
 import threading
 import time
+import xmlrpc.client
 
+import rosgraph
 import rospy
 from actionlib.action_server import ActionServer
 from rosoclingo.msg import InterfaceIO
@@ -40,12 +42,33 @@ def wait_for_server(client):
     wait_to_hear(client.status_sub, client.feedback_sub, client.result_sub)
 
 
-class CoreSide:
-    """Sends commands as the core does and collects what comes back."""
+class Greeting(rospy.SubscribeListener):
+    """Sends messages to each newcomer, before anything else."""
 
-    def __init__(self):
+    def __init__(self, messages):
+        super().__init__()
+        self._messages = messages
+
+    def peer_subscribe(self, _topic, _publish_all, publish):
+        for message in self._messages():
+            publish(message)
+
+
+class CoreSide:
+    """Sends commands as the core does and collects what comes back.
+
+    With a run it announces that and sends what is under way to each newcomer, as the core does; without it is a core
+    that knows of no runs.
+    """
+
+    def __init__(self, run=None, under_way=()):
         self._messages = queue.Queue()
-        self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, queue_size=100)
+        self.under_way = [InterfaceIO(interface=name, facts=[fact]) for name, fact in under_way]
+        self._run = [InterfaceIO(interface="rosoclingo", facts=[f'_run("{run}")'])] if run else []
+        greeting = Greeting(lambda: [*self._run, *self.under_way])
+        self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, subscriber_listener=greeting, queue_size=100)
+        for message in [*self._run, *self.under_way]:
+            self._publisher.publish(message)  # to those who came before rospy had heard of the greeting
         self.announced = set()
         self._subscriber = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._note)
 
@@ -61,6 +84,16 @@ class CoreSide:
             wait_until(lambda name=node: self._publisher.impl.has_connection(name), f"{node} to listen")
         wait_to_hear(self._subscriber, nodes=nodes)
 
+    def begin(self, interface, fact):
+        """Send an action, to newcomers too."""
+        self.under_way.append(InterfaceIO(interface=interface, facts=[fact]))
+        self.send(interface, fact)
+
+    def die(self):
+        """Be heard and hear no more."""
+        self._publisher.unregister()
+        self._subscriber.unregister()
+
     def send(self, interface, *facts):
         self._publisher.publish(InterfaceIO(interface=interface, facts=list(facts)))
 
@@ -75,6 +108,12 @@ class CoreSide:
         """Send one message and wait for the facts that answer it."""
         self.send(interface, *facts)
         return self.receive()
+
+
+def process_of(node):
+    """The process of a node, as the master knows it."""
+    uri = rosgraph.Master(rospy.get_name()).lookupNode(rospy.resolve_name(node))
+    return xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2]
 
 
 class Server:
@@ -95,6 +134,22 @@ class Server:
         handle = self.take()
         handle.set_accepted()
         return handle
+
+    def readers(self):
+        """The connections by which clients hear results."""
+        return tuple(self._server.result_pub.impl.connections)
+
+    def wait_for_new_reader(self, node, known):
+        """Wait until a node hears results by a connection that is not among those known."""
+        name = rospy.resolve_name(node)
+        wait_until(
+            lambda: any(one.endpoint_id == name and one not in known for one in self.readers()),
+            f"{node} to hear results",
+        )
+
+    def idle(self):
+        """Whether no goal has come that was not taken."""
+        return self._goals.empty()
 
     def cancelled(self):
         """The handle of the next goal that a client cancels."""

@@ -11,6 +11,7 @@ from rosoclingo.interfaces.values import TermError, as_term, as_text, read_atom
 
 SUCCEEDED = "succeeded"
 LOST = "server_lost"
+INTERRUPTED = "interrupted"
 
 # Return term by how the goal ended, where no rule says otherwise; the parameter itself stands for success.
 DEFAULT_RETURNS: Dict[str, str] = {
@@ -22,6 +23,7 @@ DEFAULT_RETURNS: Dict[str, str] = {
     "timeout": "timeout",
     LOST: LOST,
     "interface_lost": "interface_lost",
+    INTERRUPTED: INTERRUPTED,
     "unknown_label": "unknown_label",
     "bad_parameter": "bad_parameter",
 }
@@ -42,7 +44,7 @@ class Rule(NamedTuple):
             return False
         if self.text is not None and not self.text.search(ended.text):
             return False
-        return all(_equal(_field(ended.result, name), wanted) for name, wanted in self.when.items())
+        return all(equal(_field(ended.result, name), wanted) for name, wanted in self.when.items())
 
 
 class Answer(NamedTuple):
@@ -103,7 +105,7 @@ def _field(result: Any, name: str) -> Any:
     return result
 
 
-def _equal(value: Any, wanted: Any) -> bool:
+def equal(value: Any, wanted: Any) -> bool:
     """Equality, and for a text in slashes a match of the regular expression between them."""
     pattern = pattern_of(wanted)
     if pattern is not None:

@@ -4,25 +4,32 @@ import abc
 import functools
 import io
 import time
+from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
+import rospkg
 import rospy
 from clingo import Function
 
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
-from rosoclingo.interfaces.answers import LOST, SUCCEEDED, Answer, answer, conclude
+from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, conclude
+from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
+from rosoclingo.interfaces.doubt import Check, Finding, Inquiry
 from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.inbox import Sender, inbox_of
 from rosoclingo.interfaces.interface_state import Health
-from rosoclingo.interfaces.link import ServerLink
+from rosoclingo.interfaces.link import ServerLink, new_goal_id
+from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.interfaces.outbox import Outbox
 from rosoclingo.interfaces.templates import Ended, Scope
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.reasoning.keywords import Action
 
 IN_TOPIC = "in_rosoclingo"
-OUT_TOPIC = "out_rosoclingo"
+
+DEFAULT_MEMORY = Path(rospkg.get_ros_home(), "rosoclingo", "interfaces")
 
 TICK, IDLE_TICK = 0.02, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
 CANCEL_PATIENCE = 1.0  # seconds of wall time that an interface which ends waits for its server to take the cancels
@@ -37,24 +44,6 @@ class RefusalError(ValueError):
     def __init__(self, reason: str, message: str) -> None:
         super().__init__(message)
         self.reason = reason
-
-
-class _Attempt:
-    """One goal on its way for one action."""
-
-    def __init__(self, action: Action, goal: Any, asked_by: str, limits: Limits, now: Instant) -> None:
-        self.action = action
-        self.goal = goal
-        self.asked_by = asked_by
-        self.limits = limits
-        self.run = Run(limits, now)
-        self.handle: Optional[Any] = None
-        self.ended: Optional[Ended] = None
-
-    def again(self, now: Instant) -> "_Attempt":
-        """The next attempt at the same action."""
-        limits = self.limits._replace(retries=self.limits.retries - 1)
-        return _Attempt(self.action, self.goal, self.asked_by, limits, now)
 
 
 class Interface(abc.ABC):
@@ -75,8 +64,14 @@ class Interface(abc.ABC):
     dropped.  An exception of a subclass ends the action that it belongs to, its traceback is logged once, and
     diagnostics has it until an action succeeds.
 
+    An action that a core which announces its run sends again is not done again: what is under way goes on, what was
+    answered is answered again, and what a node that died had begun is looked for at the server, then by `make_check`;
+    if neither can tell, it is done again if `repeatable`, else answered `interrupted`.  Actions of a former run are
+    cancelled, and not answered.
+
     Subscribes:
-        out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it.
+        out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it;
+            under the name `rosoclingo` the core's `_run("ID")`, before anything else that it sends to a listener.
             Messages with another interface's name are dropped unread.
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any; to each
@@ -87,7 +82,8 @@ class Interface(abc.ABC):
         SERVER: that of the action, by name and type; it may come, go and come back.
 
     Arguments: the interface's name (the first argument of `_action_lib`), the action type, the server's name, time
-    limits and retries, the reasons after which a goal is sent again, and the worker on which all this runs.
+    limits and retries, the reasons after which a goal is sent again, the worker on which all this runs, whether an
+    action may be done twice without harm, and the folder that keeps what was begun and answered (None: in no file).
     """
 
     def __init__(
@@ -99,12 +95,16 @@ class Interface(abc.ABC):
         retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON,
         *,
         worker: Worker,
+        repeatable: bool = False,
+        memory: Optional[Path] = DEFAULT_MEMORY,
     ) -> None:
         self.name = name
         self._limits = limits
         self._retry_on = retry_on
+        self._repeatable = repeatable
+        self._memory = ActionMemory(memory, f"{rospy.get_name()} {name}")
         self._worker = worker
-        self._attempts: Dict[Action, _Attempt] = {}
+        self._attempts: Dict[Action, Attempt] = {}
         self._server = server
         self._goal_class = type(action_type().action_goal.goal)
         self._link = ServerLink(server, action_type)
@@ -112,7 +112,8 @@ class Interface(abc.ABC):
         self._health = Health(name, server, self._look)
         worker.add(self._settle)
         rospy.on_shutdown(lambda: self._post(self._shut_down))
-        self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
+        self._inbox = inbox_of(worker)
+        self._inbox.add(name, self._read, self._begin_run)
 
     @abc.abstractmethod
     def make_goal(self, action: Action) -> Any:
@@ -122,37 +123,58 @@ class Interface(abc.ABC):
         """What to tell the core about an action whose goal has ended in this way."""
         return answer((), Scope(action.parameter, action.cycle, ended=ended))
 
-    # ---- in: ROS callbacks only enqueue ---------------------------------------------------------------------------
+    def make_check(self, action: Action) -> Optional[Check]:
+        """What tells of an action that may have been done whether it was; None where nothing can.
 
-    def _on_message(self, message: InterfaceIO) -> None:
-        if message.interface == self.name:
-            self._post(functools.partial(self._read, message))
+        It is called without arguments until it says True or False, for at most `server_timeout` seconds; None means
+        that it cannot tell yet.  While it is called no server has the action's goal.
+        """
+        return None
 
-    def _read(self, message: InterfaceIO) -> None:
-        sender = message._connection_header["callerid"]
+    # ---- in: what the inbox reads, on the worker's thread -----------------------------------------------------------
+
+    def _read(self, message: InterfaceIO, sender: Sender) -> None:
         for fact in message.facts:
             try:
                 command = parse_command(fact, self.name)
             except FactError as error:
-                rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender, error)
+                rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender.node, error)
             else:
                 job = functools.partial(self._obey, command, sender)
                 self._guarded(job, self._attempts.get(command.action))
 
-    def _obey(self, command: Command, sender: str) -> None:
+    def _obey(self, command: Command, sender: Sender) -> None:
         attempt = self._attempts.get(command.action)
         if command.verb is Verb.RUN and attempt is None:
             self._begin(command.action, sender)
-        elif command.verb is Verb.RUN:
-            rospy.logwarn("%s: %s is under way already", self.name, command.action.atom)
+        elif command.verb is Verb.RUN and attempt is not None:
+            attempt.asked_by = attempt.asked_by if sender.run is None else sender
+            rospy.loginfo("%s: %s is under way already", self.name, command.action.atom)
         elif attempt is None:
             rospy.logwarn("%s: nothing to cancel, %s is not under way", self.name, command.action.atom)
+        elif attempt.inquiry is not None:
+            attempt.unwanted = True
         else:
             self._handle(attempt, Event.CANCEL)
 
+    def _begin_run(self, run: str) -> None:
+        if not self._memory.begin_run(run):
+            return
+        self._look_at_memory()
+        for action, attempt in list(self._attempts.items()):
+            if attempt.asked_by.run is not None:
+                rospy.logwarn("%s: %s is of a former run: it is cancelled", self.name, action.atom)
+                del self._attempts[action]
+                self._cancel(attempt)
+
     # ---- one attempt ----------------------------------------------------------------------------------------------
 
-    def _begin(self, action: Action, sender: str) -> None:
+    def _begin(self, action: Action, sender: Sender) -> None:
+        known = self._memory.recall(str(action.atom)) if self._remembers(sender) else None
+        if known is not None and known.facts is not None:
+            rospy.loginfo("%s: %s was answered already: it is answered again", self.name, action.atom)
+            self._send(list(known.facts), sender)
+            return
         try:
             goal = self.make_goal(action)
             if not isinstance(goal, self._goal_class):
@@ -163,28 +185,58 @@ class Interface(abc.ABC):
         except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer
             self._conclude(action, Ended("bad_parameter", self._health.fault(error)), sender)
         else:
-            self._attempts[action] = _Attempt(action, goal, sender, self._limits, _now())
+            attempt = self._attempts[action] = Attempt(action, goal, sender, self._limits, _now())
+            if known is not None:
+                rospy.logwarn("%s: %s was begun by a node that died", self.name, action.atom)
+                attempt.goal_id = known.goal
+                self._inquire(attempt, self.make_check(action))
             self._settle()
 
-    def _handle(self, attempt: _Attempt, event: Event, ended: Optional[Ended] = None) -> None:
+    def _handle(self, attempt: Attempt, event: Event, ended: Optional[Ended] = None) -> None:
         if ended is not None and not attempt.run.done:
             attempt.ended = ended
         self._do(attempt, attempt.run.handle(event, _now()))
 
-    def _do(self, attempt: _Attempt, effect: Effect) -> None:
+    def _do(self, attempt: Attempt, effect: Effect) -> None:
         if effect is Effect.SEND:
-            attempt.handle = self._link.send(attempt.goal, functools.partial(self._report, attempt))
-        if effect in (Effect.CANCEL, Effect.ABANDON) and attempt.handle is not None:
-            self._link.cancel(attempt.handle)
+            if self._remembers(attempt.asked_by):
+                self._memory.note_begun(str(attempt.action.atom), attempt.goal_id)
+                self._look_at_memory()
+            self._link.send(self._tracked(attempt))
+        if effect in (Effect.CANCEL, Effect.ABANDON):
+            self._cancel(attempt)
         if effect in (Effect.FINISH, Effect.ABANDON):
             self._finish(attempt)
 
-    def _report(self, attempt: _Attempt, event: Event, ended: Optional[Ended]) -> None:
-        taken = event is Event.ENDED and ended is not None and ended.status in _TAKEN
-        self._post(functools.partial(self._handle, attempt, Event.TAKEN if taken else event, ended), attempt)
+    def _tracked(self, attempt: Attempt) -> Any:
+        if attempt.handle is None:
+            attempt.handle = self._link.track(attempt.goal, attempt.goal_id, functools.partial(self._report, attempt))
+        return attempt.handle
 
-    def _finish(self, attempt: _Attempt) -> None:
-        action, ended = attempt.action, conclude(attempt.run.verdict, attempt.ended)
+    def _cancel(self, attempt: Attempt) -> None:
+        if attempt.handle is not None:
+            self._link.cancel(attempt.handle)
+
+    def _report(self, attempt: Attempt, event: Event, ended: Optional[Ended]) -> None:
+        taken = event is Event.ENDED and ended is not None and ended.status in _TAKEN
+        self._post(functools.partial(self._hear, attempt, Event.TAKEN if taken else event, ended), attempt)
+
+    def _hear(self, attempt: Attempt, event: Event, ended: Optional[Ended]) -> None:
+        if attempt.inquiry is None and self._attempts.get(attempt.action) is attempt:
+            self._handle(attempt, event, ended)
+
+    def _finish(self, attempt: Attempt) -> None:
+        ended = conclude(attempt.run.verdict, attempt.ended)
+        sent = attempt.handle is not None and attempt.lost is None
+        check = self.make_check(attempt.action) if ended.status == LOST and sent else None
+        if check is not None:
+            attempt.lost, attempt.handle = ended, None
+            self._inquire(attempt, check)
+        else:
+            self._end(attempt, ended)
+
+    def _end(self, attempt: Attempt, ended: Ended) -> None:
+        action = attempt.action
         result = self._answer(action, ended)
         if self._is_worth_another(attempt, ended, result):
             rospy.logwarn("%s: %s: %s; once more", self.name, action.atom, self._words(ended))
@@ -193,7 +245,7 @@ class Interface(abc.ABC):
         del self._attempts[action]
         self._publish(action, ended, result, attempt.asked_by)
 
-    def _conclude(self, action: Action, ended: Ended, sender: str) -> None:
+    def _conclude(self, action: Action, ended: Ended, sender: Sender) -> None:
         self._publish(action, ended, self._answer(action, ended), sender)
 
     def _answer(self, action: Action, ended: Ended) -> Answer:
@@ -205,10 +257,48 @@ class Interface(abc.ABC):
         except Exception as error:  # noqa: BLE001 as in _begin
             return Answer(Function("failed"), warnings=(self._health.fault(error),))
 
-    def _is_worth_another(self, attempt: _Attempt, ended: Ended, result: Answer) -> bool:
-        if ended.status == SUCCEEDED or attempt.run.verdict in _FINAL or attempt.limits.retries < 1:
+    def _is_worth_another(self, attempt: Attempt, ended: Ended, result: Answer) -> bool:
+        final = attempt.unwanted or attempt.run.verdict in _FINAL or ended.status in (SUCCEEDED, INTERRUPTED)
+        if final or attempt.limits.retries < 1:
             return False
         return str(result.value).partition("(")[0] in self._retry_on
+
+    # ---- in doubt: what may have been done --------------------------------------------------------------------------
+
+    def _inquire(self, attempt: Attempt, check: Optional[Check]) -> None:
+        attempt.inquiry = Inquiry(check, attempt.limits.server_timeout, _now().wall)
+        attempt.stale_status = self._link.last_status
+        self._tracked(attempt)
+
+    def _look_for(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
+        """Go on with an attempt in doubt as soon as it is known what has become of its action."""
+        finding = inquiry.look(self._link.look_up(attempt.handle, attempt.stale_status), now.wall)
+        if finding is Finding.OPEN:
+            return
+        rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, finding.value)
+        attempt.inquiry = None
+        if finding is Finding.HELD:
+            self._take_up(attempt, now)
+        elif finding is Finding.DONE:
+            self._end(attempt, Ended(SUCCEEDED, "it was done already"))
+        elif attempt.lost is not None:
+            self._end(attempt, attempt.lost)
+        elif finding is Finding.UNKNOWN and (attempt.unwanted or not self._repeatable):
+            text = "it was begun by a node that died, and whether it was done is not known"
+            self._end(attempt, Ended(INTERRUPTED, text))
+        elif attempt.unwanted:
+            self._handle(attempt, Event.CANCEL)
+        elif inquiry.used:
+            attempt.goal_id, attempt.handle = new_goal_id(), None
+
+    def _take_up(self, attempt: Attempt, now: Instant) -> None:
+        """Go on with the goal that the server has."""
+        attempt.lost, attempt.run = None, Run(attempt.limits, now)
+        attempt.run.handle(Event.SERVER_FOUND, now)
+        self._handle(attempt, Event.ACKNOWLEDGED)
+        self._link.report_again(attempt.handle, functools.partial(self._report, attempt))
+        if attempt.unwanted:
+            self._handle(attempt, Event.CANCEL)
 
     # ---- time and shutdown ----------------------------------------------------------------------------------------
 
@@ -220,8 +310,10 @@ class Interface(abc.ABC):
         self._guarded(self._health.tick)
         return TICK if self._outbox.flush(now.wall) or self._attempts else IDLE_TICK
 
-    def _tick(self, attempt: _Attempt, now: Instant, gone: bool) -> None:
-        if attempt.run.phase is Phase.WAITING and self._link.connected:
+    def _tick(self, attempt: Attempt, now: Instant, gone: bool) -> None:
+        if attempt.inquiry is not None:
+            self._look_for(attempt, attempt.inquiry, now)
+        elif attempt.run.phase is Phase.WAITING and self._link.connected:
             self._handle(attempt, Event.SERVER_FOUND)
         elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
             rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
@@ -236,28 +328,37 @@ class Interface(abc.ABC):
     def _shut_down(self) -> None:
         attempts = list(self._attempts.values())
         for attempt in attempts:
-            self._guarded(functools.partial(self._handle, attempt, Event.SHUTDOWN), attempt)
+            self._guarded(functools.partial(self._give_up, attempt), attempt)
         self._link.wait_for_cancels([one.handle for one in attempts if one.handle is not None], CANCEL_PATIENCE)
+
+    def _give_up(self, attempt: Attempt) -> None:
+        if attempt.inquiry is not None:
+            self._cancel(attempt)
+        attempt.unwanted = True
+        if attempt.lost is not None:
+            self._end(attempt, attempt.lost)
+        else:
+            self._handle(attempt, Event.SHUTDOWN)
 
     # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
 
-    def _post(self, job: Callable[[], None], attempt: Optional[_Attempt] = None) -> None:
+    def _post(self, job: Callable[[], None], attempt: Optional[Attempt] = None) -> None:
         self._worker.put(functools.partial(self._guarded, job, attempt))
 
-    def _guarded(self, job: Callable[[], None], attempt: Optional[_Attempt] = None) -> None:
+    def _guarded(self, job: Callable[[], None], attempt: Optional[Attempt] = None) -> None:
         """Do what a subclass, its goals and its server have a hand in; a fault costs no more than its attempt."""
         try:
             job()
         except Exception as error:  # noqa: BLE001 a subclass may give anything, such as a goal of another type
             ended = Ended("aborted", self._health.fault(error))
-            if attempt is not None and self._attempts.pop(attempt.action, None) is not None:
-                if attempt.handle is not None:
-                    self._link.cancel(attempt.handle)
+            if attempt is not None and self._attempts.get(attempt.action) is attempt:
+                del self._attempts[attempt.action]
+                self._cancel(attempt)
                 self._publish(attempt.action, ended, Answer(Function("failed")), attempt.asked_by)
 
     # ---- out ------------------------------------------------------------------------------------------------------
 
-    def _publish(self, action: Action, ended: Ended, result: Answer, reader: str) -> None:
+    def _publish(self, action: Action, ended: Ended, result: Answer, reader: Sender) -> None:
         for warning in result.warnings:
             rospy.logerr("%s: %s: %s", self.name, action.atom, warning)
         succeeded = ended.status == SUCCEEDED
@@ -265,7 +366,25 @@ class Interface(abc.ABC):
             rospy.logwarn("%s: %s: %s", self.name, action.atom, self._words(ended))
         self._health.note(succeeded, f"{action.atom}: {self._words(ended)}")
         facts = [*result.facts, return_text(action, result.value)]
-        self._outbox.put(InterfaceIO(interface=self.name, facts=facts), reader, _now().wall)
+        if self._remembers(reader):
+            self._memory.note_answered(str(action.atom), tuple(facts))
+            self._look_at_memory()
+        self._send(facts, reader)
+
+    def _send(self, facts: List[str], reader: Sender) -> None:
+        """Tell the core. One that has announced its run asks again when it is back; another is waited for a moment."""
+        wanted = None if reader.run is None else functools.partial(self._inbox.hears, reader)
+        self._outbox.put(InterfaceIO(interface=self.name, facts=facts), reader.node, _now().wall, wanted)
+
+    def _remembers(self, sender: Sender) -> bool:
+        """Whether the sender's run is the one that is remembered."""
+        return sender.run is not None and sender.run == self._memory.run
+
+    def _look_at_memory(self) -> None:
+        trouble = self._memory.trouble
+        if trouble and trouble != self._health.trouble:
+            rospy.logerr("%s: %s", self.name, trouble)
+        self._health.trouble = trouble
 
     def _words(self, ended: Ended) -> str:
         """How an action ended, for people."""

@@ -9,6 +9,9 @@ move_base:                           # the first argument of _action_lib(move_ba
   pause: 3.0                         # seconds for which the server is left to somebody else who has taken it
   retries: 0                         # how often a goal that failed is sent again ...
   retry_on: [failed]                 # ... for these reasons only
+  repeatable: false                  # whether it may be done twice without harm
+  done:                              # how to see whether it was done: a message on a topic that has these fields
+    {topic: packages, type: rosoclingo/PackageStates, when: {packages: {id: $parameter, carried: true}}}
   returns:                           # first rule that matches; without: the parameter, or a reason
     - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
     - {status: aborted, when: {outcome: 3}, return: not_here}
@@ -26,11 +29,20 @@ from rosoclingo.interfaces.values import TermError, read_term
 
 DEFAULT_RETRY_ON = ("failed", "blocked", "server_lost")
 
+_MESSAGE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z")
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
 
 
 class ConfigError(ValueError):
     """A configuration that cannot be used; the message lists each fault with its place and its mend."""
+
+
+class Done(NamedTuple):
+    """Where to see whether an action was done: a message of the topic has the fields `when`, templates of the goal."""
+
+    topic: str
+    type: str
+    when: Mapping[str, Any] = {}
 
 
 class InterfaceSpec(NamedTuple):
@@ -43,6 +55,8 @@ class InterfaceSpec(NamedTuple):
     rules: Tuple[Rule, ...] = ()
     limits: Limits = DEFAULT_LIMITS
     retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON
+    repeatable: bool = False
+    done: Optional[Done] = None
 
 
 def read_specs(data: Any) -> Dict[str, InterfaceSpec]:
@@ -74,6 +88,8 @@ def _spec(name: str, entry: Reader) -> InterfaceSpec:
         goal=_templates(entry.at("goal")),
         limits=read_limits(entry),
         retry_on=entry.at("retry_on").texts(DEFAULT_RETRY_ON, "a list of reasons like [failed, blocked]"),
+        repeatable=entry.at("repeatable").flag(False),
+        done=_done(entry.at("done")),
         rules=tuple(_rule(rule) for rule in entry.at("returns").items("a list of rules")),
     )
     entry.close()
@@ -86,6 +102,26 @@ def _term(name: str, entry: Reader) -> str:
     except TermError:
         entry.fault("the name must be the ASP term that the program uses, like gripper or arm(left)")
         return name
+
+
+def _done(reader: Reader) -> Optional[Done]:
+    if not reader.given:
+        return None
+    topic, kind, when = (reader.at(key) for key in ("topic", "type", "when"))
+    done = Done(
+        topic=topic.text(wanted="the name of a topic"),
+        type=kind.read("a message type like rosoclingo/PackageStates", _message_type, empty=""),
+        when=when.mapping("a mapping of the message's fields to values"),
+    )
+    if when.value == {}:
+        when.fault("names no field: any message would do")
+    reader.faults += faults(done.when, GOAL_NAMES, when.named)
+    reader.close()
+    return done
+
+
+def _message_type(value: Any) -> Optional[str]:
+    return value if isinstance(value, str) and _MESSAGE.match(value) else None
 
 
 def _action_type(value: Any) -> Optional[str]:

@@ -1,6 +1,8 @@
 """Interfaces without code: an entry of config/interfaces.yaml drives any actionlib action."""
 
-from typing import Any, List, Mapping, Tuple
+import functools
+from pathlib import Path
+from typing import Any, List, Mapping, Optional, Tuple
 
 import genpy
 import rospy
@@ -8,10 +10,13 @@ import rospy
 from rosoclingo.common.labels import LabelTable, UnknownLabelError
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.answers import Answer, Rule, answer, pattern_of
-from rosoclingo.interfaces.base import Interface, RefusalError
-from rosoclingo.interfaces.config import ConfigError, InterfaceSpec
+from rosoclingo.interfaces.base import DEFAULT_MEMORY, Interface, RefusalError
+from rosoclingo.interfaces.config import ConfigError, Done, InterfaceSpec
+from rosoclingo.interfaces.doubt import Check
 from rosoclingo.interfaces.message_filling import FieldError, field_faults, field_types, fill
 from rosoclingo.interfaces.templates import Ended, FillError, Scope, TemplateError, evaluate, references
+from rosoclingo.interfaces.world import Watch, watch
+from rosoclingo.interfaces.world_checks import check_faults, holds
 from rosoclingo.reasoning.keywords import Action
 
 
@@ -22,14 +27,26 @@ class ConfiguredInterface(Interface):
     Topics and returns are those of Interface.
     """
 
-    def __init__(self, spec: InterfaceSpec, labels: LabelTable, *, worker: Worker) -> None:
+    def __init__(
+        self, spec: InterfaceSpec, labels: LabelTable, *, worker: Worker, memory: Optional[Path] = DEFAULT_MEMORY
+    ) -> None:
         faults = type_faults(spec)
         if faults:
             raise ConfigError("\n".join(faults))
         action = _load(spec)
         self._spec = _with_values(spec, action.action_result.result)
         self._labels = labels
-        super().__init__(spec.name, type(action), spec.server, spec.limits, spec.retry_on, worker=worker)
+        self._watch = watch(spec.done.topic, _loaded(spec.done.type, f"{spec.name}.done.type")) if spec.done else None
+        super().__init__(
+            spec.name,
+            type(action),
+            spec.server,
+            spec.limits,
+            spec.retry_on,
+            worker=worker,
+            repeatable=spec.repeatable,
+            memory=memory,
+        )
 
     def make_goal(self, action: Action) -> Any:
         """The goal message, filled as the entry's `goal` says."""
@@ -45,20 +62,49 @@ class ConfiguredInterface(Interface):
         """The answer that the entry's `returns` says."""
         return answer(self._spec.rules, Scope(action.parameter, action.cycle, self._labels, ended))
 
+    def make_check(self, action: Action) -> Optional[Check]:
+        """What looks at the topic that the entry's `done` names."""
+        if self._spec.done is None or self._watch is None:
+            return None
+        return functools.partial(self._is_done, self._spec.done, self._watch, action)
+
+    def _is_done(self, done: Done, seen: Watch, action: Action) -> Optional[bool]:
+        message = seen.latest
+        return (
+            None if message is None else holds(message, done.when, Scope(action.parameter, action.cycle, self._labels))
+        )
+
 
 def _load(spec: InterfaceSpec) -> Any:
+    return _loaded(spec.type, f"{spec.name}.type", "action")()
+
+
+def _loaded(name: str, place: str, kind: str = "message") -> Any:
     try:
-        action_class = genpy.message.get_message_class(spec.type)
+        found = genpy.message.get_message_class(name)
     except (ImportError, ValueError) as error:
-        raise ConfigError(f"{spec.name}.type: {spec.type} cannot be loaded: {error}") from error
-    if action_class is None:
-        message = "{}.type: no action {} on the Python path; is its package installed, built and sourced?"
-        raise ConfigError(message.format(spec.name, spec.type))
-    return action_class()
+        raise ConfigError(f"{place}: {name} cannot be loaded: {error}") from error
+    if found is None:
+        raise ConfigError(f"{place}: no {kind} {name} on the Python path; is its package installed, built and sourced?")
+    return found
 
 
 def type_faults(spec: InterfaceSpec) -> List[str]:
-    """What of an entry does not fit its action type, each fault with its place; nothing where it names no type."""
+    """What of an entry does not fit its types, each fault with its place; nothing where it names no type."""
+    return [*_action_faults(spec), *_done_faults(spec)]
+
+
+def _done_faults(spec: InterfaceSpec) -> List[str]:
+    if spec.done is None or not spec.done.type:
+        return []
+    try:
+        message = _loaded(spec.done.type, f"{spec.name}.done.type")()
+    except ConfigError as error:
+        return [str(error)]
+    return check_faults(message, spec.done.when, f"{spec.name}.done.when")
+
+
+def _action_faults(spec: InterfaceSpec) -> List[str]:
     if not spec.type:
         return []
     try:

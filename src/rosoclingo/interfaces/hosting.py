@@ -1,7 +1,8 @@
 """The interface node: reads its parameters and runs the interfaces that they describe."""
 
 import os
-from typing import Callable, Mapping, Sequence, Tuple
+from pathlib import Path
+from typing import Callable, Mapping, Optional, Sequence, Tuple
 
 import rospkg
 import rospy
@@ -12,11 +13,12 @@ from rosoclingo.common.reading import Reader, likely, read_yaml
 from rosoclingo.common.starting import node_arguments, run_node
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS
+from rosoclingo.interfaces.base import DEFAULT_MEMORY
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface, type_faults
 from rosoclingo.interfaces.templates import uses_labels
 
-_LIMITS = ("timeout", "server_timeout", "pause", "retries")
+_OWN = ("server", "timeout", "server_timeout", "pause", "retries", "repeatable")
 
 
 class InterfacesNode:
@@ -31,16 +33,19 @@ class InterfacesNode:
             for the pose of a label returns unknown_label.
         ~frame (str, default "map"): tf frame of labels that name none.
         ~server (str, optional), ~timeout (float, optional), ~server_timeout (float, optional), ~pause (float,
-            optional), ~retries (int, optional): in place of the entry's own, if the node runs a single interface.
+            optional), ~retries (int, optional), ~repeatable (bool, optional): in place of the entry's own, if the node
+            runs a single interface.
+        ~memory (str, optional): folder in which the node keeps what it has begun and answered, so that it does nothing
+            twice when it has died and is started again; empty: none; without, rosoclingo/interfaces in ROS's home.
     Topics and actions are those of Interface, for each of them.
     Raises ConfigError, listing every fault, if a parameter cannot be used.
 
     """
 
     def __init__(self, names: Sequence[str] = ()) -> None:
-        labels, specs = _settings(names)
+        labels, specs, memory = _settings(names)
         self._worker = Worker()
-        self.interfaces = tuple(ConfiguredInterface(spec, labels, worker=self._worker) for spec in specs)
+        self.interfaces = tuple(ConfiguredInterface(spec, labels, worker=self._worker, memory=memory) for spec in specs)
         rospy.on_shutdown(self._worker.stop)
         self._worker.start()
 
@@ -51,7 +56,7 @@ def run(node_name: str, names: Sequence[str] = ()) -> int:
     return run_node(node_name, InterfacesNode, (ConfigError,), [names])
 
 
-def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ...]]:
+def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ...], Optional[Path]]:
     """The parameters. Raises ConfigError listing all that is wrong with them."""
     given = Parameters()
     places, frame = given.at("labels"), given.at("frame").text(DEFAULT_FRAME)
@@ -61,10 +66,11 @@ def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ..
     specs = _choose(known, given.at("names"), names) if known else ()
     entries.faults += [entries.source + fault for spec in specs for fault in type_faults(spec)]
     specs = _override(specs, given)
+    memory = given.at("memory").text(str(DEFAULT_MEMORY), empty=True)
     given.faults += entries.faults
     given.check(ConfigError)
     _warn(labels, specs)
-    return labels, specs
+    return labels, specs, Path(memory).expanduser() if memory else None
 
 
 def _warn(labels: LabelTable, specs: Tuple[InterfaceSpec, ...]) -> None:
@@ -96,8 +102,12 @@ def _override(specs: Tuple[InterfaceSpec, ...], given: Parameters) -> Tuple[Inte
     server = given.at("server")
     name = server.text("", wanted="the name of an actionlib server")
     limits = read_limits(given, specs[0].limits if specs else DEFAULT_LIMITS)
-    own = [one for one in ("server", *_LIMITS) if given.at(one).given]
+    repeatable = given.at("repeatable").flag(bool(specs) and specs[0].repeatable)
+    own = [one for one in _OWN if given.at(one).given]
     if own and len(specs) > 1:
-        text = "~server, ~timeout, ~server_timeout, ~pause and ~retries need a node with a single interface (~names)"
+        text = "{} and ~{} need a node with a single interface (~names)"
+        text = text.format(", ".join(f"~{one}" for one in _OWN[:-1]), _OWN[-1])
         given.faults.append(text)
-    return (specs[0]._replace(server=name or specs[0].server, limits=limits),) if own and len(specs) == 1 else specs
+    if not own or len(specs) != 1:
+        return specs
+    return (specs[0]._replace(server=name or specs[0].server, limits=limits, repeatable=repeatable),)

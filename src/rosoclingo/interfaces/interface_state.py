@@ -20,6 +20,7 @@ class Health:
         self._succeeded = self._failed = self._faults = 0
         self._last_failure = self._last_fault = self._fault = ""
         self._told: Set[str] = set()
+        self.trouble = ""  # with what the interface needs besides its server
         self._diagnostics = Diagnostics(f"rosoclingo: interface {interface}", self._describe)
         self.tick = self._diagnostics.tick
 
@@ -52,6 +53,8 @@ class Health:
             level, text = DiagnosticStatus.ERROR, self._fault
         elif not connected:
             level, text = DiagnosticStatus.WARN, f"server {self._server} is not connected"
+        elif self.trouble:
+            level, text = DiagnosticStatus.WARN, self.trouble
         values = {
             "server": self._server,
             "under way": len(under_way),

@@ -2,14 +2,19 @@
 
 import threading
 import time
+import uuid
+import weakref
+from collections import OrderedDict
 from typing import Any, Callable, Dict, Iterable, Optional, Set
 
 import rospy
-from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, TerminalState
+from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, CommStateMachine, TerminalState
+from actionlib_msgs.msg import GoalID, GoalStatus
 
-from rosoclingo.common.action_clients import cancel_goal
+from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import readers
 from rosoclingo.interfaces.action_runs import Event
+from rosoclingo.interfaces.doubt import Listed
 from rosoclingo.interfaces.templates import Ended
 
 # Seconds of wall time that the connection to a server may be down before the server counts as gone.
@@ -17,6 +22,8 @@ CONNECTION_GRACE = 1.0
 
 # Seconds of wall time that a server which is connected, but does not say that it writes to this node, is waited for.
 WRITING_GRACE = 5.0
+
+RESULTS = 100  # of goals of this node that are kept, the last ones
 
 STATUS_NAMES = {
     TerminalState.SUCCEEDED: "succeeded",
@@ -36,6 +43,8 @@ _ACKNOWLEDGING = (
 
 _CANCELLING = (CommState.RECALLING, CommState.PREEMPTING, CommState.WAITING_FOR_RESULT, CommState.DONE)
 
+_ENDED = (*STATUS_NAMES, GoalStatus.LOST)
+
 Report = Callable[[Event, Optional[Ended]], None]
 
 
@@ -46,6 +55,9 @@ class ServerLink:
     """
 
     def __init__(self, server: str, action_type: type) -> None:
+        self._results: OrderedDict[str, Any] = OrderedDict()  # of this node's goals, by id: it may be tracked later
+        kind = type(action_type().action_result)
+        self._result_sub = rospy.Subscriber(rospy.remap_name(server) + "/result", kind, self._keep)
         self._client = ActionClient(server, action_type)
         self._down_since: Optional[float] = None
         self._met: Dict[str, float] = {}  # connected servers, and when they count as writing to us
@@ -87,9 +99,51 @@ class ServerLink:
             self._down_since = wall
         return wall - self._down_since >= CONNECTION_GRACE
 
-    def send(self, goal: Any, report: Report) -> ClientGoalHandle:
-        """Send a goal; `report` is called on rospy's threads and may only enqueue."""
-        return self._client.send_goal(goal, transition_cb=lambda handle: self._transition(handle, report))
+    def track(self, goal: Any, identity: str, report: Report) -> ClientGoalHandle:
+        """Follow the goal of this id, which was sent before or is sent next.
+
+        `report` is called on rospy's threads and may only enqueue. actionlib's own ``send_goal`` chooses the id itself,
+        which then is not known before the goal is sent, nor after the node has died.
+        """
+        client = self._client
+        message = client.ActionGoal(goal_id=GoalID(id=identity), goal=goal)
+        machine = CommStateMachine(
+            message, lambda handle: self._transition(handle, report), None, client.pub_goal.publish, None
+        )
+        with client.manager.list_mutex:
+            client.manager.statuses.append(weakref.ref(machine))
+        result = self._results.get(identity)
+        if result is not None:
+            machine.update_result(result)
+        return ClientGoalHandle(machine)
+
+    def send(self, handle: ClientGoalHandle) -> None:
+        """Send a goal; a server that has it already does not begin it again."""
+        message = handle.comm_state_machine.action_goal
+        message.header.stamp = message.goal_id.stamp = rospy.get_rostime()
+        handle.comm_state_machine.send_goal_fn(message)
+
+    def report_again(self, handle: ClientGoalHandle, report: Report) -> None:
+        """Report where a goal is now."""
+        _report_transition(handle, report)
+
+    @property
+    def last_status(self) -> Any:
+        """The server's last status message, None before the first."""
+        return self._client.last_status_msg
+
+    def look_up(self, handle: ClientGoalHandle, stale: Any) -> Optional[Listed]:
+        """What the server says of a goal in a status message after the `stale` one; None while it has sent none."""
+        if handle.get_comm_state() == CommState.DONE and handle.get_result() is not None:
+            return Listed.HELD
+        message = self._client.last_status_msg
+        if message is None or message is stale or not self.connected:
+            return None
+        wanted = goal_id(handle)
+        status = next((one.status for one in message.status_list if one.goal_id.id == wanted), None)
+        if status is None:
+            return Listed.ABSENT
+        return Listed.ENDED if status in _ENDED else Listed.HELD
 
     def cancel(self, handle: ClientGoalHandle) -> None:
         """Cancel a goal, acknowledged or not."""
@@ -103,6 +157,13 @@ class ServerLink:
         goals = list(handles)
         with self._changed:
             return self._changed.wait_for(lambda: all(one.get_comm_state() in _CANCELLING for one in goals), timeout)
+
+    def _keep(self, result: Any) -> None:
+        identity = result.status.goal_id.id
+        if identity.startswith(f"{rospy.get_name()}-"):
+            self._results[identity] = result
+            while len(self._results) > RESULTS:
+                self._results.popitem(last=False)
 
     def _transition(self, handle: ClientGoalHandle, report: Report) -> None:
         _report_transition(handle, report)
@@ -120,6 +181,11 @@ def _report_transition(handle: ClientGoalHandle, report: Report) -> None:
             report(Event.SERVER_LOST, None)
         else:
             report(Event.ENDED, Ended(status, handle.get_goal_status_text(), handle.get_result()))
+
+
+def new_goal_id() -> str:
+    """An id for a goal that no other has: nor one of this node's before it was started again."""
+    return f"{rospy.get_name()}-{uuid.uuid4().hex}"
 
 
 def _publishers(subscriber: Any) -> Set[str]:

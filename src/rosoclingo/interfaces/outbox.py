@@ -1,7 +1,7 @@
 """The queue of answers to the core."""
 
 from collections import deque
-from typing import Callable, Deque, Tuple
+from typing import Callable, Deque, NamedTuple, Optional
 
 import rospy
 
@@ -24,6 +24,13 @@ class _Announcement(rospy.SubscribeListener):
         publish(self.message)
 
 
+class _Waiting(NamedTuple):
+    message: InterfaceIO
+    reader: str
+    wall: float
+    wanted: Optional[Callable[[], bool]]
+
+
 class Outbox:
     """Publishes messages in order, each as soon as the node that is to read it is connected, and at once.
 
@@ -37,19 +44,27 @@ class Outbox:
         announcement = _Announcement(interface)
         self._publisher = prompt_publisher(topic, InterfaceIO, subscriber_listener=announcement)
         self._publisher.publish(announcement.message)  # to those that another interface of this node has met already
-        self._waiting: Deque[Tuple[InterfaceIO, str, float]] = deque()
+        self._waiting: Deque[_Waiting] = deque()
 
-    def put(self, message: InterfaceIO, reader: str, wall: float) -> None:
-        """Publish now or, while `reader` (a node's name) is not connected, later; `wall` is steady time in seconds."""
-        self._waiting.append((message, reader, wall))
+    def put(self, message: InterfaceIO, reader: str, wall: float, wanted: Optional[Callable[[], bool]] = None) -> None:
+        """Publish now or, while `reader` (a node's name) is not connected, later; `wall` is steady time in seconds.
+
+        What ``wanted`` says is not wanted is dropped, and else waits as long as it takes: whoever is there again asks
+        again. Without, a message waits for PATIENCE.
+        """
+        if not any(one.message == message for one in self._waiting):
+            self._waiting.append(_Waiting(message, reader, wall, wanted))
         self.flush(wall)
 
     def flush(self, wall: float) -> bool:
         """Publish what can be published; True if something still waits."""
         while self._waiting:
-            message, reader, since = self._waiting[0]
-            if not self._publisher.impl.has_connection(reader) and wall - since < PATIENCE:
+            message, reader, since, wanted = self._waiting[0]
+            dropped = wanted is not None and not wanted()
+            waits = wanted is not None or wall - since < PATIENCE
+            if waits and not dropped and not self._publisher.impl.has_connection(reader):
                 return True
             self._waiting.popleft()
-            self._publisher.publish(message)
+            if not dropped:
+                self._publisher.publish(message)
         return False

@@ -311,8 +311,15 @@ class InterfaceNode(unittest.TestCase):
         rules = [{"when": {"outcome": "NOT_THERE"}, "return": "$result.y"}, {"stratus": "aborted"}]
         entries = {
             "pickup": {"type": "rosoclingo/PickupAction", "timeout": -1, "goal": {"pack": 1}, "returns": rules},
-            "leg": {"type": "nowhere/NoAction"},
-            "head": {"type": "actionlib/TestAction", "goal": {"goal": "much"}},
+            "leg": {
+                "type": "nowhere/NoAction",
+                "done": {"topic": "packages", "type": "rosoclingo/PackageStates", "when": {"packages": {"idea": "$1"}}},
+            },
+            "head": {
+                "type": "actionlib/TestAction",
+                "goal": {"goal": "much"},
+                "done": {"topic": "state", "type": "nowhere/Nothing", "when": {"data": 1}},
+            },
         }
         parameters = {
             "interfaces": entries,
@@ -330,7 +337,7 @@ class InterfaceNode(unittest.TestCase):
         beginnings = (
             "~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3",
             "~names: no entry tail in ~interfaces; entries are ",
-            "~server, ~timeout, ~server_timeout, ~pause and ~retries need",
+            "~server, ~timeout, ~server_timeout, ~pause, ~retries and ~repeatable need",
             "~server: must be the name of an actionlib server, not 3",
             "~interfaces: pickup.timeout: must be a number from 0 on",
             "~interfaces: pickup.returns[1]: unknown key 'stratus' (is status meant?)",
@@ -338,6 +345,8 @@ class InterfaceNode(unittest.TestCase):
             "~interfaces: pickup.returns[0]: rosoclingo/PickupResult has no field y; it has outcome, message",
             "~interfaces: pickup.returns[0].when.outcome: rosoclingo/PickupResult has no constant NOT_THERE; its",
             "~interfaces: leg.type: no action nowhere/NoAction",
+            "~interfaces: leg.done.when.packages.idea: rosoclingo/PackageState has no such field; it has id, location",
+            "~interfaces: head.done.type: no message nowhere/Nothing",
             "~interfaces: head.goal.goal: int32 is wanted, but much is no whole number",
         )
         for beginning in beginnings:

@@ -5,10 +5,8 @@ import os
 import signal
 import sys
 import unittest
-import xmlrpc.client
 from pathlib import Path
 
-import rosgraph
 import rospy
 import rostest
 from actionlib import ActionClient, GoalStatus
@@ -18,15 +16,7 @@ from rosoclingo.msg import DeliverAction, PickupAction, ROSoClingoAction, ROSoCl
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Server, wait_for_server, wait_until
-
-
-def kill(node, number):
-    """Send a signal to a node's process, as known to the master."""
-    uri = rosgraph.Master(rospy.get_name()).lookupNode(rospy.resolve_name(node))
-    pid = xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2]
-    os.kill(pid, number)
-    return uri
+from interface_helpers import CoreSide, Server, process_of, wait_for_server, wait_until
 
 
 class InterfaceRespawn(unittest.TestCase):
@@ -47,11 +37,12 @@ class InterfaceRespawn(unittest.TestCase):
 
     def test_killed_and_started_again(self):
         handle = self.client.send_goal(ROSoClingoGoal("goal(office1,office2,1)"))
-        self.pickup.accept()
-        kill("pickup_interface", signal.SIGKILL)
-        self.pickup.accept().set_succeeded()  # the core has asked the new node again
+        goal, readers = self.pickup.accept(), self.pickup.readers()
+        os.kill(process_of("pickup_interface"), signal.SIGKILL)
+        self.pickup.wait_for_new_reader("pickup_interface", readers)
+        goal.set_succeeded()  # the core has asked the new node again, which has found the goal at its server
         self.move_base.accept()  # the core has heard the new node
-        kill("move_base_interface", signal.SIGINT)
+        os.kill(process_of("move_base_interface"), signal.SIGINT)
         self.move_base.cancelled().set_canceled()
         told = self.returns.receive()
         if told == ["_return(pickup,1,1)"]:  # the new node may have told it before it was connected to the test

@@ -20,6 +20,11 @@ def test_the_shipped_configuration():
     assert sorted(specs) == ["deliver", "move_base", "pickup"]
     assert specs["move_base"].server == "move_base"
     assert specs["pickup"].rules == specs["deliver"].rules
+    assert {name: (spec.repeatable, spec.done is not None) for name, spec in specs.items()} == {
+        "move_base": (True, False),
+        "pickup": (False, True),
+        "deliver": (False, True),
+    }
 
 
 def test_what_is_left_out():
@@ -28,6 +33,8 @@ def test_what_is_left_out():
     assert spec.goal == {}
     assert spec.rules == ()
     assert spec.limits == Limits()
+    assert not spec.repeatable
+    assert spec.done is None
 
 
 def test_everything_given():
@@ -39,6 +46,8 @@ def test_everything_given():
         "server_timeout": 0.5,
         "retries": 2,
         "retry_on": ["failed"],
+        "repeatable": True,
+        "done": {"topic": "arm/state", "type": "std_msgs/Int32", "when": {"data": "$1"}},
         "returns": [
             {"status": "aborted", "text": "(?i)stuck", "return": "blocked", "facts": ["stuck(${cycle})"]},
             {"when": {"result": 3}},
@@ -47,6 +56,8 @@ def test_everything_given():
     spec = read_spec("arm", entry)
     assert spec.limits == Limits(3.0, 0.5, 2)
     assert spec.retry_on == ("failed",)
+    assert spec.repeatable
+    assert spec.done == ("arm/state", "std_msgs/Int32", {"data": "$1"})
     assert spec.rules[0].text.search("It is STUCK")
     assert spec.rules[1].returns == "failed"
 
@@ -57,6 +68,19 @@ def test_everything_given():
         ([], "arm: must be a mapping with the keys type"),
         ({}, "arm.type: is missing: give an action type like move_base_msgs/MoveBaseAction"),
         ({"type": "Test"}, "arm.type: must be an action type like .*, not 'Test'"),
+        ({**TYPE, "repeatable": "yes"}, "arm.repeatable: must be true or false, not 'yes'"),
+        ({**TYPE, "repeatable": 1}, "arm.repeatable: must be true or false, not 1"),
+        ({**TYPE, "done": "state"}, "arm.done: must be a mapping with the keys topic, type, when"),
+        ({**TYPE, "done": {"topic": "state"}}, "arm.done.type: is missing: give a message type like"),
+        ({**TYPE, "done": {"type": "std_msgs/Int32"}}, "arm.done.topic: is missing: give the name of a topic"),
+        (
+            {**TYPE, "done": {"topic": "a", "type": "Int32"}},
+            "arm.done.type: must be a message type like .*, not 'Int32'",
+        ),
+        ({**TYPE, "done": {"topic": "a", "type": "b/C"}}, "arm.done.when: is missing: give a mapping"),
+        ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {}}}, "arm.done.when: names no field"),
+        ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {"x": "$status"}}}, "arm.done.when.x: no .status"),
+        ({**TYPE, "done": {"topic": "a", "type": "b/C", "wen": {}}}, "arm.done: unknown key 'wen' .is when meant"),
         ({**TYPE, "returns": [{"stratus": "aborted"}]}, r"arm.returns\[0\]: unknown key 'stratus' \(is status meant"),
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(is \$parameter meant\?\); known are"),
         ({**TYPE, "sever": "x"}, r"arm: unknown key 'sever' \(is server meant\?\); keys are type, server"),

@@ -1,0 +1,85 @@
+"""What comes from the core: to each interface its own messages, to all of them the run."""
+
+import functools
+from typing import Any, Callable, Dict, List, NamedTuple, Optional
+
+import rospy
+
+from rosoclingo.common.worker import Worker
+from rosoclingo.interfaces.facts import read_run
+from rosoclingo.msg import InterfaceIO
+from rosoclingo.reasoning.keywords import CORE
+
+OUT_TOPIC = "out_rosoclingo"
+
+
+class Sender(NamedTuple):
+    """Who sent a message: the node's name, and the run that it has announced by the same connection, if any."""
+
+    node: str
+    run: Optional[str]
+
+
+class _Announced(NamedTuple):
+    run: str
+    connection: Any  # the header of the connection, which is one object as long as this lasts
+
+
+Read = Callable[[InterfaceIO, Sender], None]
+BeginRun = Callable[[str], None]
+
+
+class Inbox:
+    """The one subscriber of all interfaces of a worker, which call it on the worker's thread.
+
+    It subscribes with the worker's first job, thus after all interfaces that were made before the worker started: what
+    the core tells a newcomer comes once for the node.
+    """
+
+    def __init__(self, worker: Worker) -> None:
+        self._worker = worker
+        self._readers: Dict[str, Read] = {}
+        self._followers: List[BeginRun] = []
+        self._announced: Dict[str, _Announced] = {}  # by the sender's name
+        self._subscriber: Optional[rospy.Subscriber] = None
+        worker.put(self._subscribe)
+
+    def add(self, name: str, read: Read, begin_run: BeginRun) -> None:
+        """Have the messages for the interface ``name`` read, and each run announced that comes."""
+        self._readers[name] = read
+        self._followers.append(begin_run)
+
+    def hears(self, sender: Sender) -> bool:
+        """Whether the core that has announced its run is still connected, and still in that run."""
+        known = self._announced.get(sender.node)
+        if known is None or known.run != sender.run or self._subscriber is None:
+            return False
+        connections = self._subscriber.impl.connections
+        return any(one.header is known.connection and one.socket is not None for one in connections)
+
+    def _subscribe(self) -> None:
+        self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
+
+    def _on_message(self, message: InterfaceIO) -> None:
+        """A callback of rospy's."""
+        if message.interface == CORE or message.interface in self._readers:
+            self._worker.put(functools.partial(self._take, message))
+
+    def _take(self, message: InterfaceIO) -> None:
+        header = message._connection_header
+        node = header["callerid"]
+        if message.interface == CORE:
+            for run in filter(None, map(read_run, message.facts)):
+                self._announced[node] = _Announced(run, header)
+                for follow in self._followers:
+                    follow(run)
+        read = self._readers.get(message.interface)
+        if read is not None:
+            known = self._announced.get(node)
+            read(message, Sender(node, known.run if known is not None and known.connection is header else None))
+
+
+@functools.lru_cache(maxsize=None)
+def inbox_of(worker: Worker) -> Inbox:
+    """The inbox of a worker."""
+    return Inbox(worker)

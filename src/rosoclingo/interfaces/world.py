@@ -1,0 +1,34 @@
+"""The last message of a topic that says how the world is."""
+
+import functools
+from typing import Any
+
+import rospy
+
+
+class Watch:
+    """Remembers the last message of a topic, as long as who sent it is there: what a dead node said may be over."""
+
+    def __init__(self, topic: str, kind: type) -> None:
+        self._last: Any = None
+        self._subscriber = rospy.Subscriber(topic, kind, self._note)
+
+    def _note(self, message: Any) -> None:
+        self._last = message
+
+    @property
+    def latest(self) -> Any:
+        """The message; None before the first, and where its publisher is gone."""
+        message = self._last
+        if message is None:
+            return None
+        connections = self._subscriber.impl.connections
+        header = message._connection_header
+        there = any(one.header is header and one.socket is not None for one in connections)
+        return message if there else None
+
+
+@functools.lru_cache(maxsize=None)
+def watch(topic: str, kind: type) -> Watch:
+    """The one watch of a topic in this process: a latched message comes once for the node."""
+    return Watch(topic, kind)

@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Interface and core are killed in the middle of actions: each action is done once, and answered."""
+
+import itertools
+import os
+import signal
+import sys
+import unittest
+import uuid
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib.msg import TestAction
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import Int32MultiArray
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import CoreSide, Process, Server, process_of, wait_until
+
+MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
+NODE = "interface"
+NAMES = ("arm", "drive", "shelf")
+GOALS = itertools.count(1)
+
+
+def is_idle(report, name):
+    values = {pair.key: pair.value for pair in report.values}
+    return report.name == f"rosoclingo: interface {name}" and values["under way"] == "0"
+
+
+class ExactlyOnce(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_side")
+        cls.servers = {name: Server(name, TestAction) for name in NAMES}
+        cls.shelved = rospy.Publisher("shelved", Int32MultiArray, latch=True, queue_size=1)
+        cls.shelved.publish(Int32MultiArray())
+
+    def setUp(self):
+        self.core = self.start_core(uuid.uuid4().hex)
+
+    def tearDown(self):
+        self.assertTrue(self.core.silent(), "one message answers an action")
+        self.core.die()
+        for name, server in self.servers.items():
+            self.assertTrue(server.idle(), f"{name} has got a goal too many")
+
+    def start_core(self, run, under_way=()):
+        self.run_id = run
+        core = CoreSide(run, under_way)
+        core.wait_for(NODE)
+        return core
+
+    def begin(self, name, cycle=3):
+        """An action of an interface, begun; what the core has sent, the return that answers it, the server's goal."""
+        number = next(GOALS)
+        fact = f"_action_lib({name},{number},{cycle})"
+        self.core.begin(name, fact)
+        return fact, f"_return({name},{{}},{cycle})", number, self.servers[name].accept()
+
+    def kill_core(self):
+        self.core.die()
+
+    def resume(self, *under_way):
+        self.core = self.start_core(self.run_id, under_way)
+
+    def kill_node(self, before_it_dies=lambda: None):
+        """Kill the interface node and wait for the next; what is done before it dies it does not hear."""
+        self.kill_deaf_node(before_it_dies)
+        self.core.wait_for(NODE)
+
+    def kill_deaf_node(self, before_it_dies=lambda: None):
+        process = process_of(NODE)
+        self.readers = self.servers["arm"].readers()
+        os.kill(process, signal.SIGSTOP)
+        before_it_dies()
+        os.kill(process, signal.SIGKILL)
+        wait_until(lambda: self.is_new(process), "the node to be started again")
+
+    def is_new(self, process):
+        try:
+            return process_of(NODE) != process
+        except OSError:
+            return False  # the master has the dead one's address
+
+    def settle(self):
+        """Wait until the node has done what it was told before."""
+        number = next(GOALS)
+        self.core.send("drive", f"_action_lib(drive,{number},99)")
+        self.servers["drive"].accept().set_succeeded()
+        self.assertEqual(self.core.receive(), [f"_return(drive,{number},99)"])
+
+    def wait_until_idle(self, name):
+        """Wait until the interface says that nothing is under way."""
+        reports = []
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: reports.extend(one.status))
+        wait_until(lambda: any(is_idle(one, name) for one in list(reports)), f"{name} to be idle")
+        diagnostics.unregister()
+
+    # ---- the core is killed ---------------------------------------------------------------------------------------
+
+    def test_what_is_under_way_goes_on_under_a_resumed_core(self):
+        fact, answer, number, goal = self.begin("arm")
+        self.kill_core()
+        self.resume(("arm", fact))
+        self.settle()
+        goal.set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_what_ended_while_there_was_no_core_is_answered_when_it_asks_again(self):
+        fact, answer, _, goal = self.begin("arm")
+        self.kill_core()
+        goal.set_aborted()
+        self.resume(("arm", fact))
+        self.assertEqual(self.core.receive(), [answer.format("failed")])
+
+    def test_what_was_answered_is_answered_again(self):
+        fact, answer, number, goal = self.begin("arm")
+        goal.set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+        self.kill_core()
+        self.resume(("arm", fact))
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_what_a_former_run_has_begun_is_cancelled_and_its_return_is_not_sent(self):
+        fact, answer, number, _ = self.begin("arm")
+        self.kill_core()
+        self.core = self.start_core(uuid.uuid4().hex)
+        self.servers["arm"].cancelled().set_succeeded()
+        self.settle()
+        self.core.begin("arm", fact)  # same cycle, same name: it is another action
+        self.servers["arm"].accept().set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_what_a_former_run_was_answered_is_done_in_another(self):
+        fact, answer, number, goal = self.begin("arm")
+        goal.set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+        self.kill_core()
+        self.core = self.start_core(uuid.uuid4().hex, [("arm", fact)])
+        self.servers["arm"].accept().set_aborted()
+        self.assertEqual(self.core.receive(), [answer.format("failed")])
+
+    def test_a_core_that_announces_no_run_is_obeyed(self):
+        self.core.die()
+        self.core = self.start_core(None)
+        fact, answer, number, goal = self.begin("arm")
+        goal.set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+        self.core.send("arm", fact)
+        self.servers["arm"].accept().set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    # ---- the interface node is killed -----------------------------------------------------------------------------
+
+    def test_a_goal_that_the_server_still_has_is_taken_up(self):
+        _, answer, number, goal = self.begin("arm")
+        self.kill_node()
+        self.servers["arm"].wait_for_new_reader(NODE, self.readers)
+        goal.set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_a_goal_that_was_taken_up_can_be_cancelled(self):
+        fact, answer, _, _ = self.begin("arm")
+        self.kill_node()
+        self.core.send("arm", fact.replace("_action_lib", "_cancel"))
+        self.servers["arm"].wait_for_new_reader(NODE, self.readers)
+        self.servers["arm"].cancelled().set_canceled()
+        self.assertEqual(self.core.receive(), [answer.format("preempted")])
+
+    def test_what_nobody_knows_of_is_answered_as_interrupted(self):
+        _, answer, _, goal = self.begin("arm")
+        self.kill_node(goal.set_succeeded)
+        self.assertEqual(self.core.receive(), [answer.format("interrupted")])
+
+    def test_what_is_harmless_is_done_again(self):
+        _, answer, number, goal = self.begin("drive")
+        self.kill_node(goal.set_succeeded)
+        self.servers["drive"].accept().set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_the_world_tells_that_it_was_done(self):
+        _, answer, number, goal = self.begin("shelf")
+        self.shelved.publish(Int32MultiArray(data=[0, number]))
+        self.kill_node(goal.set_succeeded)
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_the_world_tells_that_it_was_not_done(self):
+        _, answer, number, goal = self.begin("shelf")
+        self.shelved.publish(Int32MultiArray(data=[0]))
+        self.kill_node(goal.set_aborted)
+        self.servers["shelf"].accept().set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_what_was_not_begun_is_done(self):
+        def send():
+            self.core.begin("arm", "_action_lib(arm,0,4)")
+
+        self.kill_node(send)
+        self.servers["arm"].accept().set_succeeded()
+        self.assertEqual(self.core.receive(), ["_return(arm,0,4)"])
+
+    # ---- the server is killed -------------------------------------------------------------------------------------
+
+    def kill_server(self, number, *shelved):
+        """Kill a server that has a goal, with these on the shelf, and start another; what the core is told."""
+        with Process(sys.executable, MORTAL) as server:
+            active = []
+            topic = rospy.Subscriber("mortal/status", GoalStatusArray, lambda one: active.extend(one.status_list))
+            self.core.begin("mortal", f"_action_lib(mortal,{number},5)")
+            wait_until(lambda: any(one.status == GoalStatus.ACTIVE for one in list(active)), "the goal to be active")
+            topic.unregister()
+            self.shelved.publish(Int32MultiArray(data=shelved))
+            server.signal(signal.SIGKILL)
+        with Process(sys.executable, MORTAL):
+            return self.core.receive()
+
+    def test_what_was_done_although_its_server_died_has_succeeded(self):
+        number = next(GOALS)
+        self.assertEqual(self.kill_server(number, 0, number), [f"_return(mortal,{number},5)"])
+
+    def test_what_was_not_done_when_its_server_died_has_failed(self):
+        self.assertEqual(self.kill_server(next(GOALS), 0), ["_return(mortal,server_lost,5)"])
+
+    # ---- both are killed ------------------------------------------------------------------------------------------
+
+    def test_an_answer_outlives_the_node_that_gave_it_and_the_core_that_did_not_hear_it(self):
+        fact, answer, number, goal = self.begin("arm")
+        self.kill_core()
+        goal.set_succeeded()
+        self.wait_until_idle("arm")
+        self.kill_deaf_node()
+        self.resume(("arm", fact))
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+    def test_a_goal_is_taken_up_after_both_were_killed(self):
+        fact, answer, number, goal = self.begin("arm")
+        self.kill_core()
+        self.kill_deaf_node()
+        self.resume(("arm", fact))
+        self.servers["arm"].wait_for_new_reader(NODE, self.readers)
+        goal.set_succeeded()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "exactly_once", ExactlyOnce, sys.argv)

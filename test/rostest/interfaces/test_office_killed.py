@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""The office or an interface is killed while a package is handled: it is handled once, and the core hears the truth."""
+
+import os
+import signal
+import sys
+import unittest
+import uuid
+from pathlib import Path
+
+import rospy
+import rostest
+import tf2_ros
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from geometry_msgs.msg import TransformStamped
+from rosoclingo.msg import PackageStates
+from rosoclingo.srv import PutPackage
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import CoreSide, process_of, wait_until
+
+OFFICE3 = (9.9, 0.0)
+
+
+def stand_at(x, y):
+    """Have the robot stand there, for all time."""
+    transform = TransformStamped(child_frame_id="base_link")
+    transform.header.frame_id = "map"
+    transform.transform.translation.x, transform.transform.translation.y = x, y
+    transform.transform.rotation.w = 1.0
+    broadcaster = tf2_ros.StaticTransformBroadcaster()
+    broadcaster.sendTransform(transform)
+    return broadcaster
+
+
+class OfficeKilled(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_side")
+        cls.robot = stand_at(*OFFICE3)
+        cls.places, cls.sender = {}, ""
+        rospy.Subscriber("packages", PackageStates, cls.note)
+        cls.arm = set()
+        for server in ("pickup", "deliver"):
+            rospy.Subscriber(server + "/status", GoalStatusArray, cls.note_status)
+        rospy.wait_for_service("office/put_package")
+
+    @classmethod
+    def note(cls, message):
+        cls.places = {one.id: "carried" if one.carried else one.location for one in message.packages}
+
+    @classmethod
+    def note_status(cls, message):
+        cls.arm |= {one.goal_id.id for one in message.status_list if one.status == GoalStatus.ACTIVE}
+
+    def setUp(self):
+        self.core = CoreSide(uuid.uuid4().hex)
+        self.core.wait_for("pickup_interface", "deliver_interface")
+        rospy.ServiceProxy("office/put_package", PutPackage)("1", "office3")
+        self.wait_for_place("office3")
+
+    def tearDown(self):
+        self.assertTrue(self.core.silent(), "one message answers an action")
+        self.core.die()
+
+    def wait_for_place(self, place):
+        wait_until(lambda: self.places.get("1") == place, f"package 1 to be at {place}")
+
+    def begin(self, name, cycle):
+        """Begin an action and wait until the arm moves."""
+        before = set(self.arm)
+        self.core.begin(name, f"_action_lib({name},1,{cycle})")
+        wait_until(lambda: self.arm - before, "the arm to move")
+
+    def kill(self, node):
+        process = process_of(node)
+        self.places.clear()
+        os.kill(process, signal.SIGKILL)
+        wait_until(lambda: self.is_new(node, process), f"{node} to be started again")
+
+    def is_new(self, node, process):
+        try:
+            return process_of(node) != process
+        except OSError:
+            return False  # the master has the dead one's address
+
+    def run_action(self, name, cycle):
+        self.assertEqual(self.core.run(name, f"_action_lib({name},1,{cycle})"), [f"_return({name},1,{cycle})"])
+
+    def test_an_interface_is_killed_while_a_package_is_picked_up_and_put_down(self):
+        for cycle, name in enumerate(("pickup", "deliver"), 1):
+            self.begin(name, cycle)
+            self.kill(name + "_interface")
+            self.assertEqual(self.core.receive(), [f"_return({name},1,{cycle})"])
+
+    def test_an_office_that_was_killed_has_the_packages_where_they_were(self):
+        self.run_action("pickup", 1)
+        self.kill("office")
+        self.wait_for_place("carried")
+        self.core.wait_for("deliver_interface")
+        self.run_action("deliver", 2)
+
+    def test_an_office_is_killed_while_a_package_is_picked_up(self):
+        self.begin("pickup", 1)
+        self.kill("office")
+        answer = self.core.receive()
+        wait_until(lambda: "1" in self.places, "the office to say where the package is")
+        done = self.places["1"] == "carried"
+        self.assertEqual(answer, ["_return(pickup,1,1)" if done else "_return(pickup,server_lost,1)"])
+
+    def test_office_and_interface_are_killed_while_a_package_is_picked_up(self):
+        self.begin("pickup", 1)
+        office, interface = process_of("office"), process_of("pickup_interface")
+        os.kill(office, signal.SIGKILL)
+        self.kill("pickup_interface")
+        wait_until(lambda: self.is_new("office", office), "the office to be started again")
+        self.assertNotEqual(interface, process_of("pickup_interface"))
+        self.assertEqual(self.core.receive(), ["_return(pickup,1,1)"])  # seen not to be done, thus done again; or done
+        self.wait_for_place("carried")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "office_killed", OfficeKilled, sys.argv)

@@ -1,0 +1,68 @@
+"""Looking at a message for what an action was to bring about."""
+
+import pytest
+from clingo import Function, Number, String
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from std_msgs.msg import Bool, Float64MultiArray, UInt8MultiArray
+
+from rosoclingo.common.labels import LabelTable
+from rosoclingo.interfaces.templates import Scope
+from rosoclingo.interfaces.world_checks import check_faults, holds
+
+OFFICE = DiagnosticArray(status=[DiagnosticStatus(name="1", message="office3"), DiagnosticStatus(name="cup")])
+CARRIED = {"status": {"name": "$parameter", "message": ""}}
+LYING = {"status": {"name": "$parameter", "message": "/./"}}
+
+
+def scope(parameter):
+    return Scope(parameter, 1, LabelTable())
+
+
+@pytest.mark.parametrize(
+    ("package", "carried", "lying"),
+    [
+        (Number(1), False, True),
+        (Function("cup"), True, False),
+        (String("cup"), True, False),
+        (Number(2), False, False),  # no element is about it: each condition needs one
+    ],
+)
+def test_one_element_of_an_array_has_to_be_as_wanted(package, carried, lying):
+    assert holds(OFFICE, CARRIED, scope(package)) is carried
+    assert holds(OFFICE, LYING, scope(package)) is lying
+
+
+def test_all_fields_of_the_same_element():
+    assert holds(OFFICE, {"status": {"name": "1", "message": "office3"}}, scope(Number(1)))
+    assert not holds(OFFICE, {"status": {"name": "cup", "message": "office3"}}, scope(Number(1)))
+
+
+def test_what_cannot_be_filled_tells_nothing():
+    assert holds(OFFICE, {"status": {"name": "$2"}}, scope(Number(1))) is None
+    assert holds(OFFICE, {"status": {"name": "$parameter.frame"}}, scope(Number(1))) is None
+
+
+def test_numbers_texts_and_patterns():
+    pose = PoseStamped()
+    pose.header.frame_id, pose.pose.position.x = "map", 2.0
+    assert holds(pose, {"header": {"frame_id": "/^m/"}, "pose": {"position": {"x": 2}}}, scope(Number(1)))
+    assert not holds(pose, {"pose": {"position": {"x": 2.5}}}, scope(Number(1)))
+    assert holds(Float64MultiArray(data=[0.5, 1.0]), {"data": "$parameter"}, scope(String("0.5")))
+    assert holds(Float64MultiArray(data=[0.5, 1.0]), {"data": "$parameter"}, scope(Number(1)))
+    assert not holds(Float64MultiArray(data=[0.5, 1.0]), {"data": "$parameter"}, scope(Function("fast")))
+    assert holds(UInt8MultiArray(data=bytes([3, 7])), {"data": "$parameter"}, scope(Number(7)))
+    assert holds(Bool(data=True), {"data": True}, scope(Number(1)))
+    assert not holds(Bool(data=False), {"data": True}, scope(Number(1)))
+
+
+def test_faults_are_told_with_their_places():
+    wanted = {"status": {"name": 1, "massage": True}, "header": 3, "parcels": 1}
+    fields = "level, name, message, hardware_id, values"
+    assert check_faults(DiagnosticArray(), wanted, "pickup.done.when") == [
+        f"pickup.done.when.status.massage: diagnostic_msgs/DiagnosticStatus has no such field; it has {fields}",
+        "pickup.done.when.header: a field of type std_msgs/Header takes a mapping of its fields",
+        "pickup.done.when.parcels: diagnostic_msgs/DiagnosticArray has no such field; it has header, status",
+    ]
+    assert check_faults(Bool(), {"data": {"name": 1}}, "x") == ["x.data: a field of type bool takes no mapping"]
+    assert not check_faults(DiagnosticArray(), CARRIED, "x")
