@@ -86,7 +86,7 @@ def test_there_is_slowly_room_for_more_goals_again():
 def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
     driver = ask(BusyDriver(most=99), *range(1, 60))
-    driver.seconds = lambda goals: 0.3 * (goals / 12) ** 2
+    driver.seconds = lambda goals: 3.0 * (goals / 12) ** 2
     driver.run().finish()
     assert len(ends(driver)) == 59
     assert max(driver.searches) == 12

@@ -131,6 +131,7 @@ class LentChild:
     """One child for many solver processes, one after the other: to start one for each takes most of the time."""
 
     alive, memory, pid, worked = True, 0, 0, 0.0
+    reply = WorkerProcess.reply  # by way of send and receive here
 
     def __init__(self):
         self.child, self.owed = None, 0
