@@ -145,6 +145,14 @@ def test_no_plan_though_there_is_one(problems, explained):
     assert not explained or problems[-1] in report.line()
 
 
+def test_a_search_that_was_left_has_no_plan_even_where_the_log_does_not_say_so_again():
+    program, run, _ = pressed()
+    run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [], None, []
+    report = first(run, program)
+    assert (report.verdict, report.explained) == (Verdict.MISSED, True)
+    assert "the search was left" in report.line()
+
+
 def test_an_update_that_is_refused_ends_it():
     collector = RunCollector()
     for step in range(1, 7):
