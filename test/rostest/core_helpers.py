@@ -6,7 +6,7 @@ import threading
 import rospy
 from actionlib import ActionClient
 from actionlib.action_client import CommState
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from interface_helpers import PATIENCE, wait_for_server, wait_to_hear, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
@@ -120,10 +120,14 @@ class SentGoal:
         cancel_goal(self._client, self.handle)
 
     def cancelled(self):
-        """Cancel it, and wait until the server knows: a cancel and an answer of an interface race each other."""
+        """Cancel it, and wait until the core knows: a cancel and an answer of an interface race each other.
+
+        The server tells the status before it calls the core, and no other status until that call has ended.
+        """
         self.cancel()
         cancelling = (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
         wait_until(lambda: self.handle.get_goal_status() in cancelling, "the cancel to arrive")
+        rospy.wait_for_message(self._client.ns + "/status", GoalStatusArray, PATIENCE)
 
 
 class Updates:
