@@ -187,7 +187,7 @@ class Replay:
             return replace(self._compared(number, _Told(frozenset(), idle.horizon), result), told=idle)
         left = [text for text in cycle.problems if any(words in text for words in _ENDED)]
         why = left[-1] if left else "and the core told of no search that was ended"
-        if told is None and not left:  # the log says the same once a minute only; of each search that ends a plan is told
+        if told is None and not left:  # the log says the same only once a minute
             why = "the search was left, as no plan was told of it"
         return CycleReport(number, Verdict.MISSED, why, explained=bool(left) or told is None)
 
