@@ -5,6 +5,7 @@ from typing import AbstractSet, Any, Callable, Dict, Iterator, List, Mapping, Op
 import rospy
 
 from rosoclingo.common.reading import MISSING, Reader, likely
+from rosoclingo.common.xmlrpc_api import FAULTS
 
 __all__ = ["ParameterError", "Parameters", "unread", "warn_of_unread"]
 
@@ -62,7 +63,10 @@ class Parameters(Reader):
 
 def warn_of_unread() -> None:
     """Say once which private parameters the node, which has read all it wants, does not know."""
-    found = unread(_private(), frozenset(_READ))
+    try:
+        found = unread(_private(), frozenset(_READ))
+    except FAULTS:  # the master went while the node started: it is no reason to end
+        return
     if found:
         rospy.logwarn("%s: parameters that it does not read: %s", rospy.get_name(), ", ".join(found))
 

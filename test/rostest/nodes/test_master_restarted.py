@@ -81,11 +81,11 @@ class MasterRestarted(unittest.TestCase):
             self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "what was under way succeeds")
 
     def test_services_are_found_again(self):
-        entry = (2, "/static_map", "/map_server")
+        entries = [(2, "/static_map", "/map_server"), (2, "/change_map", "/map_server")]
         self.run_node("map_server", str(ROOT / "worlds" / "office.yaml"))
-        wait_until(lambda: self.known(entry), "the map server")
+        wait_until(lambda: self.known(*entries), "the map server")
         self.restart_master()
-        wait_until(lambda: self.known(entry), "the map server at the new master")
+        wait_until(lambda: self.known(*entries), "the map server at the new master")
         found = subprocess.run(
             ["rosservice", "call", "/static_map"], check=True, timeout=PATIENCE, capture_output=True, text=True
         )

@@ -118,11 +118,10 @@ def test_an_error_ends_the_node_and_is_told_with_its_traceback(make, monkeypatch
 
 NODE = """
 import sys, rospy
-from rosoclingo.common import parameters, starting
+from rosoclingo.common import starting
 from rosoclingo.common.worker import Worker
 
 rospy.init_node = lambda name: rospy.core.set_initialized(True)  # there is no master
-parameters.warn_of_unread = lambda: None
 
 def node():
     worker = Worker()
