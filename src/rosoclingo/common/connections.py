@@ -1,18 +1,18 @@
-"""Whether all that is published on a topic comes to a node.
+"""Whether all that is published on a topic comes to a node, and whether who sent a message is still there.
 
 rospy counts a connection at its reading end first, and what is published before the writing end counts it as well is
 lost. So those who publish are asked whom they write to.
 """
 
 from contextlib import suppress
-from typing import Dict, Iterable, List, Optional, Set
+from typing import Any, Dict, Iterable, List, Optional, Set
 
 import rosgraph
 import rospy
 
-from rosoclingo.common.xmlrpc_api import FAULTS, api
+from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
-__all__ = ["comes_to", "readers"]
+__all__ = ["comes_to", "is_connected", "readers"]
 
 
 def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_do: bool = False) -> bool:
@@ -31,8 +31,8 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
     """Return topics of a node, each with the nodes to which it writes it; None where it does not answer."""
     me = rospy.get_name()
     with suppress(*FAULTS):
-        code, _, uri = api(rosgraph.get_master_uri()).lookupNode(me, node)
-        code, _, connections = api(uri).getBusInfo(me) if code == 1 else (code, "", [])
+        uri = address_of(node)
+        code, _, connections = api(uri).getBusInfo(me) if uri else (0, "", [])
         if code == 1:
             found: Dict[str, Set[str]] = {}
             for _, other, direction, _, topic, *_ in connections:
@@ -40,6 +40,11 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
                     found.setdefault(topic, set()).add(other)
             return found
     return None
+
+
+def is_connected(subscriber: rospy.Subscriber, header: Any) -> bool:
+    """Whether the connection lasts by which a message with this `_connection_header` came: one object for all of it."""
+    return any(one.header is header and one.socket is not None for one in subscriber.impl.connections)
 
 
 def _publishers(topic: str) -> List[str]:

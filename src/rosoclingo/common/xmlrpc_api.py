@@ -4,7 +4,10 @@ import xmlrpc.client
 from http.client import HTTPException
 from typing import Any
 
-__all__ = ["FAULTS", "api"]
+import rosgraph
+import rospy
+
+__all__ = ["FAULTS", "address_of", "api"]
 
 #: What a call may raise where nobody answers, or not as ROS does.
 FAULTS = (OSError, HTTPException, xmlrpc.client.Error)
@@ -24,3 +27,8 @@ class _Transport(xmlrpc.client.Transport):
 def api(uri: str) -> Any:
     """Return the interface of a master or node; its calls return (code, message, value) and raise FAULTS."""
     return xmlrpc.client.ServerProxy(uri, transport=_Transport())
+
+
+def address_of(node: str) -> str:
+    """Return where a node has its interface, empty where the master does not know it; raises FAULTS."""
+    return str(api(rosgraph.get_master_uri()).lookupNode(rospy.get_name(), node)[2] or "")

@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
 import rospy
 
+from rosoclingo.common.connections import is_connected
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.facts import read_run
 from rosoclingo.msg import InterfaceIO
@@ -22,7 +23,7 @@ class Sender(NamedTuple):
 
 class _Announced(NamedTuple):
     run: str
-    connection: Any  # the header of the connection, which is one object as long as this lasts
+    connection: Any  # its header
 
 
 Read = Callable[[InterfaceIO, Sender], None]
@@ -54,8 +55,7 @@ class Inbox:
         known = self._announced.get(sender.node)
         if known is None or known.run != sender.run or self._subscriber is None:
             return False
-        connections = self._subscriber.impl.connections
-        return any(one.header is known.connection and one.socket is not None for one in connections)
+        return is_connected(self._subscriber, known.connection)
 
     def _subscribe(self) -> None:
         self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)

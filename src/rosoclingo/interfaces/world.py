@@ -5,6 +5,8 @@ from typing import Any
 
 import rospy
 
+from rosoclingo.common.connections import is_connected
+
 
 class Watch:
     """Remembers the last message of a topic, as long as who sent it is there: what a dead node said may be over."""
@@ -20,11 +22,7 @@ class Watch:
     def latest(self) -> Any:
         """The message; None before the first, and where its publisher is gone."""
         message = self._last
-        if message is None:
-            return None
-        connections = self._subscriber.impl.connections
-        header = message._connection_header
-        there = any(one.header is header and one.socket is not None for one in connections)
+        there = message is not None and is_connected(self._subscriber, message._connection_header)
         return message if there else None
 
 

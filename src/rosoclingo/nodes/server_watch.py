@@ -8,7 +8,7 @@ from typing import Optional
 import rosgraph
 import rospy
 
-from rosoclingo.common.xmlrpc_api import FAULTS, api
+from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
 #: Seconds of wall time without word of a goal after which the server is asked whether it is there.
 SILENCE = 5.0
@@ -29,7 +29,7 @@ class ServerWatch:
         self.node = node
         self._uri = ""
         with suppress(*FAULTS):
-            self._uri = str(api(rosgraph.get_master_uri()).lookupNode(rospy.get_name(), node)[2] or "")
+            self._uri = address_of(node)
         self._process = self._ask()
 
     def fault(self) -> str:

@@ -8,6 +8,7 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.nodes.recording.bag_reader import bag_runs
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
+from rosoclingo.oclingo.service.arguments import duration, positive
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunProgram
 from rosoclingo.runs.replay import AGREEING, CycleReport, Replay, Shown, Verdict, summary
@@ -29,7 +30,7 @@ def make_parser() -> argparse.ArgumentParser:
         prog="replay", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("recording", metavar="RUN.bag", type=Path, help="the recording")
-    parser.add_argument("--to", type=_cycle, metavar="N", help="stop at cycle N and show its answer as a table")
+    parser.add_argument("--to", type=positive, metavar="N", help="stop at cycle N and show its answer as a table")
     parser.add_argument(
         "--stream",
         metavar="FILE",
@@ -52,10 +53,10 @@ def make_parser() -> argparse.ArgumentParser:
         "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="with --program: a constant's value"
     )
     parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")
-    parser.add_argument("--run", type=_cycle, metavar="N", help="which run, where a core was started several times")
+    parser.add_argument("--run", type=positive, metavar="N", help="which run, where a core was started several times")
     parser.add_argument(
         "--plan-time",
-        type=_seconds,
+        type=duration,
         metavar="SECONDS",
         help="processor time for a shorter plan than the first one (default: the run's; no limit for ~plan: shortest)",
     )
@@ -171,19 +172,3 @@ def _table(words: str, shown: Optional[Shown], say: Say) -> None:
     say(f"{title}, horizon {shown.horizon}")
     width = max(shutil.get_terminal_size((100, 24)).columns, 60)
     say(format_answer(shown.atoms, shown.horizon + 1, width).rstrip() or "(no atom)")
-
-
-def _cycle(text: str) -> int:
-    if text.isascii() and text.isdigit() and 0 < int(text) < 2**31:
-        return int(text)
-    raise argparse.ArgumentTypeError(f"{text!r} is no number from 1 on")
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
-    return value

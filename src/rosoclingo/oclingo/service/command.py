@@ -14,6 +14,7 @@ from rosoclingo.oclingo.errors import Fault, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo.service.arguments import duration, port, positive, seconds
 from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
@@ -59,7 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _add_search(parser: argparse.ArgumentParser) -> None:
     """Add how answers are searched."""
-    parser.add_argument("--imax", type=_positive, metavar="N", help="ground no step beyond N (default: no limit)")
+    parser.add_argument("--imax", type=positive, metavar="N", help="ground no step beyond N (default: no limit)")
     parser.add_argument(
         "--shortest",
         action="store_true",
@@ -68,14 +69,14 @@ def _add_search(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--plan-time",
-        type=_duration,
+        type=duration,
         metavar="SECONDS",
         help="with --shortest: where the shortest plan is not found in that processor time, answer with the best that "
         "is known; where none is known yet, go on (default: only the shortest will do)",
     )
     parser.add_argument(
         "--time-limit",
-        type=_seconds,
+        type=seconds,
         metavar="SECONDS",
         help="end the search for an update after that time; the update stays in force (default: no limit)",
     )
@@ -97,7 +98,7 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--host", help=f"address to listen on (default: {DEFAULT_HOST}, this machine only)")
     parser.add_argument(
-        "--port", type=_port, metavar="N", help=f"port to listen on, 0 for any free one (default: {DEFAULT_PORT})"
+        "--port", type=port, metavar="N", help=f"port to listen on, 0 for any free one (default: {DEFAULT_PORT})"
     )
 
 
@@ -228,36 +229,3 @@ def _terminate(number: int, frame: Any) -> NoReturn:
 def _say(text: str) -> None:
     sys.stderr.write(text + "\n")
     sys.stderr.flush()
-
-
-def _positive(text: str) -> int:
-    return _number(text, 1, 2**31 - 1)
-
-
-def _port(text: str) -> int:
-    return _number(text, 0, 65535)
-
-
-def _number(text: str, lowest: int, highest: int) -> int:
-    if text.isascii() and text.isdigit() and len(text) <= 10 and lowest <= int(text) <= highest:
-        return int(text)
-    raise argparse.ArgumentTypeError(f"{text!r} is no number from {lowest} to {highest}")
-
-
-def _duration(text: str) -> float:
-    """Return seconds, which may be none."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
-    return value
-
-
-def _seconds(text: str) -> float:
-    """Return seconds, more than none."""
-    value = _duration(text)
-    if not value:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
-    return value

@@ -2,7 +2,6 @@
 
 import contextlib
 import functools
-import xmlrpc.client
 from collections import deque
 from typing import Any, Callable, Deque, NamedTuple, Optional, Tuple
 
@@ -15,6 +14,7 @@ from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
+from rosoclingo.common.xmlrpc_api import FAULTS
 from rosoclingo.msg import (
     DeliverAction,
     DeliverFeedback,
@@ -133,7 +133,7 @@ class OfficeNode:
 
     def _end(self) -> None:
         self._worker.stop(2.0)
-        with contextlib.suppress(OSError, KeyError, xmlrpc.client.Error, rospy.ROSException):
+        with contextlib.suppress(*FAULTS, KeyError, rospy.ROSException):
             rospy.delete_param("~kept")
 
     def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
@@ -204,7 +204,7 @@ class OfficeNode:
             return
         try:
             rospy.set_param("~kept", {"lying": self._office.lying, "carried": self._office.carried})
-        except (OSError, xmlrpc.client.Error, rospy.ROSException) as error:
+        except (*FAULTS, rospy.ROSException) as error:
             rospy.logerr("the packages are forgotten when this node dies: the master does not answer: %s", error)
         else:
             self._kept = self._office.places

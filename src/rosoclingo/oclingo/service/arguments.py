@@ -1,0 +1,40 @@
+"""Values on a command line; argparse tells whoever wrote them what is wrong."""
+
+import argparse
+
+__all__ = ["duration", "port", "positive", "seconds"]
+
+
+def positive(text: str) -> int:
+    """Return a number from 1 on."""
+    return _number(text, 1, 2**31 - 1)
+
+
+def port(text: str) -> int:
+    """Return a TCP port, 0 for any."""
+    return _number(text, 0, 65535)
+
+
+def _number(text: str, lowest: int, highest: int) -> int:
+    if text.isascii() and text.isdigit() and len(text) <= 10 and lowest <= int(text) <= highest:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is no number from {lowest} to {highest}")
+
+
+def duration(text: str) -> float:
+    """Return seconds, which may be none."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+    return value
+
+
+def seconds(text: str) -> float:
+    """Return seconds, more than none."""
+    value = duration(text)
+    if not value:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+    return value
