@@ -8,6 +8,7 @@ import rospy
 from actionlib import ActionServer, ServerGoalHandle
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction
 from rosoclingo.nodes.core.goal_handles import GoalHandles
@@ -67,8 +68,8 @@ class CoreNode:
             is fed until it has ended. 0 for no limit.
         ~search_timeout (float, default 10.0): seconds of the solver's processor time that one search may go on before
             goals wait, the newest first. 0 for no limit.
-        ~action_timeout (float, default 600.0): seconds of ROS time until an action that has not returned counts as
-            failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
+        ~action_timeout (float, default 600.0): seconds of ROS time, which here passes no faster than wall time, until
+            an action that has not returned counts as failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
         ~recovery_timeout (float, default 5.0): seconds of the solver's processor time in which to look for the fewest
             goals to give up, and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit.
             The check under way still ends.
@@ -102,6 +103,7 @@ class CoreNode:
         self._ending = False
         self._cancels: Set[str] = set()  # keys of goals whose cancel waits
         self._last_time = 0.0
+        self._clock = PacedClock()
         self._handles = GoalHandles()
         program, odd = load_program(self._parameters)
         for warning in odd:
@@ -197,10 +199,14 @@ class CoreNode:
         if now == 0.0:
             rospy.logwarn_throttle(10.0, "waiting for /clock")
             return False
-        self._core.poll(now)
-        while not self._ending and not self._worker.waiting and self._core.advance(now):
-            now = rospy.get_time()
+        self._core.poll(self._time())
+        while not self._ending and not self._worker.waiting and self._core.advance(self._time()):
+            pass
+        now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
+
+    def _time(self) -> float:
+        return self._clock.at(rospy.get_time(), time.monotonic())
 
     def _watch_improvement(self, now: float) -> Callable[[], bool]:
         """End what improves the plan as soon as anything comes, or something may be due by time."""
