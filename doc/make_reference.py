@@ -81,6 +81,7 @@ COMMANDS = {  # with what they have of ROS
     "replay": (),
     "oclingo": (),
     "gringo3to5": (),
+    "journal": (),
     "stage_world": (),
     "rviz_on_map": (),
 }

@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "src" / "rosoclingo"
 PURE = ("oclingo", "reasoning", "runs", "robot/navigation", "robot/simulation")
-PURE_COMMON = ("labels", "lazy", "reading")  # what pure packages may import of common
+PURE_COMMON = ("durable", "labels", "lazy", "reading")  # what pure packages may import of common
 MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "common": set(),
     "oclingo": {"oclingo/progression", "oclingo/program", "oclingo/solving"},  # errors for all, the front for users
@@ -21,7 +21,7 @@ MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program"},
     "oclingo/remote": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving"},
     "oclingo/service": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving", "oclingo/remote"},
-    "reasoning": {"oclingo"},
+    "reasoning": {"common", "oclingo"},
     "runs": {"common", "oclingo", "reasoning"},
     "interfaces": {"common", "oclingo", "reasoning", "runs"},
     "nodes": {"common", "oclingo", "reasoning", "runs"},

@@ -1,19 +1,22 @@
 """A clock for time limits on what takes processor time, whatever the pace of simulated time."""
 
 
+from typing import Optional, Tuple
+
+
 class PacedClock:
-    """Counts seconds of ROS time, but never faster than wall time, and never back.
+    """Counts seconds of ROS time from the first look at it, but never faster than wall time, and never back.
 
     A node that compiles or loads for a minute would be late by ten minutes of a simulation that runs ten times faster.
     """
 
     def __init__(self) -> None:
         self._elapsed = 0.0
-        self._last = (0.0, 0.0)
+        self._last: Optional[Tuple[float, float]] = None
 
     def at(self, ros: float, wall: float) -> float:
         """Return the seconds counted when ROS time is ``ros`` and a steady wall clock shows ``wall``."""
-        passed = min(ros - self._last[0], wall - self._last[1])
+        if self._last is not None:
+            self._elapsed += max(0.0, min(ros - self._last[0], wall - self._last[1]))
         self._last = (ros, wall)
-        self._elapsed += max(0.0, passed)
         return self._elapsed

@@ -1,19 +1,19 @@
 """What an interface has begun and answered in a run of the core, kept in a file that outlives it.  No ROS.
 
-A line for each thing that happened, written before anybody else can see it: a checksum and JSON,
+A line (:mod:`rosoclingo.common.durable`) for each thing that happened, written before anybody else can see it:
 `{"action": "_action_lib(pickup,1,3)", "goal": ID}` for a goal that is sent, `{"action": ..., "facts": [...]}` for an
 answer. Each run of the core has a file of its own.
 """
 
 import contextlib
 import hashlib
-import json
 import os
 import re
-import zlib
 from collections import OrderedDict
 from pathlib import Path
-from typing import IO, Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+from rosoclingo.common import durable
 
 KEPT = 1000  # answers that are remembered, the last ones; what is under way is remembered whatever it takes
 RUNS = 5  # files of former runs that stay, the last ones
@@ -37,7 +37,7 @@ class ActionMemory:
     def __init__(self, folder: Optional[Path], owner: str) -> None:
         self._folder, self._owner = folder, owner
         self._records: OrderedDict[str, Record] = OrderedDict()
-        self._file: Optional[IO[bytes]] = None
+        self._file: Optional[int] = None
         self._lines = self._answered = 0
         self._damage = self._failure = ""
         self.run: Optional[str] = None
@@ -76,8 +76,7 @@ class ActionMemory:
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
-            with contextlib.suppress(OSError):
-                self._file.close()
+            os.close(self._file)
         self._file = None
 
     def _take(self, action: str, record: Record) -> None:
@@ -120,7 +119,7 @@ class ActionMemory:
             self._rewrite()
         elif lines and path is not None:
             with contextlib.suppress(OSError):  # then the next line finds no file, and writes one anew
-                self._file, self._lines = open(path, "ab"), len(lines)  # noqa: SIM115 stays open for what comes
+                self._file, self._lines = os.open(path, os.O_WRONLY | os.O_APPEND), len(lines)
 
     def _take_line(self, line: bytes) -> bool:
         value = _decoded(line)
@@ -140,7 +139,7 @@ class ActionMemory:
             self._rewrite()  # with all that is known, this too
             return
         try:
-            self._append(self._file, [_encoded(value)])
+            durable.write(self._file, durable.sealed(value))
         except OSError as error:
             self._fail(error)
         else:
@@ -152,25 +151,15 @@ class ActionMemory:
         path = self.path
         if path is None:
             return
-        new = path.with_suffix(".new")
+        lines = [line for action, record in self._records.items() for line in _lines(action, record)]
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._forget_runs(path)
-            file = open(new, "wb")  # noqa: SIM115 stays open for what comes
-            self._file = file
-            lines = [line for action, record in self._records.items() for line in _lines(action, record)]
-            self._append(file, lines)
-            os.replace(new, path)
-            _sync_folder(path.parent)
+            self._file = durable.replace(path, b"".join(lines))
         except OSError as error:
             self._fail(error)
         else:
             self._lines, self._failure = len(lines), ""
-
-    def _append(self, file: IO[bytes], lines: List[bytes]) -> None:
-        file.write(b"".join(lines))
-        file.flush()
-        os.fsync(file.fileno())
 
     def _fail(self, error: OSError) -> None:
         self.close()
@@ -187,26 +176,17 @@ class ActionMemory:
 
 
 def _lines(action: str, record: Record) -> List[bytes]:
-    begun = [_encoded({"action": action, "goal": record.goal})] if record.goal else []
+    begun = [durable.sealed({"action": action, "goal": record.goal})] if record.goal else []
     facts = record.facts
-    return begun if facts is None else [*begun, _encoded({"action": action, "facts": list(facts)})]
-
-
-def _encoded(value: Dict[str, Any]) -> bytes:
-    text = json.dumps(value).encode()
-    return b"%08x %s\n" % (zlib.crc32(text), text)
+    return begun if facts is None else [*begun, durable.sealed({"action": action, "facts": list(facts)})]
 
 
 def _decoded(line: bytes) -> Optional[Dict[str, Any]]:
     """What a line says; None if it is not as it was written."""
-    checksum, _, text = line.partition(b" ")
-    if checksum != b"%08x" % zlib.crc32(text):
+    value = durable.opened(line)
+    if value is None:
         return None
-    try:
-        value = json.loads(text)
-    except ValueError:
-        return None
-    known = isinstance(value, dict) and isinstance(value.get("action"), str)
+    known = isinstance(value.get("action"), str)
     return value if known and (isinstance(value.get("goal"), str) or isinstance(value.get("facts"), list)) else None
 
 
@@ -219,11 +199,3 @@ def _age(path: Path) -> float:
         return path.stat().st_mtime
     except OSError:
         return 0.0
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -146,7 +146,7 @@ def _environment(port: int, folder: Path) -> Dict[str, str]:
     os.environ.pop("ROS_HOSTNAME", None)
     os.environ.pop("ROS_NAMESPACE", None)
     uri = f"http://127.0.0.1:{port}"
-    return {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(folder / "log")}
+    return {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_HOME": str(folder), "ROS_LOG_DIR": str(folder / "log")}
 
 
 def _signal_group(leader: int, number: int) -> None:

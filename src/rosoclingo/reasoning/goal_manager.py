@@ -9,6 +9,7 @@ from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRe
 from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, request
+from rosoclingo.reasoning.records import Record, group, symbol_of
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.waiting_queue import GoalQueue
 
@@ -54,6 +55,10 @@ class GoalManager:
         """The live goals that the program knows, oldest first."""
         return self._book.fed
 
+    def by_key(self, key: str) -> Optional[Goal]:
+        """The live goal of a client's handle."""
+        return self._book.by_key(key)
+
     def add(self, key: str, text: str) -> None:
         """Take the goal ``text``; a goal that cannot be taken is rejected with the reason."""
         try:
@@ -86,8 +91,10 @@ class GoalManager:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before it was planned for")
 
     def tick(self, now: float) -> None:
-        """Time passes: goals that have rested may be fed again."""
+        """Time passes: goals that have rested may be fed again, none rests for longer as time has jumped back."""
         self.queue.now = now
+        for goal in self._book.live:
+            goal.rests_until = min(goal.rests_until, now + _rest(goal))
         self._admit()
 
     def drop(self, goals: Sequence[Goal], why: str) -> None:
@@ -155,7 +162,7 @@ class GoalManager:
             self.queue.window.shrink(others + len(goals) // 2)
         else:
             goals[0].tries += 1
-            goals[0].rests_until = self.queue.now + REST * 2 ** min(goals[0].tries - 1, MOST_DOUBLINGS)
+            goals[0].rests_until = self.queue.now + _rest(goals[0])
         for goal in goals:
             goal.forget()
             self.queue.put(goal)
@@ -164,6 +171,22 @@ class GoalManager:
 
     def _tell_wait(self, goal: Goal, why: str) -> None:
         self._tell(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
+
+    # -- what is written down
+
+    def record(self) -> Record:
+        """Return the goals, oldest first, and what is known of the room for them, as plain values."""
+        goals = {f"goal:{goal.key}": [*goal.record(), *self.queue.record_of(goal)] for goal in self._book.live}
+        return {**goals, "queue": self.queue.record()}
+
+    def restore(self, record: Record) -> None:
+        """Go on from a record, before anything else has come."""
+        for key, (term, *state, waits, held) in group(record, "goal").items():
+            goal = Goal(key, symbol_of(term), self._changed)
+            goal.restore([term, *state])
+            self._book.add(goal)
+            self.queue.restore_goal(goal, waits, held)
+        self.queue.restore(record["queue"])
 
     # -- in and out
 
@@ -182,3 +205,8 @@ class GoalManager:
             self.queue.remove(goal)
             self._feeder.add_goal(goal)
             goal = self.queue.next()
+
+
+def _rest(goal: Goal) -> float:
+    """The seconds for which a goal rests."""
+    return float(REST * 2 ** min(max(goal.tries - 1, 0), MOST_DOUBLINGS))

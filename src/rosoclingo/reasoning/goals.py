@@ -1,12 +1,13 @@
 """A client's goal, its life as actionlib draws it, and the list of all goals."""
 
 from enum import Enum, IntEnum
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import ProgressionError, parse_term
 from rosoclingo.reasoning.keywords import CANCEL, LONGEST, identifier_of, shortened
+from rosoclingo.reasoning.records import text_of
 
 
 class GoalState(Enum):
@@ -138,6 +139,18 @@ class Goal:
     def cancelling(self) -> bool:
         """Whether a client has asked to cancel the goal, which has not ended yet."""
         return self.state in CANCELLING
+
+    def record(self) -> List[Any]:
+        """Return what :meth:`restore` needs; for a live goal."""
+        rest = None if self.rests_until == float("-inf") else self.rests_until
+        state = [self.state.value, self.request_cycle, self.known, self.refused, self.overtaken, self.tries, rest]
+        return [text_of(self.term), *state]
+
+    def restore(self, record: Sequence[Any]) -> None:
+        """Go on from a record of this goal."""
+        state, self.request_cycle, self.known, self.refused, self.overtaken, self.tries, rest = record[1:]
+        self.state = GoalState(state)
+        self.rests_until = float("-inf") if rest is None else rest
 
     def apply(self, event: GoalEvent) -> None:
         """Take a transition of the table; raises TransitionError."""

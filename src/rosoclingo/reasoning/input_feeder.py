@@ -6,9 +6,11 @@ from clingo import Function, Number, Symbol, SymbolType
 
 from rosoclingo.oclingo import Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Item, Over, Withdraw
+from rosoclingo.oclingo.solving.state_text import symbols_from_text, symbols_to_text
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action, cancellation, request
 from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
 
 #: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
 PAUSE = 10.0
@@ -179,6 +181,25 @@ class InputFeeder:
         """Time passes, in seconds of whatever clock."""
         if self._paused is not None and not 0.0 <= now - self._paused < PAUSE:
             self._waits = self._paused = None
+
+    def record(self) -> Record:
+        """Return what waits as plain values; goals by their keys."""
+        requests = [[True, one.key] if isinstance(one, Goal) else [False, text_of(one)] for one in self._requests]
+        rejected = [text_of(one) for one in self._rejected if not isinstance(one, Goal)]
+        withdrawn = symbols_to_text(sorted(self._withdrawn))
+        rest = [actions_to_text(self._executed), withdrawn, self._waits, self._paused, self.arrivals]
+        facts = {f"fact:{text_of(fact)}": seen.record() for fact, seen in self._facts.items()}
+        return {**facts, "feeder": [requests, rejected, *rest]}
+
+    def restore(self, record: Record, goal_of: Callable[[str], Optional[Goal]]) -> None:
+        """Go on from a record; ``goal_of`` gives a live goal by its key."""
+        requests, rejected, executed, withdrawn, self._waits, self._paused, self.arrivals = record["feeder"]
+        found = [goal_of(text) if is_goal else symbol_of(text) for is_goal, text in requests]
+        self._requests = [one for one in found if one is not None]
+        self._rejected = [symbol_of(text) for text in rejected]
+        self._executed, self._withdrawn = actions_of(executed), symbols_from_text(withdrawn)
+        facts = group(record, "fact").items()
+        self._facts = {symbol_of(text): Observation.of_record(value) for text, value in facts}
 
     def preview(self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = ()) -> StreamUpdate:
         """Return what the next update would be, with ``further`` facts."""

@@ -1,11 +1,12 @@
 """What was observed of the world: failed actions, and facts from interfaces. Goals may contradict it."""
 
 from collections import deque
-from typing import Deque, FrozenSet, NamedTuple, Optional, Tuple
+from typing import Any, Deque, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.reasoning.keywords import RETURN, Action, Return, is_keyword, name_of, return_of
+from rosoclingo.reasoning.records import actions_of, actions_to_text, symbol_of, text_of
 
 #: So many are kept; what is older is taken for granted.
 MEMORY = 32
@@ -34,6 +35,18 @@ class Observation(NamedTuple):
     def is_return(self) -> bool:
         """Whether it is how an action ended."""
         return is_keyword(self.atom, RETURN)
+
+    def record(self) -> List[Any]:
+        """Return the observation as a plain value."""
+        told = None if self.told is None else text_of(self.told)
+        return [text_of(self.atom), self.cycle, actions_to_text(self.actions), self.origin, told, self.outdated]
+
+    @classmethod
+    def of_record(cls, record: Sequence[Any]) -> "Observation":
+        """Return the observation of :meth:`record`."""
+        atom, cycle, actions, origin, told, outdated = record
+        told = None if told is None else symbol_of(told)
+        return cls(symbol_of(atom), cycle, actions_of(actions), origin, told, outdated)
 
     def __str__(self) -> str:
         """The observation in words, for want of the program's own."""
@@ -65,6 +78,14 @@ class Observations:
     def drop(self, atoms: FrozenSet[Symbol]) -> None:
         """Remove the observations of these facts."""
         self._kept = deque((one for one in self._kept if one.atom not in atoms), maxlen=MEMORY)
+
+    def record(self) -> List[Any]:
+        """Return all observations, oldest first, as plain values."""
+        return [one.record() for one in self._kept]
+
+    def restore(self, record: Iterable[Any]) -> None:
+        """Go on from a record."""
+        self._kept.extend(map(Observation.of_record, record))
 
     def clear(self) -> None:
         """Remove all observations."""

@@ -2,7 +2,7 @@
 
 from collections import deque
 from contextlib import contextmanager
-from typing import Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -17,11 +17,13 @@ from rosoclingo.reasoning.keywords import (
     Action,
     KeywordError,
     Return,
+    action_of,
     is_keyword,
     return_of,
     shortened,
 )
 from rosoclingo.reasoning.observations import Observation, Observations
+from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, keys_of, symbol_of, text_of
 
 #: Facts of one message.
 MOST_FACTS = 1000
@@ -70,6 +72,17 @@ class _Group:
             raise ReturnError("this action has returned already")
         else:
             self._answers[parameter] = value
+
+    def record(self) -> List[Any]:
+        """Return the answers as plain values."""
+        answers = [[text_of(key), text_of(value)] for key, value in self._answers.items()]
+        return [answers, list(map(text_of, self._failures))]
+
+    def restore(self, record: Sequence[Any]) -> None:
+        """Go on from a record."""
+        answers, failures = record
+        self._answers = {symbol_of(key): symbol_of(value) for key, value in answers}
+        self._failures = list(map(symbol_of, failures))
 
     def expire(self, value: Symbol) -> None:
         """Count ``value`` as the failure of each action that has not returned."""
@@ -124,6 +137,20 @@ class Dispatch:
         if answer.interface not in self._groups:
             raise ReturnError(f"no action of '{answer.interface}' is under way in cycle {self.cycle}")
         self._groups[answer.interface].take(answer.value)
+
+    def record(self) -> List[Any]:
+        """Return the dispatch as a plain value."""
+        groups = [one.record() for one in self._groups.values()]
+        return [self.cycle, actions_to_text(self.actions), self.started, groups]
+
+    @classmethod
+    def of_record(cls, record: Sequence[Any]) -> "Dispatch":
+        """Return the dispatch of :meth:`record`."""
+        cycle, actions, started, groups = record
+        found = cls(cycle, actions_of(actions), started)
+        for one, value in zip(found._groups.values(), groups):
+            one.restore(value)
+        return found
 
     def expire(self, value: Symbol) -> Tuple[Action, ...]:
         """Count the actions that have not returned as failed with ``value``, whatever it names; return them."""
@@ -220,6 +247,23 @@ class ExecutionMonitor:
             self.observations.add_failure(answer, actions)
         self._executed.extend(dispatch.actions)
         return dispatch.actions
+
+    def record(self) -> Record:
+        """Return what is under way, was done, observed and told, as plain values."""
+        return {
+            "dispatch": None if self._dispatch is None else self._dispatch.record(),
+            "observations": self.observations.record(),
+            **{f"done:{text_of(action.atom)}": 1 for action in self._executed},
+            **{f"known:{text_of(fact)}": 1 for fact in self._known},
+        }
+
+    def restore(self, record: Record) -> None:
+        """Go on from a record."""
+        dispatch = record["dispatch"]
+        self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
+        self.observations.restore(record["observations"])
+        self._executed.extend(action_of(symbol_of(text)) for text in keys_of(record, "done"))
+        self._known = {symbol_of(text): None for text in keys_of(record, "known")}
 
     @contextmanager
     def _guarded(self, origin: str, text: str) -> Iterator[None]:

@@ -197,6 +197,10 @@ class Planner:
         horizon = max(before.horizon, taken.step or before.step)
         return self._beside(before.less(without).then(Taken(taken.less(without), horizon)))
 
+    def at(self, log: StreamLog) -> "Planner":
+        """Return a planner beside this one that has taken what is in ``log``."""
+        return self._beside(log)
+
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
         """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
         planner = self._beside((self._before or StreamLog()).less(without))

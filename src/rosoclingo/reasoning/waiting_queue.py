@@ -6,7 +6,7 @@ plan in time lets the others go before it, and then has more time.
 """
 
 import math
-from typing import Callable, List, Optional, Sequence, Set
+from typing import Any, Callable, List, Optional, Sequence, Set
 
 from rosoclingo.reasoning.goals import Goal
 
@@ -54,6 +54,14 @@ class GoalWindow:
         few = size is None or goals <= size // 2 or goals + waiting <= size
         self._full = size is not None and (goals >= size or (self._full and not few))
         return not self._full and not 0 < self._most <= goals
+
+    def record(self) -> List[Any]:
+        """Return what :meth:`restore_from` needs, plain values."""
+        return [self._size, self._growth, self._full, self._before, self._lost]
+
+    def restore_from(self, record: Sequence[Any]) -> None:
+        """Go on from a record."""
+        self._size, self._growth, self._full, self._before, self._lost = record
 
     def found(self, goals: int, seconds: Optional[float]) -> None:
         """A plan for so many goals was found in so many ``seconds``; None where none of the goals is new."""
@@ -121,6 +129,24 @@ class GoalQueue:
     def remove(self, goal: Goal) -> None:
         """A goal waits no longer."""
         self._waiting.discard(goal)
+
+    def record_of(self, goal: Goal) -> List[bool]:
+        """Return, as plain values, whether a goal waits, and whether it is known to be in hand."""
+        return [goal in self._waiting, goal in self._held]
+
+    def restore_goal(self, goal: Goal, waits: bool, held: bool) -> None:
+        """Go on with a goal from :meth:`record_of`."""
+        for goals in [self._waiting] * waits + [self._held] * held:
+            goals.add(goal)
+
+    def record(self) -> List[Any]:
+        """Return the rest as a plain value."""
+        return [self.stuck, *self.window.record()]
+
+    def restore(self, record: Sequence[Any]) -> None:
+        """Go on from a record."""
+        self.stuck = record[0]
+        self.window.restore_from(record[1:])
 
     def overtake(self, goal: Goal) -> None:
         """A live goal ends: the older ones are overtaken, if it had its turn."""

@@ -24,3 +24,7 @@ def passed(*instants):
 )
 def test_what_counts_as_passed(instants, expected):
     assert passed(*instants) == pytest.approx(expected)
+
+
+def test_it_begins_with_the_first_look():
+    assert PacedClock().at(1700000000.0, 70.0) == 0.0

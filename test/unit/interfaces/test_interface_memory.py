@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosoclingo.common.durable import sealed
 from rosoclingo.interfaces.memory import KEPT, RUNS, ActionMemory, Record
 
 PICKUP = "_action_lib(pickup,1,3)"
@@ -84,7 +85,8 @@ def test_a_line_that_was_not_finished_is_cut_off_and_the_next_is_whole(tmp_path)
 
 
 @pytest.mark.parametrize(
-    "line", [b"nonsense", b"00000000 {}", b"a3e25f65 []", b'6e2a2c0e {"action": 3}', b"\xff\xfe", b""]
+    "line",
+    [b"nonsense", b'{"crc":"00000000","action":"a","goal":"b"}', sealed({"action": 3})[:-1], b"\xff\xfe", b"", b"{"],
 )
 def test_a_damaged_line_is_told_and_left_out(tmp_path, line):
     dead = memory(tmp_path)

@@ -37,11 +37,32 @@ def test_all_parameters(program):
         "overtaking_limit": 7,
         "plan": "shortest",
         "plan_time": 3,
+        "journal": "~/kept",
+        "resume": "yes",
     }
     found = core_parameters(values)
     assert found == CoreParameters(
-        (program,), {"n": "4"}, ("office1",), CoreSettings(7, 5.0, True, 5, 7, 0.0), 2.0, "shortest", 3.0
+        (program,),
+        {"n": "4"},
+        ("office1",),
+        CoreSettings(7, 5.0, True, 5, 7, 0.0),
+        2.0,
+        "shortest",
+        3.0,
+        "~/kept",
+        "yes",
     )
+
+
+@pytest.mark.parametrize(("value", "word"), [(True, "yes"), (False, "no"), ("ask", "ask"), ("no", "no")])
+def test_whether_to_resume_as_yaml_has_it(program, value, word):
+    assert core_parameters({"program_files": program, "resume": value}).resume == word
+
+
+@pytest.mark.parametrize("value", [1, "perhaps", ["yes"]])
+def test_no_way_to_resume(program, value):
+    with pytest.raises(ParameterError, match="~resume: must be one of ask, yes, no"):
+        core_parameters({"program_files": program, "resume": value})
 
 
 def test_the_time_for_a_shorter_plan(program):

@@ -1,17 +1,19 @@
 """The node ``rosoclingo``: the pure core on topics, parameters and an action server."""
 
 import time
-import uuid
+from functools import partial
 from typing import Any, Callable, Dict, Optional, Set, Type
 
 import rospy
-from actionlib import ActionServer, ServerGoalHandle
+from actionlib import ServerGoalHandle
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
 from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
-from rosoclingo.msg import InterfaceIO, ROSoClingoAction
-from rosoclingo.nodes.core.goal_handles import GoalHandles
+from rosoclingo.msg import InterfaceIO
+from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, status_of
+from rosoclingo.nodes.core.goal_server import GoalServer
+from rosoclingo.nodes.core.keeping import find_journal
 from rosoclingo.nodes.core.loading import core_parameters, load_program
 from rosoclingo.nodes.core.reporting import CoreHealth
 from rosoclingo.nodes.core.topics import CoreTopics
@@ -20,7 +22,6 @@ from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.reasoning import (
     ActionsDispatched,
     ActionsPreempted,
-    Core,
     Event,
     GoalChanged,
     GoalProgress,
@@ -33,6 +34,8 @@ from rosoclingo.reasoning import (
 )
 from rosoclingo.reasoning.core_state import Health, Level, Report
 from rosoclingo.reasoning.interface_register import InterfaceRegister
+from rosoclingo.reasoning.keeper import Client, Keeper
+from rosoclingo.reasoning.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.runs.recorded_run import RunProgram
 
@@ -74,6 +77,12 @@ class CoreNode:
             goals to give up, and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit.
             The check under way still ends.
         ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
+        ~journal (str, default ""): the folder in which the core writes down all that it needs to go on after it was
+            killed; ``auto`` for one below ``rosoclingo`` in ROS_HOME that is named after the node, its master and the
+            program; empty for none.
+        ~resume (str, default ask): whether to go on with what is in the journal. ``ask``: where the roslaunch that has
+            started the core of the journal starts this one again; else it begins anew, the journal is set aside, and
+            open goals in it are told. ``yes``: always, and it does not start where it can't. ``no``: never.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
             In place of its cycle a fact may say ``now``: the next actions that go out heed it already.
@@ -94,7 +103,7 @@ class CoreNode:
     Actions served:
         rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 
-    Raises ParameterError and ProgramError when it cannot start.
+    Raises ParameterError, ProgramError and JournalError when it cannot start.
 
     """
 
@@ -102,7 +111,7 @@ class CoreNode:
         self._parameters = core_parameters()
         self._ending = False
         self._cancels: Set[str] = set()  # keys of goals whose cancel waits
-        self._last_time = 0.0
+        self._last_time, self._fault = 0.0, ""
         self._clock = PacedClock()
         self._handles = GoalHandles()
         program, odd = load_program(self._parameters)
@@ -110,18 +119,21 @@ class CoreNode:
             rospy.logwarn("%s: %s", rospy.get_name(), warning)
         plan_time = self._parameters.time_to_shorten
         self._solvers = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
-        self._core = Core(
+        found = find_journal(self._parameters, program)
+        self._keeper = Keeper(self._let_out, found.journal, time.monotonic)
+        self._core = KeptCore(
             program,
             self._solvers.solver,
-            self._observe,
+            self._keeper,
             self._parameters.settings,
             self._watch_search,
             self._watch_recovery,
+            record=found.state,
         )
+        self._keeper.attach(self._core, found.state)
         self._worker = Worker(self._settle)
-        run = _new_run()
-        self._topics = CoreTopics(lambda: self._core.awaited, run)
-        self._topics.program_loaded(RunProgram.of(run, program, self._parameters.deciding).text())
+        self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
+        self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
         self._health = CoreHealth(self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
@@ -139,7 +151,9 @@ class CoreNode:
 
     def _connect(self) -> None:
         self._worker.put(self._start)
-        self._server = ActionServer("rosoclingo", ROSoClingoAction, self._on_goal, self._on_cancel, auto_start=False)
+        self._server = GoalServer("rosoclingo", self._goal_arrived, self._cancel_arrived, self._on_arrival)
+        self._results = Results(self._server)
+        self._go_on_with_clients()
         self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
         rospy.on_shutdown(self._shut_down)
         start_server(self._server)
@@ -147,14 +161,8 @@ class CoreNode:
 
     # -- callbacks: they only put things into the queue
 
-    def _on_goal(self, handle: ServerGoalHandle) -> None:
-        key, text = handle.get_goal_id().id, handle.get_goal().request
-        self._worker.put(lambda: self._goal_came(key, text, handle))
-
-    def _on_cancel(self, handle: ServerGoalHandle) -> None:
-        key = handle.get_goal_id().id
-        self._cancels.add(key)
-        self._worker.put(lambda: self._cancel_came(key))
+    def _on_arrival(self) -> None:
+        self._worker.put(self._take_arrivals)
 
     def _on_facts(self, message: InterfaceIO) -> None:
         node = message._connection_header["callerid"]
@@ -169,10 +177,38 @@ class CoreNode:
         except DroppedError as error:
             rospy.logwarn("%s", error)
         self._core.start()
+        if self._core.plan.actions:
+            self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
 
-    def _goal_came(self, key: str, text: str, handle: ServerGoalHandle) -> None:
+    def _go_on_with_clients(self) -> None:
+        """Have the goals of a core that was killed, before the server tells of any."""
+        for key, client in self._keeper.clients.items():
+            status = status_of(client, self._core.goal(key))
+            handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status)
+            if client.ending is not None:
+                self._results.add(handle, client.ending)
+                continue
+            self._handles.add(key, handle)
+            if self._core.goal(key) is None:
+                self._worker.put(partial(self._core.add_goal, key, client.text))
+            if client.cancelled:
+                self._worker.put(partial(self._core.cancel_goal, key))
+
+    def _take_arrivals(self) -> None:
+        """Take goals and cancels, at any time: clients hear that they have come once that is written down."""
+        self._server.take(self._keeper.keep)
+
+    def _goal_arrived(self, handle: ServerGoalHandle) -> None:
+        key, text = handle.get_goal_id().id, handle.get_goal().request
         self._handles.add(key, handle)
-        self._core.add_goal(key, text)
+        self._keeper.add(key, Client(text, stamp_of(handle)))
+        self._worker.put(lambda: self._core.add_goal(key, text))
+
+    def _cancel_arrived(self, handle: ServerGoalHandle) -> None:
+        key = handle.get_goal_id().id
+        self._cancels.add(key)
+        self._keeper.cancel(key)
+        self._worker.put(lambda: self._cancel_came(key))
 
     def _cancel_came(self, key: str) -> None:
         self._cancels.discard(key)
@@ -186,6 +222,9 @@ class CoreNode:
 
     def _settle(self) -> Optional[float]:
         improvable = self._go_on()
+        self._keeper.send()
+        self._keeper.forget(self._results.over())
+        self._look_after_journal()
         self._health.tick()
         return 0.0 if improvable else None
 
@@ -200,8 +239,10 @@ class CoreNode:
             rospy.logwarn_throttle(10.0, "waiting for /clock")
             return False
         self._core.poll(self._time())
+        self._keeper.send()
         while not self._ending and not self._worker.waiting and self._core.advance(self._time()):
-            pass
+            self._keeper.send()
+        self._keeper.send()
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
 
@@ -227,6 +268,8 @@ class CoreNode:
         def look() -> Optional[Halt]:
             """Return why the search is to end now, None while it may go on."""
             self._health.tick()
+            if self._server.has_arrivals:
+                self._take_arrivals()
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
             if self._cancels and time.monotonic() - start >= CANCEL_GRACE:
@@ -256,16 +299,25 @@ class CoreNode:
 
     def _shut_down(self) -> None:
         self._ending = True
-        self._worker.put(lambda: self._core.abandon("is given up: the core shuts down"))
+        self._worker.put(lambda: self._core.leave("is given up: the core shuts down"))
+        self._worker.put(self._keeper.send)
+        self._worker.put(self._keeper.close)
         self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)
 
     # -- what the core tells
 
-    def _observe(self, event: Event) -> None:
+    def _let_out(self, event: Event) -> None:
         outlet = self._outlets.get(type(event))
         if outlet is not None:
             outlet(event)
+
+    def _look_after_journal(self) -> None:
+        """Tell that nothing is written, once."""
+        if self._keeper.fault != self._fault:
+            self._fault = self._keeper.fault
+            text = self._fault + ": the core goes on without" if self._fault else "the journal is written again"
+            (rospy.logwarn if self._fault else rospy.loginfo)("%s: %s", rospy.get_name(), text)
 
     def _plan_made(self, event: PlanMade) -> None:
         self._topics.plan_made(event)
@@ -284,9 +336,6 @@ class CoreNode:
         awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
         goals, waiting = len(self._core.live_goals), len(self._core.queue.waiting)
         report = health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
+        if self._keeper.fault:
+            report = report._replace(level=Level.WARN, message=self._keeper.fault)
         return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")
-
-
-def _new_run() -> str:
-    """An identity that no other run has, and that tells when it began (UTC)."""
-    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime()) + "-" + uuid.uuid4().hex[:8]

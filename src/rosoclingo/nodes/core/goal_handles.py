@@ -1,12 +1,18 @@
 """The clients' side of the core's goals: actionlib's goal handles, kept until their goals end."""
 
-from typing import Callable, Dict, List, Sequence, Tuple
+import time
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import rospy
 from actionlib import ServerGoalHandle
+from actionlib_msgs.msg import GoalStatus
 
-from rosoclingo.msg import ROSoClingoFeedback, ROSoClingoResult
-from rosoclingo.reasoning import Action, GoalChanged, GoalEvent, GoalProgress, GoalRefused, Outcome
+from rosoclingo.common.prompt_publisher import prompt_publisher
+from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
+from rosoclingo.nodes.core.goal_server import GoalServer
+from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
+from rosoclingo.reasoning.goals import TRANSITIONS
+from rosoclingo.reasoning.keeper import Client, Ending
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
     GoalEvent.SUCCEED: ServerGoalHandle.set_succeeded,
@@ -14,6 +20,9 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
     GoalEvent.REJECT: ServerGoalHandle.set_rejected,
     GoalEvent.ABORT: ServerGoalHandle.set_aborted,
 }
+
+#: Seconds of wall time for which results that may not have reached their clients are sent to whoever connects.
+RESENT = 60.0
 
 
 class GoalHandles:
@@ -50,3 +59,50 @@ class GoalHandles:
         handle = self._handles.pop(key)
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
         rospy.loginfo("goal '%s' %s: %s", handle.get_goal().request, outcome.name.lower(), message)
+
+
+class Results(rospy.SubscribeListener):  # type: ignore[misc]
+    """Results that may not have reached their clients before the core was killed: for each that connects now."""
+
+    def __init__(self, server: GoalServer) -> None:
+        super().__init__()
+        self._messages: List[ROSoClingoActionResult] = []
+        self._until = time.monotonic() + RESENT
+        prompt_publisher(
+            rospy.remap_name(server.ns) + "/result", ROSoClingoActionResult, queue_size=1000, subscriber_listener=self
+        )
+
+    def add(self, handle: ServerGoalHandle, ending: Ending) -> None:
+        """Take the result of a goal that has ended."""
+        result = ROSoClingoResult(int(ending.outcome), ending.message)
+        self._messages.append(ROSoClingoActionResult(status=handle.get_goal_status(), result=result))
+
+    def over(self) -> List[str]:
+        """The keys of goals whose results need not be sent any more."""
+        if not self._messages or time.monotonic() < self._until:
+            return []
+        messages, self._messages = self._messages, []
+        return [one.status.goal_id.id for one in messages]
+
+    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
+        """Called by rospy when a client has connected."""
+        for message in self._messages:
+            publish(message)
+
+
+def status_of(client: Client, goal: Optional[Goal]) -> int:
+    """Return actionlib's status of a goal; the core has none where it has not got to it, or the goal has ended."""
+    if client.ending is not None:
+        return _number(client.ending.state)
+    state = GoalState.PENDING if goal is None else goal.state
+    return _number(TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if client.cancelled else state)
+
+
+def _number(state: GoalState) -> int:
+    return int(getattr(GoalStatus, state.name))
+
+
+def stamp_of(handle: Any) -> Tuple[int, int]:
+    """When a goal was sent, in seconds and nanoseconds."""
+    stamp = handle.get_goal_id().stamp
+    return stamp.secs, stamp.nsecs

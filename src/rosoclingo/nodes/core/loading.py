@@ -10,6 +10,7 @@ from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, 
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.program_fitness import constant_remarks, program_warnings
+from rosoclingo.reasoning.resuming import RESUMES
 
 #: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
 PLANS = ("soon", "shortest")
@@ -19,7 +20,7 @@ PLANS = ("soon", "shortest")
 class CoreParameters:
     """The parameters of the core node.
 
-    ``recovery_timeout`` and ``plan_time`` are in seconds of processor time.
+    ``recovery_timeout`` and ``plan_time`` are in seconds of processor time. ``journal`` is empty for none.
     """
 
     program_files: Tuple[str, ...]
@@ -29,6 +30,8 @@ class CoreParameters:
     recovery_timeout: float = 5.0
     plan: str = PLANS[0]
     plan_time: float = 1.0
+    journal: str = ""
+    resume: str = RESUMES[0]
 
     @property
     def time_to_shorten(self) -> Optional[float]:
@@ -62,6 +65,8 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         recovery_timeout=given.at("recovery_timeout").number(CoreParameters.recovery_timeout, low=0.0, wanted=limit),
         plan=given.at("plan").choice(PLANS, CoreParameters.plan),
         plan_time=given.at("plan_time").number(CoreParameters.plan_time, low=0.0, wanted="seconds"),
+        journal=given.at("journal").text(CoreParameters.journal, wanted="a folder, auto, or empty for none"),
+        resume=_resume(given.at("resume")),
     )
     given.check()
     return found
@@ -90,6 +95,17 @@ def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> List
     if remarks.faults:
         raise ParameterError("\n".join(f"~constants: {fault}" for fault in remarks.faults))
     return [f"~constants: {warning}" for warning in remarks.warnings]
+
+
+def _resume(reader: Reader) -> str:
+    """One of the words; YAML takes two of them for true and false."""
+    words = {True: "yes", False: "no", **{word: word for word in RESUMES}}
+
+    def read(value: Any) -> Optional[str]:
+        """The word of a value, None where it is none."""
+        return words.get(value) if isinstance(value, (bool, str)) else None
+
+    return str(reader.read("one of {}".format(", ".join(RESUMES)), read, CoreParameters.resume, RESUMES[0]))
 
 
 def _files(reader: Reader) -> Tuple[str, ...]:

@@ -12,27 +12,42 @@ from rosoclingo.reasoning.keywords import CORE, run_of
 
 
 class CoreTopics:
-    """Used by the worker only. ``awaited`` gives the actions under way that have not returned, ``run`` is its name."""
+    """Used by the worker only.
 
-    def __init__(self, awaited: Callable[[], Tuple[Action, ...]], run: str) -> None:
-        self._awaited = awaited
+    ``awaited`` gives the actions under way that have not returned, ``preempted`` those of them that are not wanted any
+    more, ``run`` names the run, which goes on at ``cycle``.
+    """
+
+    def __init__(
+        self,
+        awaited: Callable[[], Tuple[Action, ...]],
+        preempted: Callable[[], Tuple[Action, ...]],
+        run: str,
+        cycle: int,
+    ) -> None:
+        self._awaited, self._preempted = awaited, preempted
         self._under_way: Tuple[InterfaceIO, ...] = ()
+        self._look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
-        newcomers = _Newcomers(lambda: (self._run, *self._under_way))
+        newcomers = _Newcomers(self._greeting)
         self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, newcomers, queue_size=100)
         _greet_first(self._out)
-        self._out.publish(self._run)  # to those who came before rospy had heard of the newcomers' greeting
+        for message in self._greeting():  # to those who came before rospy had heard of the newcomers' greeting
+            self._out.publish(message)
         self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
         self._program = rospy.Publisher("~program", String, latch=True, queue_size=1)
         self._updates = rospy.Publisher("~updates", String, queue_size=100)
         self._cycle = rospy.Publisher("~cycle", UInt32, latch=True, queue_size=10)
         self._told = 0
-        self._tell_cycle(1)
+        self._tell_cycle(cycle)
 
     @property
     def listeners(self) -> Set[str]:
         """The names of the nodes that hear the actions."""
         return {connection.endpoint_id for connection in self._out.impl.connections}
+
+    def _greeting(self) -> Tuple[InterfaceIO, ...]:
+        return (self._run, *self._under_way)
 
     def program_loaded(self, text: str) -> None:
         """Publish what the program is, and what else decisions depend on."""
@@ -57,18 +72,24 @@ class CoreTopics:
 
     def actions_dispatched(self, event: ActionsDispatched) -> None:
         """Publish the actions of a cycle."""
-        self._under_way = _messages((action, action.atom) for action in event.actions)
-        for message in self._under_way:
+        self._look()
+        for message in _messages((action, action.atom) for action in event.actions):
             self._out.publish(message)
 
     def actions_preempted(self, event: ActionsPreempted) -> None:
         """Publish the cancellations of actions."""
+        self._look()
         for message in _messages((action, action.cancellation) for action in event.actions):
             self._out.publish(message)
 
     def return_taken(self, _event: object) -> None:
         """Record a return: its action is no longer under way."""
-        self._under_way = _messages((action, action.atom) for action in self._awaited())
+        self._look()
+
+    def _look(self) -> None:
+        """Note what a newcomer has to know."""
+        wanted = _messages((action, action.atom) for action in self._awaited())
+        self._under_way = (*wanted, *_messages((action, action.cancellation) for action in self._preempted()))
 
 
 class _Newcomers(rospy.SubscribeListener):

@@ -1,0 +1,64 @@
+"""Files of lines that are on the disk before anybody can see what follows from them.  No ROS.
+
+A line is a JSON object that begins with the CRC-32 of what follows in it, so that it tells whether it is as it was
+written.
+"""
+
+import contextlib
+import json
+import os
+import zlib
+from pathlib import Path
+from typing import Any, Dict, Optional
+
+
+def sealed(value: Dict[str, Any]) -> bytes:
+    """Return a value, with at least one key, as a line."""
+    return _sealed(json.dumps(value, separators=(",", ":")).encode("ascii")) + b"\n"
+
+
+def opened(line: bytes) -> Optional[Dict[str, Any]]:
+    """Return the value of a line without its end; None if it is not as it was written."""
+    start = len(_sealed(b"{"))
+    body = b"{" + line[start:]
+    return dict(json.loads(body)) if len(line) > start and line == _sealed(body) else None
+
+
+def _sealed(body: bytes) -> bytes:
+    return b'{"crc":"%08x",' % zlib.crc32(body) + body[1:]
+
+
+def write(file: int, data: bytes) -> None:
+    """Write to a file descriptor, and return when the disk has it; raises OSError, with part of it written perhaps."""
+    left = memoryview(data)
+    while left:
+        left = left[os.write(file, left) :]
+    os.fsync(file)
+
+
+def replace(path: Path, data: bytes) -> int:
+    """Put a new file in the place of one that may be there, at once; return its descriptor, to :func:`write` more.
+
+    Raises OSError, and then the old one is still there, or the new one whole.
+    """
+    new = Path(f"{path}.new")
+    file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
+    try:
+        write(file, data)
+        os.replace(new, path)
+        sync_folder(path.parent)
+    except OSError:
+        os.close(file)
+        with contextlib.suppress(OSError):
+            new.unlink()
+        raise
+    return file
+
+
+def sync_folder(folder: Path) -> None:
+    """Have the names in a folder on the disk; raises OSError."""
+    file = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)

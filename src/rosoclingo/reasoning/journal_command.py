@@ -1,0 +1,52 @@
+"""The command ``journal``: shows what a core has written down, and clears it."""
+
+import sys
+from pathlib import Path
+
+from rosoclingo.reasoning.journal import JournalError, JournalFolder, lines_of, read
+
+#: What can be done with a journal.
+VERBS = ("show", "clear")
+
+
+def main(verb: str, name: str) -> int:
+    """Show or clear the journal in a folder; returns the exit code.
+
+    What is shown may be any file of the folder as well, and a core may be writing it. What a core has is not cleared.
+    """
+    try:
+        return _show(Path(name)) if verb == "show" else _clear(Path(name))
+    except OSError as error:
+        return _failed(f"{error.filename or name}: {error.strerror}")
+    except JournalError as error:
+        return _failed(str(error))
+
+
+def _show(path: Path) -> int:
+    file = path / "journal.jsonl" if path.is_dir() else path
+    try:
+        kept = read(file.read_bytes())
+    except JournalError as error:
+        raise JournalError(f"{file}: {error}") from None
+    sys.stdout.writelines(f"{line}\n" for line in lines_of(kept))
+    return 0
+
+
+def _clear(path: Path) -> int:
+    if not path.is_dir():
+        return _failed(f"{path} is no folder with a journal")
+    folder = JournalFolder(path)
+    try:
+        found = sorted(path.glob("journal.jsonl*"))
+        for one in found:
+            one.unlink()
+    finally:
+        folder.close()
+    names = ", ".join(one.name for one in found)
+    sys.stdout.write(f"removed {names}\n" if found else f"there is no journal in {path}\n")
+    return 0
+
+
+def _failed(why: str) -> int:
+    sys.stderr.write(f"journal: {why}\n")
+    return 1

@@ -1,0 +1,82 @@
+"""A core whose state can be written down, and that can go on from what was written."""
+
+from typing import Any, Optional, Tuple
+
+from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.records import LogRecorder, Record, log_of, plan_of, plan_to_value
+
+
+class KeptCore(Core):
+    """The core, with its state as plain values between any two of its steps.
+
+    What it does from a state on follows from the state and from what comes; but for a search that time ends, or one of
+    several answers that are as good.
+    """
+
+    def __init__(self, *arguments: Any, record: Optional[Record] = None, **more: Any) -> None:
+        """Begin, or go on from a ``record`` of a core with the same program; the rest is as :class:`Core` has it."""
+        super().__init__(*arguments, **more)
+        self._log = LogRecorder()
+        self._started = False
+        if record is not None:
+            self._restore(record)
+
+    def start(self) -> None:
+        """Begin, or tell the plan with which it goes on."""
+        if not self._started:
+            super().start()
+            self._started = True
+
+    @property
+    def preempted(self) -> Tuple[Action, ...]:
+        """The actions under way that are no longer wanted."""
+        return self._preemption.found
+
+    @property
+    def shown(self) -> Tuple[Action, ...]:
+        """The last actions done, and the plan that remains."""
+        return self._shown()
+
+    @property
+    def horizon(self) -> int:
+        """The last step that the solver has ground."""
+        return self._planner.log.horizon
+
+    def goal(self, key: str) -> Optional[Goal]:
+        """The live goal of a client's handle."""
+        return self._goals.by_key(key)
+
+    def leave(self, why: str) -> None:
+        """Abort every goal, as the core ends; one that goes on from here cancels what the program knows of them."""
+        self._goals.drop(self._goals.fed, why)
+        self.abandon(why)
+
+    def record(self) -> Record:
+        """Return the state by sections."""
+        cycle, latest = self._latest
+        numbers = [self._step, self._waits, self._improvable, self._announce.told, self._planner.lookahead, cycle]
+        return {
+            "core": [self._started, *numbers],
+            "plan": None if self._plan is None else plan_to_value(self._plan),
+            "latest": None if latest is self._plan else plan_to_value(latest),
+            **self._goals.record(),
+            **self._feeder.record(),
+            **self._execution.record(),
+            "preemption": self._preemption.record(),
+            **self._log.record(self._planner.log),
+        }
+
+    def _restore(self, record: Record) -> None:
+        numbers = record["core"]
+        self._started, self._step, self._waits, self._improvable, self._announce.told, lookahead, cycle = numbers
+        self._planner = self._planner.at(log_of(record))
+        self._planner.lookahead = lookahead
+        plan, latest = record["plan"], record["latest"]
+        self._plan = None if plan is None else plan_of(plan)
+        self._latest = cycle, plan_of(plan if latest is None else latest)
+        self._goals.restore(record)
+        self._feeder.restore(record, self._goals.by_key)
+        self._execution.restore(record)
+        self._preemption.restore(record["preemption"])

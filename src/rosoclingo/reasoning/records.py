@@ -1,0 +1,115 @@
+"""Plain values of what the core remembers: symbols, actions and the solver's log as texts that JSON knows."""
+
+from functools import lru_cache
+from typing import Any, Dict, Iterable, List, Optional, Tuple
+
+from clingo import Symbol
+
+from rosoclingo.oclingo.remote.wire import plan_from_message, plan_to_message
+from rosoclingo.oclingo.solving.state_text import symbol_list, symbols_to_text
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_from_message, entry_to_message
+from rosoclingo.reasoning.action_extractor import TaskPlan
+from rosoclingo.reasoning.keywords import Action, action_of
+
+#: The sections of a state by name, in the order in which they came.
+Record = Dict[str, Any]
+
+
+@lru_cache(maxsize=4096)  # the same ones are asked for again and again
+def text_of(symbol: Symbol) -> str:
+    """Return a symbol as text for :func:`symbol_of`."""
+    return symbols_to_text([symbol])
+
+
+def symbol_of(text: str) -> Symbol:
+    """Return the symbol of :func:`text_of`."""
+    return symbol_list(text)[0]
+
+
+def actions_to_text(actions: Iterable[Action]) -> str:
+    """Return actions, in order, as text."""
+    return ",".join(text_of(action.atom) for action in actions)
+
+
+def actions_of(text: str) -> Tuple[Action, ...]:
+    """Return the actions of :func:`actions_to_text`."""
+    return tuple(map(action_of, symbol_list(text)))
+
+
+@lru_cache(maxsize=4)
+def plan_to_value(plan: TaskPlan) -> List[Any]:
+    """Return a task plan as a plain value."""
+    return [actions_to_text(plan.actions), *plan.faults]
+
+
+def plan_of(value: List[Any]) -> TaskPlan:
+    """Return the plan of :func:`plan_to_value`."""
+    return TaskPlan(actions_of(value[0]), tuple(value[1:]))
+
+
+def group(record: Record, name: str) -> Dict[str, Any]:
+    """Return the sections ``name:KEY`` by their keys, in order."""
+    start = name + ":"
+    return {key[len(start) :]: value for key, value in record.items() if key.startswith(start)}
+
+
+def keys_of(record: Record, name: str) -> List[str]:
+    """Return the keys of the sections ``name:KEY``, in order."""
+    return list(group(record, name))
+
+
+class LogRecorder:
+    """The entries of a solver's log as sections: each has a name of its own, as long as it is part of the log.
+
+    Beside them stand the last plans where the next search begins, that of the log and that of the one before its last
+    update: the one from which the solver may go on instead.
+    """
+
+    def __init__(self) -> None:
+        self._sections: Dict[StreamLog, Tuple[str, Any]] = {}
+        self._count = 0
+
+    def record(self, log: StreamLog) -> Record:
+        """Return the sections of a log."""
+        sections: Dict[StreamLog, Tuple[str, Any]] = {}
+        for one in _needed(log):
+            sections[one] = self._sections.get(one) or self._section(one)
+        self._sections = sections
+        before = _before(log)
+        found = dict(sections.values())
+        found["plan_now"] = plan_to_message(log.plan)
+        if before is not None and before.plan is not log.plan:
+            found["plan_before"] = plan_to_message(before.plan)
+        return found
+
+    def _section(self, log: StreamLog) -> Tuple[str, Any]:
+        assert log.entry is not None
+        self._count += 1
+        return f"log:{self._count}", entry_to_message(log.entry)
+
+
+def log_of(record: Record) -> StreamLog:
+    """Return the log of :meth:`LogRecorder.record`."""
+    log = StreamLog().then(*map(entry_from_message, group(record, "log").values()))
+    log.plan = plan_from_message(record["plan_now"])
+    before = _before(log)
+    if before is not None:
+        before.plan = plan_from_message(record["plan_before"]) if "plan_before" in record else log.plan
+    return log
+
+
+def _before(log: StreamLog) -> Optional[StreamLog]:
+    return None if log.last is None else log.last.before
+
+
+def _needed(log: StreamLog) -> List[StreamLog]:
+    """The logs from the checkpoint, or the start, from which one can also go on instead of the last update."""
+    found: List[StreamLog] = []
+    before, passed, one = _before(log), False, log
+    while one.entry is not None:
+        found.append(one)
+        passed = passed or before is None or one is before
+        if one.before is None or (passed and isinstance(one.entry, Checkpoint)):
+            break
+        one = one.before
+    return found[::-1]

@@ -1,0 +1,169 @@
+"""What the core tells goes out once it is written, and each client's goal is kept until its end is told."""
+
+import json
+
+import pytest
+from core_driver import ERRANDS, shortest
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState, Outcome, journal
+from rosoclingo.reasoning.journal import Header, Journal, JournalFolder
+from rosoclingo.reasoning.keeper import Client, Ending, Keeper
+from rosoclingo.reasoning.kept_core import KeptCore
+
+PROGRAM = ReactiveProgram.from_text(ERRANDS)
+
+
+class Node:
+    """What a node does with a core, a keeper and a journal; ``told`` are the events that went out."""
+
+    def __init__(self, path):
+        self.folder = JournalFolder(path)
+        kept = self.folder.read()
+        self.told, self.at_event = [], lambda event: None
+        self.keeper = Keeper(self._tell, Journal(self.folder, Header("run", "program")), lambda: 0.0)
+        record = None if kept is None else kept.state
+        settings = CoreSettings(horizon_limit=8, search_timeout=0.0)
+        self.core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), self.keeper, settings, record=record)
+        self.keeper.attach(self.core, record)
+        self.core.start()
+        self.keeper.send()
+
+    def _tell(self, event):
+        self.at_event(event)
+        self.told.append(event)
+
+    @property
+    def on_disk(self):
+        """The state that another core would find."""
+        return self.folder.read().state
+
+    def goal(self, key, text):
+        """A goal comes."""
+        self.keeper.add(key, Client(text, (1, 2)))
+        self.keeper.keep()
+        self.core.add_goal(key, text)
+        return self.run()
+
+    def run(self):
+        """Go on as far as it goes."""
+        self.keeper.send()
+        while self.core.advance(1.0):
+            self.keeper.send()
+        self.keeper.send()
+        return self
+
+    def succeed(self):
+        """What is under way succeeds."""
+        for one in self.core.awaited:
+            self.core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
+        return self.run()
+
+
+class KilledError(Exception):
+    """Stands for SIGKILL."""
+
+
+@pytest.fixture
+def start(tmp_path):
+    nodes = []
+
+    def make():
+        for node in nodes:
+            node.folder.close()
+        nodes.append(Node(tmp_path))
+        return nodes[-1]
+
+    yield make
+    nodes[-1].folder.close()
+
+
+def test_whatever_goes_out_is_on_disk_before(start):
+    node = start()
+
+    def look(event):
+        state = node.on_disk
+        assert state["core"][1] >= event.cycle or event.cycle == 1
+        if isinstance(event, ActionsDispatched):
+            assert str(event.actions[0].atom) in json.dumps(state["dispatch"])
+        if isinstance(event, GoalChanged) and event.outcome is not None:
+            assert f"goal:{event.key}" not in state
+            assert state[f"client:{event.key}"][-1][0] == event.state.value
+        if isinstance(event, GoalRefused):
+            assert state[f"client:{event.key}"][-1] == ["rejected", 2, event.message]
+
+    node.at_event = look
+    node.goal("a", "do(walk,1)").goal("b", "do(").succeed()
+    assert [type(event) for event in node.told].count(GoalRefused) == 1
+    assert not node.keeper.clients
+
+
+def test_a_goal_that_was_kept_but_not_taken_is_there_after_a_kill(start):
+    node = start()
+    node.keeper.add("a", Client("do(walk,1)", (3, 4)))
+    node.keeper.cancel("a")
+    node.keeper.keep()
+    again = start()
+    assert again.keeper.clients == {"a": Client("do(walk,1)", (3, 4), cancelled=True)}
+    assert again.core.goal("a") is None
+
+
+def test_an_end_that_was_not_told_is_told_by_the_next_core(start):
+    node = start()
+    node.goal("a", "do(walk,1)")
+
+    def kill(event):
+        if isinstance(event, GoalChanged) and event.outcome is not None:
+            raise KilledError
+
+    node.at_event = kill
+    with pytest.raises(KilledError):
+        node.succeed()
+    again = start()
+    ending = Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
+    assert again.keeper.clients["a"].ending == ending
+    assert again.core.goal("a") is None
+    assert start().keeper.clients["a"].ending == ending
+    again = start()
+    again.keeper.forget(["a"])
+    again.goal("b", "do(walk,2)")
+    assert list(start().keeper.clients) == ["b"]
+
+
+def test_an_action_that_may_not_have_gone_out_is_still_awaited(start):
+    node = start()
+
+    def kill(event):
+        if isinstance(event, ActionsDispatched):
+            raise KilledError
+
+    node.at_event = kill
+    with pytest.raises(KilledError):
+        node.goal("a", "do(walk,1)")
+    again = start()
+    assert [str(action.atom) for action in again.core.awaited] == ["_action_lib(walk,1,1)"]
+    again.succeed()
+    ends = [event for event in again.told if isinstance(event, GoalChanged) and event.outcome is not None]
+    assert [event.outcome for event in ends] == [Outcome.SUCCEEDED]
+
+
+def test_a_core_that_was_shut_down_in_order_cancels_what_its_program_knows(start):
+    node = start()
+    node.goal("a", "do(walk,1)")
+    node.core.leave("is given up: the core shuts down")
+    node.keeper.send()
+    assert [event.outcome for event in node.told if isinstance(event, GoalChanged)][-1] is Outcome.ABORTED
+    again = start()
+    again.succeed()
+    assert not again.core.awaited
+    assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
+
+
+def test_the_journal_stays_small(start, monkeypatch):
+    monkeypatch.setattr(journal, "LONG", 10_000)
+    node, sizes = start(), []
+    for number in range(30):
+        node.goal(str(number), f"do(quick,{number})").succeed()
+        sizes.append(node.folder.path.stat().st_size)
+    assert any(after < before for before, after in zip(sizes, sizes[1:])), "it was written anew"
+    assert max(sizes) < 4 * len(json.dumps(node.on_disk)) + 20_000

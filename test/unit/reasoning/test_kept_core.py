@@ -1,0 +1,136 @@
+"""A core that goes on from its record does what it would have done."""
+
+import dataclasses
+import json
+from functools import partial
+
+import pytest
+from core_driver import ERRANDS, shortest, soon
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import CoreSettings, PlanMade
+from rosoclingo.reasoning.journal import changes, line_of, read
+from rosoclingo.reasoning.kept_core import KeptCore
+
+SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
+
+
+class Disk:
+    """A journal in memory."""
+
+    def __init__(self):
+        self._lines, self._before = [line_of(0, {"format": 1, "run": "", "program": "", "launch": ""})], {}
+
+    def write(self, state):
+        """Write what has changed."""
+        state = json.loads(json.dumps(state))
+        change = changes(self._before, state)
+        if change or len(self._lines) == 1:
+            self._lines.append(line_of(len(self._lines), change))
+        self._before = state
+
+    def read(self):
+        """The state that a new core finds."""
+        return read(b"".join(self._lines)).state
+
+
+class Play:
+    """A core and what comes to it; at some of its steps it is made anew, of its record or with a solver that is new."""
+
+    def __init__(self, program, solver, settings, restores):
+        self.program, self._make, self._settings = program, lambda: solver(program), settings
+        self._restores, self._disk = restores, Disk()
+        self.events, self.now, self._cuts, self._steps = [], 1.0, frozenset(), 0
+        self.core = self._new()
+
+    def _new(self, record=None):
+        return KeptCore(self.program, self._make, self.events.append, self._settings, record=record)
+
+    def play(self, script, cuts):
+        """Play a script with cuts after these steps; return all that was told."""
+        self._cuts = cuts
+        self.core.start()
+        self._step()
+        for happened in script:
+            happened(self)
+            self._step()
+            self._go_on()
+        return [_plain(event) for event in self.events]
+
+    def _go_on(self):
+        for _ in range(60):
+            self.core.poll(self.now)
+            self._step()
+            if not self.core.advance(self.now):
+                return
+            self._step()
+
+    def _step(self):
+        """One step has been done: here the core may be killed."""
+        self._steps += 1
+        if self._restores:
+            self._disk.write(self.core.record())
+        if self._steps in self._cuts:
+            if self._restores:
+                self.core = self._new(self._disk.read())
+                self.core.start()
+            else:
+                self.core._planner = self.core._planner.at(self.core._planner.log)
+
+    def answer(self, which, value):
+        """An action returns success (None) or a value."""
+        awaited = self.core.awaited
+        if awaited:
+            one = awaited[which % len(awaited)]
+            self.core.receive("hand", [f"_return({one.interface},{value or one.parameter},{one.cycle})"])
+
+    def wait(self, seconds):
+        """Time passes."""
+        self.now += seconds
+
+
+def _plain(event):
+    return dataclasses.replace(event, ground=0.0, solve=0.0) if isinstance(event, PlanMade) else event
+
+
+SIZES = st.integers(0, 5)
+COMMON = [
+    st.builds(lambda which: lambda play: play.answer(which, None), SIZES),
+    st.builds(lambda which: lambda play: play.answer(which, None), SIZES),
+    st.builds(
+        lambda which, value: lambda play: play.answer(which, value), SIZES, st.sampled_from(["failed", "blocked"])
+    ),
+    st.builds(lambda seconds: lambda play: play.wait(seconds), st.sampled_from([0.5, 31.0])),
+]
+
+
+def scripts(texts, facts):
+    """What may come to a core with goals of these texts, and facts."""
+    goals = st.builds(lambda text: lambda play: play.core.add_goal(text, text), texts)
+    cancels = st.builds(lambda text: lambda play: play.core.cancel_goal(text), texts)
+    others = st.builds(lambda fact: lambda play: play.core.receive("sensor", [fact]), st.sampled_from(facts))
+    return st.lists(st.one_of(goals, goals, cancels, others, *COMMON), min_size=3, max_size=14)
+
+
+CUTS = st.frozensets(st.integers(1, 60), min_size=1, max_size=4)
+ERRAND = st.builds("do({},{})".format, st.sampled_from(["walk", "run", "quick", "never"]), st.integers(1, 6))
+
+
+def compare(program, solver, script, cuts):
+    """Play twice, with the core made anew of its record or not."""
+    plays = [Play(program, solver, SETTINGS, restores).play(script, cuts) for restores in (False, True)]
+    assert plays[0] == plays[1]
+
+
+#: Solvers as either setting of ``~plan`` has them; without time to shorten plans, which no two runs have the same of.
+SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS)
+@settings(max_examples=max(10, settings.default.max_examples // 4))
+@given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
+def test_errands_go_on_as_they_would_have(solver, script, cuts):
+    compare(ReactiveProgram.from_text(ERRANDS), solver, script, cuts)

@@ -1,0 +1,140 @@
+"""A core that starts: whether it goes on with the journal that is there."""
+
+import errno
+import os
+
+import pytest
+
+from rosoclingo.reasoning import journal_command
+from rosoclingo.reasoning.journal import Header, JournalError, JournalFolder, line_of
+from rosoclingo.reasoning.resuming import open_journal
+
+BEFORE = Header("first", "program", "launch 1")
+AGAIN = Header("second", "program", "launch 1")
+STATE = {"core": [True, 7], "goal:a": ["goal(1)"], "goal:b": ["goal(2)"]}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "core"
+
+
+@pytest.fixture
+def left(folder):
+    """A journal that a core has left behind."""
+    place = JournalFolder(folder)
+    place.begin(BEFORE, STATE)
+    place.close()
+    return place.path
+
+
+def opened(folder, resume, header):
+    found = open_journal(folder, resume, header)
+    if found.journal is not None:
+        found.journal.close()
+    return found
+
+
+def test_no_journal(folder):
+    assert opened(None, "yes", AGAIN)[:3] == (None, "second", None)
+
+
+@pytest.mark.parametrize("resume", ["ask", "yes", "no"])
+def test_nothing_is_there_yet(folder, resume):
+    found = opened(folder, resume, AGAIN)
+    assert (found.run, found.state, found.remarks) == ("second", None, [])
+
+
+@pytest.mark.parametrize(
+    ("resume", "launch"), [("ask", "launch 1"), ("yes", "launch 1"), ("yes", "launch 2"), ("yes", "")]
+)
+def test_it_goes_on(folder, left, resume, launch):
+    found = opened(folder, resume, AGAIN._replace(launch=launch))
+    assert (found.run, found.state, found.odd) == ("first", STATE, False)
+    assert found.remarks == [f"goes on with {left}: run first, cycle 7, 2 open goals"]
+
+
+@pytest.mark.parametrize(
+    ("resume", "launch"), [("ask", "launch 2"), ("ask", ""), ("no", "launch 1"), ("no", "launch 2")]
+)
+def test_it_begins_anew(folder, left, resume, launch):
+    found = opened(folder, resume, AGAIN._replace(launch=launch))
+    assert (found.run, found.state) == ("second", None)
+    assert not left.exists()
+    assert (folder / "journal.jsonl.old").exists()
+    assert found.odd == (resume == "ask")
+    assert ("2 open goals" in "".join(found.remarks)) == (resume == "ask")
+
+
+def test_two_started_by_hand_have_no_launch_in_common(folder):
+    place = JournalFolder(folder)
+    place.begin(BEFORE._replace(launch=""), STATE)
+    place.close()
+    assert opened(folder, "ask", AGAIN._replace(launch="")).state is None
+
+
+def test_nothing_is_said_of_a_journal_without_goals(folder):
+    place = JournalFolder(folder)
+    place.begin(BEFORE, {"core": [True, 7]})
+    place.close()
+    found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
+    assert (found.remarks, found.odd) == ([], False)
+
+
+@pytest.mark.parametrize("resume", ["ask", "yes"])
+def test_another_program(folder, left, resume):
+    with pytest.raises(JournalError, match=r"is of another program .*: start with that one, or without the journal"):
+        opened(folder, resume, AGAIN._replace(program="other"))
+    assert left.exists()
+
+
+@pytest.mark.parametrize("resume", ["ask", "yes"])
+def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume):
+    whole = left.read_bytes()
+    left.write_bytes(whole.replace(b"goal(2)", b"goal(3)"))
+    with pytest.raises(JournalError, match="line 2 is not as it was written: start without it"):
+        opened(folder, resume, AGAIN)
+    left.write_bytes(line_of(0, {**BEFORE.record, "format": 2}))
+    with pytest.raises(JournalError, match=r"line 1: it is of format 2, this version reads 1: .*journal clear"):
+        opened(folder, resume, AGAIN)
+    found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
+    assert found.odd, "another launch begins anew, and tells it"
+
+
+def test_two_cores(folder):
+    first = open_journal(folder, "ask", AGAIN)
+    with pytest.raises(JournalError, match="another core has the journal"):
+        open_journal(folder, "ask", AGAIN)
+    first.journal.close()
+
+
+def test_a_folder_that_cannot_be_written(folder, monkeypatch):
+    def refuse(*_, **__):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(os, "open", refuse)
+    found = opened(folder, "ask", AGAIN)
+    assert found.journal is None
+    assert found.odd
+    assert "Read-only file system" in found.remarks[0]
+
+
+def test_a_journal_that_went_stale_is_told(folder, left):
+    left.rename(f"{left}.stale")
+    found = opened(folder, "yes", AGAIN)
+    assert found.state is None
+    assert "nothing is resumed: the disk failed" in found.remarks[0]
+
+
+def test_the_command_shows_and_clears(folder, left, capsys):
+    assert journal_command.main("show", str(folder)) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "run first, 1 records since all was written"
+    core = JournalFolder(folder)
+    assert journal_command.main("clear", str(folder)) == 1
+    assert "another core has the journal" in capsys.readouterr().err
+    core.close()
+    assert journal_command.main("clear", str(folder)) == 0
+    assert capsys.readouterr().out == "removed journal.jsonl\n"
+    assert not left.exists()
+    assert journal_command.main("show", str(folder)) == 1
+    assert "No such file" in capsys.readouterr().err
