@@ -1,6 +1,5 @@
 """A clock for time limits on what takes processor time, whatever the pace of simulated time."""
 
-
 from typing import Optional, Tuple
 
 

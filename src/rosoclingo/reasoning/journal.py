@@ -1,9 +1,9 @@
 """The journal: the core's state on disk, written before anybody outside can see what follows from it.
 
 A folder holds one file, ``journal.jsonl``: a header, then records. A record says which sections of the state are other
-than before; the first holds all of them, so that the file has a beginning however long the core has run. Each line tells
-whether it is as it was written (:mod:`rosoclingo.common.durable`). A last line without its end was not written to the
-end and is cut off; any other line that is not as it was written makes the journal one that nobody should trust.
+than before; the first holds all of them, so that the file has a beginning however long the core has run. Each line
+tells whether it is as it was written (:mod:`rosoclingo.common.durable`). A last line without its end was not written
+to the end and is cut off; any other line that is not as it was written makes the journal one that nobody should trust.
 """
 
 import contextlib

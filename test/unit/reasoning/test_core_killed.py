@@ -1,0 +1,314 @@
+"""The core is killed at any instant: each goal ends once, as it should, and nothing is done twice."""
+
+import contextlib
+import os
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from core_driver import ERRANDS, shortest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.common import durable
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState, journal
+from rosoclingo.reasoning.journal import Header, Journal, JournalFolder
+from rosoclingo.reasoning.keeper import Client, Keeper
+from rosoclingo.reasoning.kept_core import KeptCore
+
+PROGRAM = ReactiveProgram.from_text(ERRANDS)
+KINDS = ("walk", "run", "quick", "never", "nonsense")
+
+
+class KilledError(BaseException):
+    """Stands for SIGKILL: nobody catches it."""
+
+
+class Fate:
+    """Says at which instants the core is killed: after so many more of them, in the midst of a line if in one.
+
+    ``kills`` are pairs: how many instants later, and how many thousandths of a line are written by then. Of all
+    ``instants`` those in ``writes`` are in the midst of a line.
+    """
+
+    def __init__(self, kills=()):
+        self._kills, self.instants, self.writes = list(kills), 0, set()
+        self._left = self._kills[0][0] if self._kills else 0
+        self.file = None
+
+    @contextlib.contextmanager
+    def rules(self):
+        """The disk and its files are in the hands of fate; no real disk is waited for."""
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(durable, "write", self._write)
+            patch.setattr(durable, "sync_folder", lambda folder: self.pass_instant())
+            patch.setattr(journal, "LONG", 3000)
+            yield
+
+    def pass_instant(self):
+        """An instant at which the core may be killed."""
+        if self._is_now():
+            raise KilledError
+
+    def _is_now(self):
+        self.instants += 1
+        self._left -= 1
+        return self._left == 0
+
+    def _write(self, file, data):
+        self.file = file
+        self.writes.add(self.instants + 1)
+        if self._is_now():
+            os.write(file, data[: len(data) * self._kills[0][1] // 1000])
+            raise KilledError
+        os.write(file, data)
+
+    def let_go(self):
+        """What the system does after a kill: the file is closed."""
+        self._kills = self._kills[1:]
+        self._left = self._kills[0][0] if self._kills else 0
+        if self.file is not None:
+            with contextlib.suppress(OSError):
+                os.close(self.file)
+            self.file = None
+
+
+class World:
+    """Clients and interfaces, who outlive the core: goals by their numbers, what was done, and what was told of it."""
+
+    def __init__(self):
+        self.goals, self.cancelled = {}, set()
+        self.answers, self.done, self.ends = {}, Counter(), {}
+
+    def hear(self, event):
+        """The core tells something."""
+        if isinstance(event, ActionsDispatched):
+            for action in event.actions:
+                self.command(action)
+        elif isinstance(event, GoalRefused):
+            self.end(event.key, GoalState.REJECTED)
+        elif isinstance(event, GoalChanged) and event.outcome is not None:
+            self.end(event.key, event.state)
+
+    def end(self, key, state):
+        """A goal has ended, which may be told again, but not in other words."""
+        assert self.ends.setdefault(key, state) == state
+
+    def command(self, action):
+        """An action is to be done, if it is not known yet."""
+        assert not self.done[str(action.parameter)] or action in self.answers, f"{action} is done already"
+        self.answers.setdefault(action, None)
+
+    def do(self, action, good):
+        """An action ends well or not; one that has ended stays as it is. Returns its answer."""
+        if self.answers[action] is None:
+            good = good or str(action.interface) == "quick"
+            self.done[str(action.parameter)] += good
+            value = action.parameter if good else "failed"
+            self.answers[action] = f"_return({action.interface},{value},{action.cycle})"
+        return self.answers[action]
+
+    def check(self):
+        """Each goal has ended as the world has it."""
+        for key, kind in self.goals.items():
+            state, done = self.ends[key], self.done[key]
+            assert done <= 1
+            if kind == "nonsense":
+                assert state is GoalState.REJECTED
+            elif key in self.cancelled:
+                assert state not in (GoalState.REJECTED, *[GoalState.ABORTED] * (kind != "never"))
+            else:
+                assert state is (GoalState.ABORTED if kind == "never" else GoalState.SUCCEEDED)
+            assert done or state is not GoalState.SUCCEEDED
+            assert not done or state is not GoalState.RECALLED
+
+
+class Node:
+    """What the core's node does, in a folder; it is killed where ``fate`` says so."""
+
+    def __init__(self, folder, world, fate, preempt):
+        self._world, self._fate = world, fate
+        kept = folder.read()
+        record = None if kept is None else kept.state
+        self.keeper = Keeper(self._tell, Journal(folder, Header("run", "program")), lambda: 0.0)
+        limits = CoreSettings(horizon_limit=8, search_timeout=0.0, action_timeout=0.0, preempt=preempt, goals_at_once=3)
+        self.core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), self.keeper, limits, record=record)
+        self.keeper.attach(self.core, record)
+        for action in self.core.awaited:
+            world.command(action)
+        self.core.start()
+        for key, client in self.keeper.clients.items():
+            if client.ending is not None:
+                world.end(key, client.ending.state)
+            elif self.core.goal(key) is None:
+                self.core.add_goal(key, client.text)
+            if client.ending is None and client.cancelled:
+                self.core.cancel_goal(key)
+        self.run()
+
+    def _tell(self, event):
+        self._fate.pass_instant()
+        self._world.hear(event)
+
+    def run(self):
+        """Go on as far as it goes."""
+        self.core.poll(1.0)
+        self.keeper.send()
+        for _ in range(100):
+            self._fate.pass_instant()
+            if not self.core.advance(1.0):
+                break
+            self.keeper.send()
+        else:
+            raise AssertionError("the core does not come to rest")
+        self.keeper.send()
+
+    def goal(self, key, text):
+        """A goal arrives."""
+        self.keeper.add(key, Client(text, (1, 2)))
+        self.keeper.keep()
+        self.core.add_goal(key, text)
+
+    def cancel(self, key):
+        """A cancel arrives."""
+        self.keeper.cancel(key)
+        self.keeper.keep()
+        self.core.cancel_goal(key)
+
+
+class Play:
+    """A core that is made anew whenever it was killed, and what comes to it."""
+
+    def __init__(self, path, fate, preempt):
+        self._path, self._fate, self._preempt = path, fate, preempt
+        self.world, self._folder, self._node = World(), None, None
+        self.kills = 0
+        self._begin_again()
+
+    def _begin_again(self):
+        """Whoever has not heard of his goal sends it again; interfaces answer again."""
+        while True:
+            try:
+                self._folder = JournalFolder(self._path)
+                self._node = Node(self._folder, self.world, self._fate, self._preempt)
+                for key, kind in self.world.goals.items():
+                    if key not in self.world.ends and key not in self._node.keeper.clients:
+                        self._node.goal(key, text_of(key, kind))
+                for action in self._node.core.awaited:
+                    if self.world.answers[action] is not None:
+                        self._node.core.receive("hand", [self.world.answers[action]])
+                self._node.run()
+            except KilledError:
+                self._kill()
+            else:
+                return
+
+    def _kill(self):
+        self.kills += 1
+        self._folder.close()
+        self._fate.let_go()
+
+    def play(self, script):
+        """Play a script, then let all succeed and end; what has come about is true."""
+        for name, *values in script:
+            self._happen(getattr(self, name), *values)
+        for _ in range(100):
+            if not self._node.core.awaited:
+                break
+            self._happen(self.answer, 0, True)
+        self._folder.close()
+        self.world.check()
+        return self
+
+    def _happen(self, what, *values):
+        try:
+            what(*values)
+            self._node.run()
+        except KilledError:
+            self._kill()
+            self._begin_again()
+
+    def goal(self, kind):
+        """A client sends a goal."""
+        key = str(len(self.world.goals) + 1)
+        self.world.goals[key] = kind
+        self._node.goal(key, text_of(key, kind))
+
+    def cancel(self, number):
+        """A client cancels a goal."""
+        key = str(number)
+        if key in self.world.goals and key not in self.world.ends:
+            self.world.cancelled.add(key)
+            self._node.cancel(key)
+
+    def answer(self, which, good):
+        """What is under way ends."""
+        awaited = self._node.core.awaited
+        if awaited:
+            action = awaited[which % len(awaited)]
+            self._node.core.receive("hand", [self.world.do(action, good)])
+
+    def fact(self, fact):
+        """Something else is told."""
+        self._node.core.receive("sensor", [fact])
+
+
+def text_of(key, kind):
+    """A goal's text."""
+    return "do(" if kind == "nonsense" else f"do({kind},{key})"
+
+
+def played(script, kills=(), preempt=False):
+    """Play a script with kills."""
+    fate = Fate(kills)
+    with tempfile.TemporaryDirectory() as name, fate.rules():
+        return Play(Path(name), fate, preempt).play(script), fate
+
+
+#: Goals that are met, refused, cancelled and given up, a failure, a fact, several at once and one after the other.
+SCRIPT = [
+    ("goal", "walk"),
+    ("goal", "quick"),
+    ("goal", "nonsense"),
+    ("answer", 0, False),
+    ("goal", "run"),
+    ("cancel", 4),
+    ("fact", "_seen(ball)"),
+    ("answer", 1, True),
+    ("goal", "never"),
+    ("answer", 0, True),
+    ("goal", "walk"),
+    ("cancel", 6),
+    ("goal", "run"),
+    ("answer", 0, False),
+]
+
+
+@pytest.mark.slow
+def test_killed_at_every_instant():
+    _, fate = played(SCRIPT)
+    assert fate.writes
+    for instant in range(1, fate.instants + 1):
+        for cut in (0, 500, 1000) if instant in fate.writes else (0,):
+            play, _ = played(SCRIPT, [(instant, cut)])
+            assert play.kills == 1
+
+
+KEYS = st.integers(1, 8)
+HAPPENED = st.one_of(
+    st.tuples(st.just("goal"), st.sampled_from(KINDS)),
+    st.tuples(st.just("goal"), st.sampled_from(KINDS[:3])),
+    st.tuples(st.just("cancel"), KEYS),
+    st.tuples(st.just("answer"), KEYS, st.booleans()),
+    st.tuples(st.just("answer"), KEYS, st.booleans()),
+    st.tuples(st.just("fact"), st.sampled_from(["_seen(ball)", "_seen(cup)", "_unheard(1)"])),
+)
+KILLS = st.lists(st.tuples(st.integers(1, 40), st.integers(0, 1000)), min_size=1, max_size=8)
+
+
+@pytest.mark.slow
+@given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS, preempt=st.booleans())
+def test_killed_again_and_again(script, kills, preempt):
+    played(script, kills, preempt)
