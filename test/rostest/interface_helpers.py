@@ -2,15 +2,18 @@
 
 import os
 import queue
+import resource
 import signal
 import subprocess
 import threading
 import time
 import xmlrpc.client
+from contextlib import contextmanager
 
 import rosgraph
 import rospy
 from actionlib.action_server import ActionServer
+from diagnostic_msgs.msg import DiagnosticArray
 from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import comes_to
@@ -114,6 +117,42 @@ def process_of(node):
     """The process of a node, as the master knows it."""
     uri = rosgraph.Master(rospy.get_name()).lookupNode(rospy.resolve_name(node))
     return xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2]
+
+
+def is_another(node, process):
+    """Whether a node that was killed is there again: not as this process."""
+    try:
+        return process_of(node) != process
+    except OSError:
+        return False  # the master has the dead one's address
+
+
+def kill(*nodes):
+    """Kill nodes all at once, and wait until each is started again."""
+    processes = {node: process_of(node) for node in nodes}
+    for process in processes.values():
+        os.kill(process, signal.SIGKILL)
+    for node, process in processes.items():
+        wait_until(lambda one=node, old=process: is_another(one, old), f"{node} to be started again")
+
+
+@contextmanager
+def full_disk(process, room=0):
+    """A disk on which a process can make no file larger than some bytes: EFBIG in place of ENOSPC, as any user."""
+    limit = resource.prlimit(process, resource.RLIMIT_FSIZE)
+    resource.prlimit(process, resource.RLIMIT_FSIZE, (room, limit[1]))
+    try:
+        yield
+    finally:
+        resource.prlimit(process, resource.RLIMIT_FSIZE, limit)
+
+
+def wait_for_diagnosis(name, condition, what):
+    """Wait until a status of /diagnostics is as a condition wants it."""
+    reports = []
+    subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: reports.extend(one.status))
+    wait_until(lambda: any(one.name == name and condition(one) for one in list(reports)), what)
+    subscriber.unregister()
 
 
 class Server:

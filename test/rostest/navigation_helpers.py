@@ -29,6 +29,7 @@ class Driver:
         self._changed = threading.Condition()
         self.pose = self.speed = None
         self.collisions = []
+        self.stops = 0  # how often it has come to a stand
         self.feedback = 0
         rospy.Subscriber(prefix + "base_pose_ground_truth", Odometry, self._on_truth)
         self.prefix = prefix
@@ -45,8 +46,9 @@ class Driver:
         position, rotation = message.pose.pose.position, message.pose.pose.orientation
         with self._changed:
             self.pose = (position.x, position.y, 2.0 * math.atan2(rotation.z, rotation.w))
-            twist = message.twist.twist
+            twist, before = message.twist.twist, self.speed
             self.speed = (math.hypot(twist.linear.x, twist.linear.y), twist.angular.z)
+            self.stops += self.speed == (0.0, 0.0) != before
             self._changed.notify_all()
 
     def wait(self, condition, limit=PATIENCE):

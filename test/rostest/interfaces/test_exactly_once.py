@@ -3,6 +3,7 @@
 
 import itertools
 import os
+import re
 import signal
 import sys
 import unittest
@@ -13,12 +14,20 @@ import rospy
 import rostest
 from actionlib.msg import TestAction
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import Int32MultiArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Process, Server, process_of, wait_until
+from interface_helpers import (
+    CoreSide,
+    Process,
+    Server,
+    full_disk,
+    is_another,
+    process_of,
+    wait_for_diagnosis,
+    wait_until,
+)
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 NODE = "interface"
@@ -26,9 +35,8 @@ NAMES = ("arm", "drive", "shelf")
 GOALS = itertools.count(1)
 
 
-def is_idle(report, name):
-    values = {pair.key: pair.value for pair in report.values}
-    return report.name == f"rosoclingo: interface {name}" and values["under way"] == "0"
+def is_idle(report):
+    return {pair.key: pair.value for pair in report.values}["under way"] == "0"
 
 
 class ExactlyOnce(unittest.TestCase):
@@ -78,13 +86,7 @@ class ExactlyOnce(unittest.TestCase):
         os.kill(process, signal.SIGSTOP)
         before_it_dies()
         os.kill(process, signal.SIGKILL)
-        wait_until(lambda: self.is_new(process), "the node to be started again")
-
-    def is_new(self, process):
-        try:
-            return process_of(NODE) != process
-        except OSError:
-            return False  # the master has the dead one's address
+        wait_until(lambda: is_another(NODE, process), "the node to be started again")
 
     def settle(self):
         """Wait until the node has done what it was told before."""
@@ -95,10 +97,7 @@ class ExactlyOnce(unittest.TestCase):
 
     def wait_until_idle(self, name):
         """Wait until the interface says that nothing is under way."""
-        reports = []
-        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: reports.extend(one.status))
-        wait_until(lambda: any(is_idle(one, name) for one in list(reports)), f"{name} to be idle")
-        diagnostics.unregister()
+        wait_for_diagnosis(f"rosoclingo: interface {name}", is_idle, f"{name} to be idle")
 
     # ---- the core is killed ---------------------------------------------------------------------------------------
 
@@ -202,6 +201,17 @@ class ExactlyOnce(unittest.TestCase):
         self.kill_node(send)
         self.servers["arm"].accept().set_succeeded()
         self.assertEqual(self.core.receive(), ["_return(arm,0,4)"])
+
+    def test_a_disk_that_was_full_is_written_as_soon_as_there_is_room(self):
+        with full_disk(process_of(NODE)):
+            fact, answer, number, goal = self.begin("arm")
+            goal.set_succeeded()
+            self.assertEqual(self.core.receive(), [answer.format(number)])
+            trouble = "cannot write .*: File too large"
+            wait_for_diagnosis("rosoclingo: interface arm", lambda one: re.match(trouble, one.message), "the trouble")
+        wait_for_diagnosis("rosoclingo: interface arm", lambda one: one.message == "idle", "its end")
+        self.kill_node()
+        self.assertEqual(self.core.receive(), [answer.format(number)])
 
     # ---- the server is killed -------------------------------------------------------------------------------------
 

@@ -91,6 +91,17 @@ class MasterRestarted(unittest.TestCase):
         )
         self.assertIn("width: 348", found.stdout)
 
+    def test_what_an_office_keeps_for_its_successor_is_kept_again(self):
+        self.run_node("office", "_labels:={hall: [0, 0], attic: [9, 9]}", "_packages:={hall: ['1', '2']}")
+        wait_until(lambda: self.known((2, "/office/put_package", "/office")), "the office")
+        call = ["rosservice", "call", "/office/put_package", "{package: '1', location: attic}"]
+        subprocess.run(call, check=True, timeout=PATIENCE, stdout=subprocess.DEVNULL)
+        kept = {"lying": {"attic": ["1"], "hall": ["2"]}, "carried": []}
+        self.assertEqual(rosgraph.Master("/test").getParam("/office/kept"), kept)
+        self.restart_master()
+        wait_until(lambda: rosgraph.Master("/test").hasParam("/office/kept"), "the packages at the new master")
+        self.assertEqual(rosgraph.Master("/test").getParam("/office/kept"), kept)
+
 
 if __name__ == "__main__":
     rostest.rosrun("rosoclingo", "master_restarted", MasterRestarted, sys.argv)

@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, wait_to_hear
+from interface_helpers import PATIENCE, kill, wait_to_hear, wait_until
 
 START = (1.9, 0.0)
 
@@ -218,6 +218,28 @@ class SimulatorTest(unittest.TestCase):
         self.assertFalse(speed(-1.0).success)
         self.assertFalse(speed(math.nan).success)
         self.assertTrue(speed(20.0).success)
+
+    def test_zzz_a_simulator_that_was_killed_has_all_where_it_was_at_time_0(self):
+        self.assertTrue(self.place("", 3.5, 0.5, 1.0).success)
+        self.assertTrue(self.door("corridor", False).success)
+        self.assertTrue(self.put("bin", 5.0, 0.0, 0.2, 0.0, 0.0, 0.0).success)
+        self.drive_until(lambda message: message.twist.twist.angular.z > 0.5, 0.0, 1.0)
+        last = self.truth.wait(lambda m: m and m[-1].twist.twist.angular.z == 0.0)[-1]
+        stands = last.pose.pose
+        self.assertGreater(stands.orientation.z, math.sin(0.51))
+        wait_until(lambda: self.is_kept(stands), "all to be kept")
+        kill("simulator")
+        again = self.truth.wait(lambda m: m and m[-1].header.stamp < last.header.stamp)[-1]
+        self.assertEqual(again.pose.pose, stands)
+        self.assertTrue(self.remove("bin").success)
+        rospy.ServiceProxy("reset_positions", Empty)()
+        self.assertTrue(self.place("", 6.9, 0.0, 0.0).success)
+        self.assertLess(self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135], 1.1, "the door is closed")
+
+    def is_kept(self, pose):
+        kept = rospy.get_param("/simulator/kept", {"robots": {}})
+        x, y, yaw = kept["robots"].get("mailbot", [0.0] * 6)[:3]
+        return (x, y) == (pose.position.x, pose.position.y) and abs(math.sin(yaw / 2.0) - pose.orientation.z) < 1e-9
 
 
 if __name__ == "__main__":

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
-"""Simulated time goes back while a goal is on its way, and to before the last cancel."""
+"""Parts of the robot end or are killed on its way: time goes back, a server is another one; requests are met."""
 
+import os
+import signal
+import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -10,11 +13,11 @@ import rospy
 import rostest
 from actionlib import SimpleActionClient
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from rosoclingo.msg import PickupAction, PickupGoal
+from rosoclingo.msg import PackageStates, PickupAction, PickupGoal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, wait_for_server
+from interface_helpers import PATIENCE, kill, wait_for_server
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -42,7 +45,7 @@ class TimeJump(unittest.TestCase):
         self.assertLess(rospy.get_time(), cancelled + 60.0)
         self.assertEqual(driver.drive(3.0, 0.0)[0], SUCCEEDED)
         self.assertEqual(driver.collisions, [])
-        self.assertEqual(pickup.send_goal_and_wait(PickupGoal(package="1")), ABORTED, "there is no package 1")
+        self.assertEqual(pickup.send_goal_and_wait(PickupGoal(package="1")), ABORTED, "package 1 is not here")
         for server in ("move_base", "pickup", "deliver"):
             now = rospy.get_time()
             while (
@@ -67,6 +70,47 @@ class TimeJump(unittest.TestCase):
         self.assertEqual(again.collisions, [])
 
 
+class Killed(unittest.TestCase):
+    """Each part of the robot and of the interface layer is killed while a request is under way."""
+
+    def drives(self):
+        self.driver.wait(lambda: self.driver.speed[0] > 0.3)
+
+    def request(self, goal):
+        process = subprocess.Popen(["rosrun", "rosoclingo", "request", goal], start_new_session=True)
+        self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
+        return process
+
+    def place(self, package):
+        message = rospy.wait_for_message("packages", PackageStates, timeout=PATIENCE)
+        return next(one.location for one in message.packages if one.id == package)
+
+    def test_a_request_outlives_navigation_and_simulator(self):
+        self.driver = Driver()
+        request = self.request("goal(office3,office2,1)")
+        self.drives()
+        stops = self.driver.stops
+        kill("move_base")
+        self.driver.wait(lambda: self.driver.stops > stops)
+        self.drives()
+        kill("map_server", "fake_localization", "move_base")
+        self.drives()
+        before = rospy.get_time()
+        kill("simulator")
+        self.driver.wait(lambda: rospy.get_time() < before)
+        self.drives()
+        kill("simulator", "move_base", "move_base_interface", "office")
+        self.assertEqual(request.wait(timeout=PATIENCE), 0)
+        self.assertEqual(self.place("1"), "office2")
+
+
+class Suite(unittest.TestSuite):
+    def __init__(self):
+        super().__init__()
+        for case in (TimeJump, Killed):
+            self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
+
+
 if __name__ == "__main__":
     rospy.init_node("time_jump")
-    rostest.rosrun("rosoclingo", "time_jump", TimeJump, sys.argv)
+    rostest.rosrun("rosoclingo", "time_jump", "test_time_jump.Suite", sys.argv)

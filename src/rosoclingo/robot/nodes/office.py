@@ -1,20 +1,19 @@
 """The office of the case study: actionlib servers that let the simulated robot pick up and put down packages."""
 
-import contextlib
 import functools
 from collections import deque
-from typing import Any, Callable, Deque, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Deque, List, NamedTuple, Optional, Tuple
 
 import rospy
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.kept_state import KeptState
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
-from rosoclingo.common.xmlrpc_api import FAULTS
 from rosoclingo.msg import (
     DeliverAction,
     DeliverFeedback,
@@ -31,9 +30,12 @@ from rosoclingo.robot.simulation.office_packages import (
     HandlingResult,
     PackageError,
     PackageOffice,
+    PackagePlace,
     words_for,
 )
 from rosoclingo.srv import PutPackage, PutPackageResponse
+
+KEEPING = 5.0  # s of wall time that the master may take to note where the packages are
 
 
 class _Kind(NamedTuple):
@@ -121,7 +123,8 @@ class OfficeNode:
         given.check()
         self._jobs: Deque[_Job] = deque()
         self._servers: Tuple[ActionServer, ...] = ()
-        self._kept = self._office.places
+        self._kept = KeptState("~kept", "the packages are forgotten when this node is killed")
+        self._known: List[PackagePlace] = []  # where the packages are, as it was last kept
         self._last_time = 0.0
         self._worker = Worker(settle=self._tick, period=0.02)
         self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
@@ -133,8 +136,7 @@ class OfficeNode:
 
     def _end(self) -> None:
         self._worker.stop(2.0)
-        with contextlib.suppress(*FAULTS, KeyError, rospy.ROSException):
-            rospy.delete_param("~kept")
+        self._kept.end()
 
     def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
         server = ActionServer(name, action, functools.partial(self._on_goal, kind), self._on_cancel, auto_start=False)
@@ -199,15 +201,10 @@ class OfficeNode:
         return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
 
     def _keep(self) -> None:
-        """Have a parameter say where the packages are."""
-        if self._office.places == self._kept:
-            return
-        try:
-            rospy.set_param("~kept", {"lying": self._office.lying, "carried": self._office.carried})
-        except (*FAULTS, rospy.ROSException) as error:
-            rospy.logerr("the packages are forgotten when this node dies: the master does not answer: %s", error)
-        else:
-            self._kept = self._office.places
+        """Have a successor know where the packages are, before anybody else does."""
+        if self._office.places != self._known:
+            self._known = self._office.places
+            self._kept.keep({"lying": self._office.lying, "carried": self._office.carried}, KEEPING)
 
     def _publish(self) -> None:
         self._keep()

@@ -1,7 +1,7 @@
 """The simulated world in motion."""
 
 import math
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -115,6 +115,24 @@ class Simulation:
         self._check_place(robot, pose)
         self._robot(robot).place(pose)
 
+    def arrange(
+        self, robots: Mapping[str, Tuple[Pose2D, Pose2D]], doors: Mapping[str, bool], obstacles: Dict[str, ObstacleSpec]
+    ) -> None:
+        """Put robots (pose and odometry, m), doors and obstacles where they were, all at once.
+
+        Raises WorldError where a robot would stand in something, or an obstacle cannot be; then part of it is done.
+        """
+        for obstacle in obstacles.values():
+            self._check_obstacle(obstacle)
+        self.doors = {name: door._replace(open=doors[name]) for name, door in self.doors.items()}
+        self.obstacles = dict(obstacles)
+        for name, (pose, odometry) in robots.items():
+            self.robots[name].place(pose)
+            self.robots[name].odometry = odometry
+        self._build()
+        for name, robot in self.robots.items():
+            self._check_place(name, robot.pose)
+
     def set_door(self, door: str, opened: bool) -> None:
         """Open or close a door. Raises WorldError for an unknown one, and where a robot stands in it."""
         if door not in self.doors:
@@ -128,9 +146,7 @@ class Simulation:
 
         Raises WorldError where a robot stands, and for one that has no place or no size.
         """
-        problem = obstacle.problem() or self.spec.grid.beyond(*obstacle.at)
-        if problem:
-            raise WorldError(f"the obstacle {obstacle.name!r}: {problem}")
+        self._check_obstacle(obstacle)
         before = dict(self.obstacles)
         self.obstacles[obstacle.name] = obstacle
         self._build_or_undo("obstacles", before, f"the obstacle {obstacle.name!r}")
@@ -142,6 +158,11 @@ class Simulation:
             raise WorldError(f"obstacle {name!r} is unknown; obstacles: {known}")
         del self.obstacles[name]
         self._build()
+
+    def _check_obstacle(self, obstacle: ObstacleSpec) -> None:
+        problem = obstacle.problem() or self.spec.grid.beyond(*obstacle.at)
+        if problem:
+            raise WorldError(f"the obstacle {obstacle.name!r}: {problem}")
 
     def _robot(self, name: str) -> Robot:
         if name not in self.robots:

@@ -11,13 +11,16 @@ from std_msgs.msg import String
 from std_srvs.srv import Empty, EmptyResponse, SetBool, SetBoolResponse
 from tf2_msgs.msg import TFMessage
 
+from rosoclingo.common.kept_state import KeptState
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.prompt_publisher import prompt_publisher
+from rosoclingo.common.reading import Reader
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.stage.robot_topics import RobotTopics, prefixes
-from rosoclingo.robot.simulation import Box, ObstacleSpec, WorldError, load_simulation
+from rosoclingo.robot.simulation import Box, ObstacleSpec, Simulation, WorldError, load_simulation
+from rosoclingo.robot.simulation.world_state import resume_world, world_state
 from rosoclingo.srv import (
     PutObstacle,
     PutObstacleResponse,
@@ -40,6 +43,8 @@ LATE = 0.5
 HEED, ACTIVE = 0.05, 0.3
 # A call of ~step that asks for more would leave all other services without an answer for too long.
 MOST_STEPS = 10000
+# So often (s of wall time) the place of robots that move is kept; of those that stand it is at once.
+KEEPING = 0.5
 
 
 class SimulatorNode:
@@ -57,6 +62,8 @@ class SimulatorNode:
             never.
         ~paused (bool, default false): start paused.
         ~use_model_names (bool, default false): several robots: prefix with their names in the world file.
+        ~kept (map, optional): set by the node, where robots, doors and obstacles are. One that was killed and is
+            started again goes on with it, at time 0, as the world has not ended; a node that ends removes it.
     Subscribes:
         cmd_vel (geometry_msgs/Twist): velocity, one for each robot.
     Publishes:
@@ -82,9 +89,12 @@ class SimulatorNode:
         self._speed = given.at("speed").number(1.0, low=0.0)
         self._paused = given.at("paused").flag(False)
         use_names = given.at("use_model_names").flag(False)
+        kept = given.at("kept")
         given.check()
         compile_once("simulation", rospy.loginfo)
-        self._simulation = load_simulation(world, map_file, watchdog)
+        self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog), kept)
+        self._kept = KeptState("~kept", "the world begins anew when this node is killed")
+        self._unkept, self._keep_at = True, 0.0  # whether all is not where it is kept, and the next time for that
         self._worker = Worker(self._go_on)
         self._clock = prompt_publisher("/clock", Clock)
         self._tf = prompt_publisher("/tf", TFMessage)
@@ -104,8 +114,12 @@ class SimulatorNode:
         """Begin. Other threads of this process get their turn often, as a step is shorter than Python's usual turn."""
         sys.setswitchinterval(0.0005)
         self._restart_pace()
-        rospy.on_shutdown(self._worker.stop)
+        rospy.on_shutdown(self._end)
         self._worker.start()
+
+    def _end(self) -> None:
+        self._worker.stop()
+        self._kept.end()
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
 
@@ -152,6 +166,7 @@ class SimulatorNode:
 
         def job() -> Optional[str]:
             """Do the work; return its fault or None."""
+            self._unkept = True
             try:
                 work()
             except WorldError as error:
@@ -164,12 +179,21 @@ class SimulatorNode:
 
     def _go_on(self) -> Optional[float]:
         """Step if that is due; return how long (s of wall time) the next one has to wait."""
+        self._keep()
         if self._paused:
             return None
         wait = self._until_next()
         if wait <= 0.0:
             self._step()
         return wait
+
+    def _keep(self) -> None:
+        """Have a successor know where all is."""
+        moving = any(robot.v or robot.w for robot in self._simulation.robots.values())
+        self._unkept |= moving
+        if self._unkept and not (moving and time.monotonic() < self._keep_at):
+            self._unkept, self._keep_at = moving, time.monotonic() + KEEPING
+            self._kept.keep(world_state(self._simulation))
 
     def _until_next(self) -> float:
         """Return how long (s of wall time) the next step has to wait."""
@@ -246,6 +270,19 @@ class SimulatorNode:
         if not r.robot and len(names) > 1:
             raise WorldError("there are several robots, say which: {}".format(", ".join(names)))
         self._simulation.place(r.robot or names[0], Pose2D(r.x, r.y, r.yaw))
+
+
+def _begin(load: Callable[[], Simulation], kept: Reader) -> Simulation:
+    """Return a world as a predecessor that was killed has left it, else as it begins."""
+    simulation = load()
+    if kept.given:
+        try:
+            resume_world(simulation, kept)
+        except WorldError as error:
+            rospy.logwarn("what an earlier simulator has left is none of this world, which begins anew: %s", error)
+            return load()
+        rospy.loginfo("an earlier simulator was killed: the world goes on where it was, at time 0")
+    return simulation
 
 
 def _ros_time(seconds: float) -> rospy.Time:

@@ -1,0 +1,86 @@
+"""What of a world another process goes on with where one was killed."""
+
+import math
+
+import pytest
+from navigation_worlds import room
+
+from rosoclingo.common.reading import Reader
+from rosoclingo.robot.navigation import Pose2D
+from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
+from rosoclingo.robot.simulation.world_state import resume_world, world_state
+
+ROOM = room(4.0, 4.0, 0.05)
+WORLD = WorldSpec(
+    ROOM,
+    (RobotSpec("first", Pose2D(1.0, 1.0), drift=(0.2, 0.2)), RobotSpec("second", Pose2D(3.0, 3.0))),
+    doors=(DoorSpec("door", (2.0, 0.5), (2.0, 1.5)),),
+    obstacles=(ObstacleSpec("bin", (1.0, 3.0), radius=0.2),),
+)
+
+
+def lived_in():
+    """A world in which something has happened."""
+    world = Simulation(WORLD)
+    for _ in range(5):
+        world.command("first", 0.5, 0.3)
+        world.step()
+    world.place("second", Pose2D(3.0, 1.0, math.pi))
+    world.set_door("door", False)
+    world.remove_obstacle("bin")
+    world.put_obstacle(ObstacleSpec("box", (3.0, 3.0), box=Box(0.3, 0.2, 0.1)))
+    world.put_obstacle(ObstacleSpec("can", (0.5, 3.0), radius=0.1))
+    return world
+
+
+def resumed(state, spec=WORLD):
+    world = Simulation(spec)
+    resume_world(world, Reader(state, "~kept"))
+    return world
+
+
+def test_all_is_where_it_was_and_stands():
+    before = lived_in()
+    assert before.robots["first"].v > 0.0
+    assert before.robots["first"].odometry != before.robots["first"].pose, "odometry has drifted"
+    after = resumed(world_state(before))
+    for name, robot in before.robots.items():
+        assert (after.robots[name].pose, after.robots[name].odometry) == (robot.pose, robot.odometry)
+        assert (after.robots[name].v, after.robots[name].w) == (0.0, 0.0)
+    assert (after.doors, after.obstacles) == (before.doors, before.obstacles)
+    assert after.time == 0.0
+    assert (after.scan("second") == before.scan("second")).all(), "what the laser sees is there, too"
+
+
+def test_the_state_is_made_of_what_a_parameter_may_hold():
+    def check(value):
+        if isinstance(value, dict):
+            assert all(isinstance(key, str) for key in value)
+            value = list(value.values())
+        if isinstance(value, list):
+            for one in value:
+                check(one)
+        else:
+            assert type(value) in (bool, float)
+
+    check(world_state(lived_in()))
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"robots": {"first": [1.0, 1.0, 0.0, 1.0, 1.0, 0.0]}}, "its robots are first, second, not first"),
+        ({"doors": {}}, "its doors are door, not "),
+        ({"doors": {"door": 1}}, "doors.door: must be true or false"),
+        ({"obstacles": {"bin": [1.0]}}, "obstacles.bin: must be x, y and a radius"),
+        ({"obstacles": {"bin": [1.0, 1.0, 0.3]}}, "robot 'first' would stand in an obstacle"),
+        ({"obstacles": {"bin": [9.0, 1.0, 0.3]}}, "the obstacle 'bin': "),
+        ({"robots": {"first": [0.0] * 6, "second": [3.0, 3.0, 0.0] * 2}}, "robot 'first' would stand in a wall"),
+        ({"robots": 3}, "robots: must be a mapping"),
+    ],
+)
+def test_what_is_none_of_this_world(change, text):
+    state = {**world_state(Simulation(WORLD)), **change}
+    with pytest.raises(WorldError) as caught:
+        resumed(state)
+    assert text in str(caught.value)
