@@ -9,6 +9,8 @@ import sys
 import sysconfig
 from typing import Any, Callable, Iterator, Sequence, Tuple, Type
 
+from rosoclingo.common.streams import tolerate_full_disk
+
 __all__ = ["missing", "needed_modules", "node_arguments", "run_node"]
 
 _PYPI = {"PIL": "Pillow", "llvmlite": "numba", "yaml": "PyYAML"}  # where the package has another name than the module
@@ -72,6 +74,7 @@ def run_node(
     from rosoclingo.common.registration import Registration
     from rosoclingo.common.worker import failed
 
+    tolerate_full_disk()
     rospy.init_node(name)
     try:
         made = node(*arguments)

@@ -160,7 +160,6 @@ class Interface(abc.ABC):
     def _begin_run(self, run: str) -> None:
         if not self._memory.begin_run(run):
             return
-        self._look_at_memory()
         for action, attempt in list(self._attempts.items()):
             if attempt.asked_by.run is not None:
                 rospy.logwarn("%s: %s is of a former run: it is cancelled", self.name, action.atom)
@@ -201,7 +200,6 @@ class Interface(abc.ABC):
         if effect is Effect.SEND:
             if self._remembers(attempt.asked_by):
                 self._memory.note_begun(str(attempt.action.atom), attempt.goal_id)
-                self._look_at_memory()
             self._link.send(self._tracked(attempt))
         if effect in (Effect.CANCEL, Effect.ABANDON):
             self._cancel(attempt)
@@ -307,6 +305,7 @@ class Interface(abc.ABC):
         gone = bool(self._attempts) and self._link.gone(now.wall)
         for attempt in list(self._attempts.values()):
             self._guarded(functools.partial(self._tick, attempt, now, gone), attempt)
+        self._guarded(functools.partial(self._look_at_memory, now.wall))
         self._guarded(self._health.tick)
         return TICK if self._outbox.flush(now.wall) or self._attempts else IDLE_TICK
 
@@ -368,7 +367,6 @@ class Interface(abc.ABC):
         facts = [*result.facts, return_text(action, result.value)]
         if self._remembers(reader):
             self._memory.note_answered(str(action.atom), tuple(facts))
-            self._look_at_memory()
         self._send(facts, reader)
 
     def _send(self, facts: List[str], reader: Sender) -> None:
@@ -380,11 +378,11 @@ class Interface(abc.ABC):
         """Whether the sender's run is the one that is remembered."""
         return sender.run is not None and sender.run == self._memory.run
 
-    def _look_at_memory(self) -> None:
-        trouble = self._memory.trouble
-        if trouble and trouble != self._health.trouble:
-            rospy.logerr("%s: %s", self.name, trouble)
-        self._health.trouble = trouble
+    def _look_at_memory(self, wall: float) -> None:
+        self._memory.tend(wall)
+        known, self._health.trouble = self._health.trouble, self._memory.trouble
+        if known != self._health.trouble:
+            rospy.logerr("%s: %s", self.name, self._health.trouble or "the file of what it has begun is in order again")
 
     def _words(self, ended: Ended) -> str:
         """How an action ended, for people."""

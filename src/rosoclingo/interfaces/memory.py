@@ -18,6 +18,8 @@ from rosoclingo.common import durable
 KEPT = 1000  # answers that are remembered, the last ones; what is under way is remembered whatever it takes
 RUNS = 5  # files of former runs that stay, the last ones
 
+RETRY = 2.0  # seconds of wall time after which a file that could not be written is tried again
+
 _SLACK = 4 * KEPT  # lines beyond those needed with which a file is written anew
 
 
@@ -31,7 +33,8 @@ class Record(NamedTuple):
 class ActionMemory:
     """The actions of the present run. ``folder`` holds the files, None for none; ``owner`` names whose they are.
 
-    A disk that cannot be written stops nothing: ``trouble`` says what is wrong, and each further line tries again.
+    A disk that cannot be written stops nothing: ``trouble`` says what is wrong, and all is tried again with each
+    further line, and by ``tend``.
     """
 
     def __init__(self, folder: Optional[Path], owner: str) -> None:
@@ -40,6 +43,7 @@ class ActionMemory:
         self._file: Optional[int] = None
         self._lines = self._answered = 0
         self._damage = self._failure = ""
+        self._retry_at = 0.0
         self.run: Optional[str] = None
 
     @property
@@ -72,6 +76,12 @@ class ActionMemory:
         known = self._records.get(action)
         self._take(action, Record(known.goal if known else "", facts))
         self._write({"action": action, "facts": list(facts)})
+
+    def tend(self, wall: float) -> None:
+        """Now and then write what could not be written; to be called often, with steady time in seconds."""
+        if self._failure and wall >= self._retry_at:
+            self._retry_at = wall + RETRY
+            self._rewrite()
 
     def close(self) -> None:
         """Close the file."""

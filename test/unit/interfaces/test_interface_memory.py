@@ -1,6 +1,7 @@
 """What an interface has begun and answered, and that its death costs none of it."""
 
 import os
+import resource
 import tempfile
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common.durable import sealed
-from rosoclingo.interfaces.memory import KEPT, RUNS, ActionMemory, Record
+from rosoclingo.interfaces.memory import KEPT, RETRY, RUNS, ActionMemory, Record
 
 PICKUP = "_action_lib(pickup,1,3)"
 ANSWER = ("_return(pickup,1,3)",)
@@ -108,6 +109,26 @@ def test_a_disk_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     one.note_answered("_action_lib(pickup,2,3)", ANSWER)
     assert not one.trouble
     assert memory(folder).recall(PICKUP) == Record("goal-1")  # with what could not be written before
+
+
+def test_a_full_disk_that_has_room_again_is_written_without_anything_new(tmp_path):
+    one = memory(tmp_path)
+    one.note_begun(PICKUP, "goal-1")
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (one.path.stat().st_size + 10, limit[1]))  # EFBIG in place of ENOSPC
+    try:
+        one.note_answered(PICKUP, ANSWER)
+        one.tend(100.0)
+        assert "cannot write" in one.trouble
+        assert "File too large" in one.trouble
+        assert memory(tmp_path).recall(PICKUP) == Record("goal-1"), "what is half written is not taken for an answer"
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    one.tend(100.0 + RETRY - 0.1)
+    assert one.trouble
+    one.tend(100.0 + RETRY)
+    assert not one.trouble
+    assert memory(tmp_path).recall(PICKUP) == Record("goal-1", ANSWER)
 
 
 def test_a_file_that_cannot_be_read_is_told(tmp_path):
