@@ -2,6 +2,7 @@
 """The recorder: a bag holds everything up to the end of a run, and of one that is killed up to then."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,8 @@ import rosbag
 import rosnode
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from rosoclingo.nodes.recording.bag_file import active
@@ -20,7 +23,7 @@ from rosoclingo.nodes.recording.recorder import is_recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, wait_until
+from interface_helpers import PATIENCE, Process, full_disk, process_of, wait_for_diagnosis, wait_until
 
 HERE = Path(__file__).resolve().parent
 NOTES = "/record/notes"
@@ -100,6 +103,51 @@ class Recorder(unittest.TestCase):
         self.assertEqual(words, [f"word {number}." for number in range(100)])
         self.assertIn("mended: who wrote this was killed; lacks what came after", notes[-1])
         self.assertEqual(self.holds()[1], ["begins", "ends, with the run: nothing is lacking"])
+
+    def test_a_full_disk_is_told_once_and_the_bag_goes_on_when_there_is_room(self):
+        publisher = rospy.Publisher("last_words", String, queue_size=None)
+        with recorder(self.bag) as record:
+            wait_until(recording, "the recorder to be connected")
+            publisher.publish("before")
+            wait_until(lambda: b"before" in active(self.bag).read_bytes(), "the first word in the file")
+            with full_disk(process_of("/record"), room=active(self.bag).stat().st_size):
+                publisher.publish("lost")
+                is_full = re.compile(r"the bag .*/run\.bag cannot be written: .*File too large").match
+                wait_for_diagnosis("rosoclingo: recorder", lambda one: is_full(one.message), "the trouble")
+            wait_for_diagnosis("rosoclingo: recorder", lambda one: one.message == "recording", "its end")
+            publisher.publish("after")
+            publisher.unregister()
+            record.signal(signal.SIGINT)
+            code, error = record.wait()
+        self.assertEqual((code, error.count("cannot be written")), (0, 1), error)
+        words, notes = self.holds()
+        self.assertEqual(words, ["before", "after"])
+        self.assertRegex(notes[1], r"^lacks what came from .* s to .* s: the bag .* cannot be written: ")
+        self.assertEqual((notes[0], notes[2]), ("begins", "ends, with the run: lacks what is said before"))
+
+    def test_messages_stay_in_order_when_simulated_time_goes_back(self):
+        publisher = rospy.Publisher("last_words", String, queue_size=None)
+        clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
+        self.addCleanup(clock.unregister)
+        times = []
+        rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: times.append(one.header.stamp.to_sec()))
+        rospy.set_param("/use_sim_time", True)  # for the recorder; this node has been there before
+        self.addCleanup(rospy.delete_param, "/use_sim_time")
+        with recorder(self.bag) as record:
+            wait_until(recording, "the recorder to be connected")
+            for moment in (100, 5, 7):
+                clock.publish(Clock(rospy.Time(moment)))
+                wait_until(lambda wanted=moment: times[-1:] == [wanted], "the time to arrive")
+                publisher.publish(str(moment))
+                word = b"\x00" + str(moment).encode()
+                wait_until(lambda wanted=word: wanted in active(self.bag).read_bytes(), "the word in the file")
+            publisher.unregister()
+            record.signal(signal.SIGINT)
+            self.assertEqual(record.wait()[0], 0)
+        self.assertEqual(self.holds()[0], ["100", "5", "7"])
+        with rosbag.Bag(str(self.bag)) as bag:
+            moments = [moment.to_sec() for _, _, moment in bag.read_messages(["/last_words"])]
+        self.assertEqual(moments, [100.0, 100.0, 102.0])
 
     def test_bad_parameters_and_files(self):
         for arguments, text in (

@@ -1,5 +1,8 @@
 """The bag while it is written: what it holds however often it is flushed, and wherever its writer dies."""
 
+import resource
+from contextlib import contextmanager
+
 import genpy
 import pytest
 import rosbag
@@ -68,3 +71,59 @@ def test_a_place_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(BagError, match=r"file/run\.bag cannot be written"):
         BagFile(tmp_path / "file" / "run.bag", "/notes")
+
+
+@contextmanager
+def room_for(size):
+    """A disk on which files of this process cannot become larger than ``size`` bytes: EFBIG in place of ENOSPC."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def fill(bag):
+    """Write more than there is room for."""
+    for number in range(10, 100):
+        write(bag, str(number))
+        bag.flush()
+
+
+@pytest.mark.parametrize("keep", [1, 2, 300])
+@pytest.mark.parametrize("room", [0, 100, 5000])
+def test_it_goes_on_when_a_full_disk_has_room_again(tmp_path, monkeypatch, keep, room):
+    monkeypatch.setattr(bag_file, "KEEP", keep)
+    bag = BagFile(tmp_path / "run.bag", "/notes")
+    write(bag, "1", "2")
+    bag.flush()
+    with room_for(active(bag.path).stat().st_size + room):
+        with pytest.raises(BagError, match=r"run\.bag cannot be written: .*File too large"):
+            fill(bag)
+        for _ in range(2):
+            with pytest.raises(BagError, match=r"run\.bag cannot be written: .*File too large"):
+                bag.resume("lacks a lot", genpy.Time(100))
+        left = active(bag.path).read_bytes()
+    bag.resume("lacks a lot", genpy.Time(100))
+    write(bag, "101")
+    bag.flush()
+    write(bag, "102")
+    bag.close()
+    found = [int(text) for text in read(bag.path)]
+    assert found[:2] == [1, 2]
+    assert found[2:-2] == list(range(10, 10 + len(found) - 4)), "what was flushed is there"
+    assert found[-2:] == [101, 102]
+    assert bag.path.read_bytes()[4117:].startswith(left[4117:]), "nothing is written twice, behind the file's header"
+    with rosbag.Bag(str(bag.path)) as whole:
+        assert [message.data for _, message, _ in whole.read_messages(["/notes"])] == ["lacks a lot"]
+
+
+def test_a_bag_that_ends_on_a_full_disk_can_be_mended(tmp_path):
+    bag = BagFile(tmp_path / "run.bag", "/notes")
+    write(bag, "1", "2")
+    bag.flush()
+    with room_for(active(bag.path).stat().st_size), pytest.raises(BagError, match=r"run\.bag cannot be closed"):
+        bag.close()
+    mend(bag.path, bag.path, "/notes")
+    assert read(bag.path) == ["1", "2"]

@@ -1,6 +1,7 @@
 """A bag that can be read whenever its writer dies, up to a second before."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,9 @@ __all__ = ["BagError", "BagFile", "active", "mend"]
 
 #: Bytes of one chunk; what is in an unfinished one is lost with the process, so every flush finishes one.
 CHUNK = 768 * 1024
+
+#: Bytes that have to fit on a disk that was full before it is written again.
+ROOM = 2 * CHUNK
 
 #: Flushes after which the index in memory is let go.
 KEEP = 300
@@ -44,6 +48,7 @@ class BagFile:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._open("w")
+            self._flush()
         except (OSError, rosbag.ROSBagException) as error:
             raise BagError(f"the bag {path} cannot be written: {error}") from error
 
@@ -62,18 +67,43 @@ class BagFile:
 
     def note(self, text: str, time: genpy.Time) -> None:
         """Write a note about the bag into the bag."""
-        self._bag.write(self._notes, String(text), max(time, FIRST))
+        try:
+            self._bag.write(self._notes, String(text), max(time, FIRST))
+        except OSError as error:
+            raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def flush(self) -> None:
         """Flush all that was written, so that it survives this process."""
         try:
-            self._bag.flush()
-            self._file.flush()
+            self._flush()
             self._flushes += 1
             if self._flushes % KEEP == 0:  # a Bag holds some 300 bytes for each message until it is closed
                 self._bag.close()
                 self._open("a")
         except OSError as error:
+            raise BagError(f"the bag {self.path} cannot be written: {error}") from error
+
+    def _flush(self) -> None:
+        self._bag.flush()
+        self._file.flush()
+        self._size = os.fstat(self._file.fileno()).st_size
+
+    def resume(self, text: str, time: genpy.Time) -> None:
+        """Go on behind what was flushed last, with a note; raises BagError as long as there is no room for more."""
+        with suppress(OSError):  # of what it still holds
+            self._file.close()
+        try:
+            with active(self.path).open("r+b") as file:
+                file.truncate(self._size)
+                os.posix_fallocate(file.fileno(), self._size, ROOM)
+                file.truncate(self._size)
+            self._file = active(self.path).open("r+b")
+            self._bag = rosbag.Bag(self._file, "a", chunk_threshold=CHUNK, allow_unindexed=True)
+            for _ in self._bag.reindex():
+                pass
+            self.note(text, time)
+            self._flush()
+        except (OSError, rosbag.ROSBagException) as error:
             raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def close(self) -> None:

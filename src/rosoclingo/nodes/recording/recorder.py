@@ -12,8 +12,10 @@ from typing import Any, Deque, Iterable, List, Tuple
 
 import genpy
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from rosoclingo.common.connections import comes_to, readers
+from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
 
@@ -22,6 +24,7 @@ __all__ = ["RECORDED", "RecorderNode", "is_recording"]
 PERIOD = 0.1  # s of wall time between two writings
 FLUSH = 1.0  # s of wall time between two flushes: so much is lost with a recorder that is killed
 NOTES = "~notes"  # the topic of what a bag says about itself
+RETRY = 2.0  # s of wall time after which a bag that could not be written is tried again
 LINGER = 0.5  # s of wall time for what is on its way when the recorder alone is ended
 
 #: What every node says, those of others too: nobody's end is waited for because of it.
@@ -45,8 +48,9 @@ class RecorderNode:
     Of a launch that ends, the recorder ends last: it goes on until all whose topics it records have ended, and has
     then read what they had sent; ``/rosout`` apart, which every node has. A second signal ends it at once. A recorder
     that is killed leaves ``FILE.active``,
-    which holds all but the last second; the next one lays it aside, mended. What the bag says about itself, as what
-    it lacks, is in the topic ``~notes`` of the bag.
+    which holds all but the last second; the next one lays it aside, mended. Where the disk is full or fails, it goes on
+    as soon as there is room. Where simulated time goes back, the bag's own time goes on, so that its messages stay in
+    their order. What the bag says about itself, as what it lacks, is in the topic ``~notes`` of the bag.
 
     Parameters
     ----------
@@ -55,6 +59,8 @@ class RecorderNode:
         ~patience (float, default 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
     Subscribes:
         TOPIC: each of ~topics, whatever its type.
+    Publishes:
+        /diagnostics (diagnostic_msgs/DiagnosticArray): whether the bag can be written, once a second and on change.
 
     Raises ParameterError and BagError.
 
@@ -68,9 +74,14 @@ class RecorderNode:
         given.check()
         self._signals = 0
         self._ending = threading.Event()
+        self._clock = _OnwardClock()
         self._come: Deque[Tuple[str, Any, genpy.Time]] = deque()
         self._flushed = time.monotonic()
+        self._fault = ""  # why the bag cannot be written
+        self._retry_at, self._gaps = 0.0, 0
+        self._kept_until = self._clock.now()  # all that came before is in the bag
         self._bag = _open_bag(path, rospy.resolve_name(NOTES))
+        self._diagnostics = Diagnostics("rosoclingo: recorder", self._describe)
         self._subscribers = [self._subscribe(rospy.resolve_name(topic)) for topic in topics]
         rospy.on_shutdown(self._linger)
 
@@ -80,7 +91,7 @@ class RecorderNode:
         return subscriber
 
     def _take(self, topic: str, message: Any) -> None:
-        self._come.append((topic, message, rospy.Time.now()))
+        self._come.append((topic, message, self._clock.now()))
 
     def _linger(self) -> None:
         if not self._signals:  # rosnode kill: rospy closes all connections behind this
@@ -105,24 +116,74 @@ class RecorderNode:
             self._close()
 
     def _turn(self) -> None:
+        self._diagnostics.tick()
+        if self._fault and time.monotonic() < self._retry_at:
+            self._come.clear()
+            return
+        try:
+            if self._fault:
+                self._resume()
+            self._write()
+        except BagError as error:
+            self._fail(error)
+
+    def _write(self) -> None:
         while self._come:
             topic, message, moment = self._come.popleft()
             self._bag.write(topic, _bytes(message), message._connection_header, moment)
         if time.monotonic() - self._flushed >= FLUSH:
-            self._flushed = time.monotonic()
+            self._flushed, before = time.monotonic(), self._clock.now()
             self._bag.flush()
+            self._kept_until = before
+
+    def _fail(self, error: BagError) -> None:
+        if not self._fault:
+            rospy.logerr("%s: recording goes on when that can be done again", error)
+        self._fault, self._retry_at = str(error), time.monotonic() + RETRY
+        self._come.clear()
+
+    def _resume(self) -> None:
+        self._come.clear()
+        since, now = self._kept_until.to_sec(), self._clock.now()
+        self._bag.resume(f"lacks what came from {since:.3f} s to {now.to_sec():.3f} s: {self._fault}", now)
+        rospy.logwarn("recording goes on; the bag lacks what came from %.3f s to %.3f s", since, now.to_sec())
+        self._fault, self._kept_until, self._gaps = "", now, self._gaps + 1
+
+    def _describe(self) -> Findings:
+        level = DiagnosticStatus.ERROR if self._fault else DiagnosticStatus.OK
+        return level, self._fault or "recording", {"bag": self._bag.path}
 
     def _open_topics(self) -> List[str]:
         """The topics that somebody who has not ended publishes; of all others everything has been taken."""
-        own = (one for one in self._subscribers if one.resolved_name not in OF_ALL)
-        return [one.resolved_name for one in own if one.get_num_connections() > 0]
+        me, own = rospy.get_name(), (one for one in self._subscribers if one.resolved_name not in OF_ALL)
+        return [one.resolved_name for one in own if any(other.callerid_pub != me for other in one.impl.connections)]
 
     def _close(self) -> None:
         going_on = self._open_topics()
-        self._turn()
-        lacks = f"lacks what came later on {' '.join(going_on)}" if going_on else "with the run: nothing is lacking"
-        self._bag.note(f"ends, {lacks}", rospy.Time.now())
+        if self._fault:
+            self._resume()
+        self._write()
+        whole = "lacks what is said before" if self._gaps else "nothing is lacking"
+        lacks = f"lacks what came later on {' '.join(going_on)}" if going_on else f"with the run: {whole}"
+        self._bag.note(f"ends, {lacks}", self._clock.now())
         self._bag.close()
+
+
+class _OnwardClock:
+    """ROS time, for all threads; what it goes back by is added to what comes."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._last, self._ahead = rospy.Time(), rospy.Duration()
+
+    def now(self) -> genpy.Time:
+        """Return a time that is no earlier than the one before."""
+        with self._lock:
+            now = rospy.Time.now()
+            if now < self._last:
+                self._ahead += self._last - now
+            self._last = now
+            return now + self._ahead
 
 
 def is_recording(topics: Iterable[str], name: str = "/record") -> bool:
