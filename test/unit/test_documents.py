@@ -63,6 +63,29 @@ def test_the_index_is_linked_from_the_front_page():
     assert "doc/README.md" in links(ROOT / "README.md")
 
 
+# ---- what happens when something dies -------------------------------------------------------------------------------
+
+
+def named_tests():
+    """(what fails, a test's name) of each line of the tables, whose last column has the tests."""
+    rows = [
+        line.strip("|").split("|")
+        for line in (ROOT / "doc" / "reliability.md").read_text().splitlines()
+        if line[:1] == "|"
+    ]
+    return [(row[0].strip(), name) for row in rows for name in re.findall(r"`(\w+)`", row[-1])]
+
+
+def test_what_is_promised_has_tests():
+    assert len(named_tests()) > 30
+
+
+@pytest.mark.parametrize(("row", "name"), named_tests())
+def test_the_tests_of_what_is_promised_exist(row, name):
+    folder, file = ("unit", f"{name}.py") if name.startswith("test_") else ("rostest", f"{name}.test")
+    assert list((ROOT / "test" / folder).rglob(file)), row
+
+
 # ---- the way of a request -------------------------------------------------------------------------------------------
 
 

@@ -204,7 +204,7 @@ class ExactlyOnce(unittest.TestCase):
 
     def test_a_disk_that_was_full_is_written_as_soon_as_there_is_room(self):
         with full_disk(process_of(NODE)):
-            fact, answer, number, goal = self.begin("arm")
+            _, answer, number, goal = self.begin("arm")
             goal.set_succeeded()
             self.assertEqual(self.core.receive(), [answer.format(number)])
             trouble = "cannot write .*: File too large"
