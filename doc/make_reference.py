@@ -79,6 +79,7 @@ COMMANDS = {  # with what they have of ROS
     "play_scenario": (("nodes/scenarios/player.py", "ScenarioPlayer"), ("nodes/account_node.py", "AccountNode")),
     "demo": (),
     "replay": (),
+    "report": (),
     "oclingo": (),
     "gringo3to5": (),
     "journal": (),

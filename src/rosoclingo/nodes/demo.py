@@ -13,9 +13,11 @@ from typing import Callable, Dict, List, Optional
 import rosgraph
 import rospy
 
+from rosoclingo.nodes.pages.report_command import write_report
 from rosoclingo.nodes.recording.bag_file import BagError, active, mend
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import ScenarioOutcome, run_scenario
+from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.scenario import Scenario
 
 #: Action servers of the case study, which have to be there before a scenario begins.
@@ -99,7 +101,10 @@ class DemoSystem:
 
 
 def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[str], None]) -> ScenarioOutcome:
-    """Play a scenario in a system of its own, tell the account, the summary and the bag's path; raises DemoError."""
+    """Play a scenario in a system of its own; tell the account, the summary, and where bag and report are.
+
+    Raises DemoError.
+    """
     began = time.monotonic()
     say(f"{scenario.title}: starting roscore, simulation, navigation, interfaces and core ...")
     with DemoSystem(scenario.launch, folder, arguments) as system:
@@ -113,11 +118,31 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
             recording=lambda: is_recording(RECORDED),
         )
         rospy.signal_shutdown("the scenario is over")
-        for line in ("", *outcome.summary.lines(), *("NOT AS EXPECTED: " + fault for fault in outcome.faults)):
+        for line in ("", *outcome.summary.lines(), *_verdict(scenario, outcome)):
             say(line)
     say(f"time: {outcome.summary.seconds:.1f} s simulated, {time.monotonic() - began:.1f} s in all")
     say(f"bag: {system.bag}")
+    say(_report(scenario, outcome, system.bag))
     return outcome
+
+
+def _verdict(scenario: Scenario, outcome: ScenarioOutcome) -> List[str]:
+    """How the run ended against what the scenario expects, in lines."""
+    if outcome.faults:
+        return ["NOT AS EXPECTED: " + fault for fault in outcome.faults]
+    return ["as expected"] if scenario.expect else []
+
+
+def _report(scenario: Scenario, outcome: ScenarioOutcome, bag: Path) -> str:
+    """Write a report of the run beside its bag and say where it is."""
+    judged = scenario.expect or outcome.faults
+    about = {"title": scenario.title, "verdict": list(outcome.faults) if judged else None}
+    report = bag.with_suffix(".html")
+    try:
+        write_report(bag, report, about=about)
+    except (RecordingError, OSError) as error:
+        return f"no report: {error}"
+    return f"report: {report}"
 
 
 def run_folder(name: str) -> Path:

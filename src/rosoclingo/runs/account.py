@@ -39,6 +39,8 @@ ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
 #: Seconds of the run's clock for which a line waits for one that belongs before it: topics overtake each other.
 PATIENCE = 1.0
 
+Enter = Callable[[float, int, str, str], None]
+
 
 @dataclass
 class GoalAccount:
@@ -97,8 +99,10 @@ class _Line(NamedTuple):
 class Account:
     """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line."""
 
-    def __init__(self, say: Callable[[str], None]) -> None:
+    def __init__(self, say: Callable[[str], None], enter: Optional[Enter] = None) -> None:
+        """``say`` gets each line, ``enter`` what is in it: seconds since the run began, cycle, kind and text."""
         self._say = say
+        self._enter = enter
         self._goals: Dict[str, GoalAccount] = {}
         self._start: Optional[float] = None
         self._cycle = 0
@@ -198,7 +202,10 @@ class Account:
         if line.kind == "update":
             self._cycle += 1
         self._now = max(self._now, line.time)
-        self._say(f"{self._now:7.1f} s  cycle {max(1, self._cycle):<3d} {line.kind:8s} {line.text}")
+        cycle = max(1, self._cycle)
+        self._say(f"{self._now:7.1f} s  cycle {cycle:<3d} {line.kind:8s} {line.text}")
+        if self._enter is not None:
+            self._enter(self._now, cycle, line.kind, line.text)
 
 
 def _because(goal: GoalAccount) -> str:

@@ -51,6 +51,7 @@ def test_all_parameters(program):
         3.0,
         "~/kept",
         "yes",
+        {"office1": [1.0, 2.0, 0.0]},
     )
 
 
@@ -63,6 +64,22 @@ def test_whether_to_resume_as_yaml_has_it(program, value, word):
 def test_no_way_to_resume(program, value):
     with pytest.raises(ParameterError, match="~resume: must be one of ask, yes, no"):
         core_parameters({"program_files": program, "resume": value})
+
+
+@pytest.mark.parametrize(
+    ("labels", "told"),
+    [
+        ({"a": [1, 2, 0.5], "b": {"x": 0, "y": 1, "frame": "map"}}, {"a": [1.0, 2.0, 0.5], "b": [0.0, 1.0, 0.0]}),
+        ({"a": [1, 2], "dock": {"x": 0, "y": 0, "frame": "odom"}}, {"a": [1.0, 2.0, 0.0]}),
+        (["a", "b"], {}),
+        ({"a": {}, "b": None}, {}),
+    ],
+    ids=["poses", "another frame", "names", "none"],
+)
+def test_where_labels_are_is_told_with_the_program(program, labels, told):
+    found = core_parameters({"program_files": program, "labels": labels})
+    assert found.deciding["labels"] == told
+    assert len(found.labels) == 2
 
 
 def test_the_time_for_a_shorter_plan(program):

@@ -1,9 +1,10 @@
 """The core node's parameters: read from the parameter server and checked; errors name the mend."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
+from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
@@ -20,7 +21,8 @@ PLANS = ("soon", "shortest")
 class CoreParameters:
     """The parameters of the core node.
 
-    ``recovery_timeout`` and ``plan_time`` are in seconds of processor time. ``journal`` is empty for none.
+    ``places`` are the poses of labels in the map (x, y, yaw; m, rad), where they are given. ``recovery_timeout`` and
+    ``plan_time`` are in seconds of processor time. ``journal`` is empty for none.
     """
 
     program_files: Tuple[str, ...]
@@ -32,6 +34,7 @@ class CoreParameters:
     plan_time: float = 1.0
     journal: str = ""
     resume: str = RESUMES[0]
+    places: Mapping[str, List[float]] = field(default_factory=dict)
 
     @property
     def time_to_shorten(self) -> Optional[float]:
@@ -40,9 +43,9 @@ class CoreParameters:
 
     @property
     def deciding(self) -> Dict[str, Any]:
-        """The parameters that decisions depend on, beside the program, by name."""
+        """The parameters that decisions depend on, beside the program, by name; and where the labels are."""
         times = {"plan": self.plan, "plan_time": self.plan_time, "recovery_timeout": self.recovery_timeout}
-        return {**asdict(self.settings), **times}
+        return {**asdict(self.settings), **times, "labels": dict(self.places)}
 
 
 def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:
@@ -61,6 +64,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         program_files=_files(given.at("program_files")),
         constants={name: _term(value, str(value.value)) for name, value in _constants(given.at("constants"))},
         labels=_labels(given.at("labels")),
+        places=_places(given.at("labels").value),
         settings=settings,
         recovery_timeout=given.at("recovery_timeout").number(CoreParameters.recovery_timeout, low=0.0, wanted=limit),
         plan=given.at("plan").choice(PLANS, CoreParameters.plan),
@@ -127,6 +131,15 @@ def _labels(reader: Reader) -> Tuple[str, ...]:
     return tuple(
         _term(reader, name) for name, _ in reader.entries("a map whose keys are the labels, or a list of them", {})
     )
+
+
+def _places(value: Any) -> Dict[str, List[float]]:
+    """Return where labels are; what is wrong with poses is told by those that drive there, not by the core."""
+    try:
+        table = LabelTable.from_mapping(value)
+    except LabelError:
+        return {}
+    return {label.name: [label.x, label.y, label.yaw] for label in table if label.frame == DEFAULT_FRAME}
 
 
 def _term(reader: Reader, text: str) -> str:

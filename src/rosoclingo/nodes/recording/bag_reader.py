@@ -1,13 +1,14 @@
 """Recorded runs out of bags, without a master and without built messages."""
 
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Optional, Set
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Set
 
 import rosbag
 
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
 
-__all__ = ["bag_runs"]
+__all__ = ["bag_runs", "core_in", "opened"]
 
 #: The core's own topics below its name: what a replay needs, and what it is the better for.
 NEEDED = ("updates", "task_plan")
@@ -16,10 +17,17 @@ PROGRAM = "program"
 
 def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
     """Return the runs in a bag, those of ``core`` where there are several; raises RecordingError."""
+    with opened(path) as bag:
+        topics = set(bag.get_type_and_topic_info().topics)
+        return _read(bag, core_in(topics, core), topics)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[rosbag.Bag]:
+    """A bag that is read; what is wrong with it, found here or while it is read, is a RecordingError."""
     try:
         with rosbag.Bag(str(path)) as bag:
-            topics = set(bag.get_type_and_topic_info().topics)
-            return _read(bag, _core(topics, core), topics)
+            yield bag
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from None
     except rosbag.ROSBagUnindexedException:
@@ -35,8 +43,8 @@ def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
         raise RecordingError(f"{path} is no bag, or damaged ({what}); {mend}") from None
 
 
-def _core(topics: Set[str], wanted: Optional[str]) -> str:
-    """Return the name of the core whose run it is."""
+def core_in(topics: Set[str], wanted: Optional[str] = None) -> str:
+    """Return the name of the core whose run it is; raises RecordingError."""
     if not topics:
         raise RecordingError("the bag is empty: the recorder heard of nothing; record a run with record:=true")
     found = sorted(topic[: -len("/updates")] for topic in topics if topic.endswith("/updates"))

@@ -1,0 +1,1 @@
+"""A run on pages: as a report, and live."""

@@ -1,0 +1,61 @@
+"""A recorded run for a page: out of a bag, without a master and without built messages."""
+
+from pathlib import Path
+from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
+
+import rosbag
+
+from rosoclingo.nodes.pages.run_topics import PATHS, POSES, RunTopics
+from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.runs.run_view import RunView
+
+__all__ = ["read_view"]
+
+#: Seconds between two poses that are read: more often than that they are not drawn.
+OFTEN = 0.1
+
+#: Bytes of a std_msgs/Header before its frame's name: number and time, which differ in each message.
+STAMP = 12
+
+#: Topics whose messages begin with a header and are sent again and again as they were.
+REPEATED = ("~status", "packages", *PATHS)
+
+
+def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> RunView:
+    """Return what a page shows of the runs of a core in a bag; raises RecordingError.
+
+    ``core`` names it where there are several, ``about`` is what else the page says.
+    """
+    with opened(path) as bag:
+        topics = set(bag.get_type_and_topic_info().topics)
+        reader = RunTopics(RunView(about), core_in(topics, core))
+        names = {_found(reader.full(name), topics): name for name in reader.takes}
+        for name, kind, data, time in _fresh(bag, names):
+            message = kind()
+            message.deserialize(data)
+            reader.takes[name](time, message)
+        reader.view.finish()
+        return reader.view
+
+
+def _found(topic: str, topics: "set[str]") -> str:
+    """Return a topic as a bag has it: what all robots share may lie at the root."""
+    shared = "/" + topic.rpartition("/")[2]
+    return topic if topic in topics or shared not in topics else shared
+
+
+def _fresh(bag: rosbag.Bag, names: Mapping[str, str]) -> Iterator[Tuple[str, Any, bytes, float]]:
+    """Yield the messages that say something new: name, class, bytes and time."""
+    last: Dict[str, Any] = {}
+    for topic, raw, moment in bag.read_messages(list(names), raw=True):
+        name, data, time = names[topic], raw[1], moment.to_sec()
+        if name in REPEATED:
+            mark, old = data[STAMP:], last.get(name)
+            if mark == old:
+                continue
+            last[name] = mark
+        elif name in POSES and name != "tf":  # a message of tf has the one or the other frame
+            if 0.0 <= time - last.get(name, -OFTEN) < OFTEN:
+                continue
+            last[name] = time
+        yield name, raw[-1], data, time

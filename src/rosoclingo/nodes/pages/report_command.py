@@ -1,0 +1,70 @@
+"""The command ``report``: a recorded run as one HTML file, without a master."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any, Callable, Mapping, Optional, Sequence
+
+import rospkg
+
+from rosoclingo.nodes.pages.recorded import read_view
+from rosoclingo.runs.recorded_run import RecordingError
+from rosoclingo.runs.report_page import report_page
+
+__all__ = ["main", "web", "write_report"]
+
+_DESCRIPTION = """\
+Write a recorded run as one HTML file for any browser: map, timeline, goals, plans with their reasons and times, log and
+figures, with a slider over the run. It needs no other file and no network. No ROS master is needed."""
+
+_EPILOG = """\
+Exit code: 0, 2 for a wrong command line, a recording that cannot be read or a file that cannot be written.
+A bag is made by the launch files' record:=true. FILE.html#t=12.5 opens the report at 12.5 s."""
+
+
+def web() -> Path:
+    """The folder of the front-end files."""
+    return Path(rospkg.RosPack().get_path("rosoclingo")) / "web"
+
+
+def write_report(bag: Path, to: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> None:
+    """Write the report of a bag; raises RecordingError, OSError.
+
+    ``about`` is what the page says beside the run: ``title``, ``source``, and ``verdict``, how the run differs from
+    what was expected.
+    """
+    view = read_view(bag, core, {"title": bag.stem, "source": bag.name, **(about or {})})
+    to.write_text(report_page(view.changes(), web()), encoding="utf-8")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(
+        prog="report", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("recording", metavar="RUN.bag", type=Path, help="the recording")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="the report (default: RUN.html beside the bag)"
+    )
+    parser.add_argument("--title", help="the report's title (default: the recording's name)")
+    parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")
+    return parser
+
+
+def main(arguments: Optional[Sequence[str]] = None, say: Callable[[str], None] = print) -> int:
+    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+    options = make_parser().parse_args(arguments)
+    to = options.output or options.recording.with_suffix(".html")
+    try:
+        write_report(options.recording, to, options.core, {"title": options.title} if options.title else {})
+    except RecordingError as error:
+        return _fail(str(error))
+    except OSError as error:
+        return _fail(f"{error.filename or to}: {error.strerror}")
+    say(f"report: {to}")
+    return 0
+
+
+def _fail(text: str) -> int:
+    sys.stderr.write(f"report: {text}\n")
+    return 2

@@ -1,0 +1,138 @@
+"""From the messages of a run's topics, live or out of a bag, to what pages show."""
+
+import re
+from typing import Any, Callable, Dict, Optional
+
+from rosoclingo.common.labels import DEFAULT_FRAME
+from rosoclingo.oclingo import ProgressionError, parse_atom
+from rosoclingo.reasoning.keywords import CORE, RUN, is_keyword, name_of
+from rosoclingo.runs.map_image import map_image
+from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+from rosoclingo.runs.run_view import RunView
+
+__all__ = ["PATHS", "POSES", "RunTopics"]
+
+#: Frames of a robot, the usual one first.
+BASES = ("base_link", "base_footprint")
+
+#: Topics that tell where the robot is, the most exact first.
+POSES = ("base_pose_ground_truth", "tf", "amcl_pose")
+
+#: Topics of the way that the robot is to drive.
+PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
+
+#: Seconds after which a less exact one of them is taken.
+SILENT = 2.0
+
+_CYCLE = re.compile(r"cycle (\d+): ")
+
+
+class RunTopics:
+    """Takes messages of a core's topics and gives them to a view.
+
+    ``takes`` has a function of the time and a message for each topic, by its name in the core's namespace; topics that
+    begin with ``~`` are the core's own.
+    """
+
+    def __init__(self, view: RunView, core: str = "/rosoclingo") -> None:
+        self.view = view
+        self._core = core
+        self._frames = PlanarFrames()
+        self._exact, self._heard = len(POSES), 0.0
+        self.takes: Dict[str, Callable[[float, Any], None]] = {
+            "~program": lambda _time, message: view.program(message.data),
+            "~goal": lambda time, message: view.goal(time, message.goal_id.id, message.goal.request),
+            "~cancel": lambda time, message: view.cancel(time, message.id),
+            "~status": self._statuses,
+            "~feedback": lambda time, message: view.feedback(time, message.status.goal_id.id, message.feedback.status),
+            "~result": lambda time, message: self._status(time, message.status),
+            "~updates": lambda time, message: view.update(time, message.data),
+            "~task_plan": self._plan,
+            "~state": lambda time, message: view.beliefs(time, message.cycle, message.atoms),
+            "out_rosoclingo": self._dispatched,
+            "in_rosoclingo": lambda time, message: view.returned(time, message.interface, message.facts),
+            "packages": self._packages,
+            "map": lambda _time, message: view.tell(map=_image(message)),
+            **dict.fromkeys(PATHS, self._path),
+            "base_pose_ground_truth": lambda time, message: self._pose("base_pose_ground_truth", time, message),
+            "amcl_pose": lambda time, message: self._pose("amcl_pose", time, message),
+            "tf": self._transforms,
+            "tf_static": self._transforms,
+            "/rosout": self._log,
+        }
+
+    def full(self, name: str) -> str:
+        """Return the name of a topic of ``takes`` from the root on."""
+        if name.startswith("~"):
+            return f"{self._core}/{name[1:]}"
+        return name if name.startswith("/") else f"{self._core.rpartition('/')[0]}/{name}"
+
+    def _statuses(self, time: float, message: Any) -> None:
+        for one in message.status_list:
+            self._status(time, one)
+
+    def _status(self, time: float, one: Any) -> None:
+        self.view.status(time, one.goal_id.id, one.status, one.text)
+
+    def _plan(self, time: float, message: Any) -> None:
+        times = (message.ground_time, message.solve_time)
+        self.view.plan(time, message.cycle, message.horizon, message.actions, times)
+
+    def _dispatched(self, time: float, message: Any) -> None:
+        if message.interface != CORE:
+            self.view.dispatched(time, message.facts)
+            return
+        for text in message.facts:  # the core tells of itself
+            run = _run(text)
+            if run is not None:
+                self.view.begin(run)
+
+    def _packages(self, time: float, message: Any) -> None:
+        self.view.packages(time, ((one.id, "" if one.carried else one.location) for one in message.packages))
+
+    def _path(self, time: float, message: Any) -> None:
+        self.view.path(time, [(one.pose.position.x, one.pose.position.y) for one in message.poses])
+
+    def _pose(self, topic: str, time: float, message: Any) -> None:
+        pose = message.pose.pose
+        turn = pose.orientation
+        self._at(topic, time, Pose(pose.position.x, pose.position.y, yaw_of(turn.x, turn.y, turn.z, turn.w)))
+
+    def _transforms(self, time: float, message: Any) -> None:
+        for one in message.transforms:
+            move, turn = one.transform.translation, one.transform.rotation
+            pose = Pose(move.x, move.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+            self._frames.place(one.header.frame_id, one.child_frame_id, pose)
+        pose = next(filter(None, (self._frames.find(DEFAULT_FRAME, base) for base in BASES)), None)
+        if pose is not None:
+            self._at("tf", time, pose)
+
+    def _at(self, topic: str, time: float, pose: Pose) -> None:
+        """Take a pose if no topic that is more exact tells of one."""
+        exact = POSES.index(topic)
+        if exact <= self._exact or not 0.0 <= time - self._heard <= SILENT:
+            self._exact, self._heard = exact, time
+            self.view.pose(time, *pose)
+
+    def _log(self, time: float, message: Any) -> None:
+        found = _CYCLE.match(message.msg)
+        if found is not None and message.name == self._core:
+            self.view.problem(time, int(found.group(1)), message.msg[found.end() :])
+
+
+def _run(text: str) -> Optional[str]:
+    """Return the run's name in ``_run(Name)``, None for anything else."""
+    try:
+        atom = parse_atom(text)
+    except ProgressionError:
+        return None
+    return name_of(atom.arguments[0]) if is_keyword(atom, RUN) and len(atom.arguments) == 1 else None
+
+
+def _image(message: Any) -> Optional[Dict[str, Any]]:
+    """Return the picture of a nav_msgs/OccupancyGrid; None for one without cells."""
+    info, corner, turn = message.info, message.info.origin.position, message.info.origin.orientation
+    if not message.data or len(message.data) != info.height * info.width:
+        return None
+    pose = (corner.x, corner.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+    return map_image(message.data, info.width, info.resolution, pose)

@@ -1,0 +1,53 @@
+"""A run as one HTML file that needs nothing else: views, figures and a slider, drawn by the scripts of ``web/``."""
+
+import base64
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, Mapping
+
+__all__ = ["SCRIPTS", "report_page"]
+
+#: The scripts of a report, in order; a live page has the same views.
+SCRIPTS = (
+    "model.js",
+    "draw.js",
+    "map_view.js",
+    "timeline_view.js",
+    "tables_view.js",
+    "charts_view.js",
+    "report.js",
+)
+STYLE = "page.css"
+PAGE = "report.html"
+
+
+def report_page(run: Mapping[str, Any], web: Path) -> str:
+    """Return the page of a run (see :meth:`RunView.changes`), with the front-end files of the folder ``web``.
+
+    Whatever texts the run has, none is read as HTML, and no other script than those of ``web`` is run.
+    """
+    script = "\n".join((web / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    style = (web / STYLE).read_text(encoding="utf-8")
+    policy = f"default-src 'none'; img-src data:; style-src {_hash(style)}; script-src {_hash(script)}"
+    parts = {
+        "policy": f'<meta http-equiv="Content-Security-Policy" content="{policy}">',
+        "style": f"<style>{style}</style>",
+        "run": f'<script type="application/json" id="run">{_json(run)}</script>',
+        "script": f"<script>{script}</script>",
+    }
+    page = (web / PAGE).read_text(encoding="utf-8")
+    for name, text in parts.items():
+        before, _, after = page.partition(f"<!-- {name} -->")
+        page = before + text + after
+    return page
+
+
+def _json(run: Mapping[str, Any]) -> str:
+    """Return JSON in which nothing ends a script element."""
+    text = json.dumps(run, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _hash(text: str) -> str:
+    return "'sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii") + "'"

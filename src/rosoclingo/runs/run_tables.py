@@ -1,0 +1,148 @@
+"""Tables of a run that grow and change, with what is new in them since some moment."""
+
+import math
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+Record = Dict[str, Any]
+
+#: Metres and radians that a pose is from the last one that is kept, at first.
+APART, TURNED = 0.05, 0.2
+
+#: Poses that are kept of a run; when there are more, every second one goes.
+POSES = 20000
+
+
+Point = Tuple[float, float]
+
+
+def simplified(points: Sequence[Point], tolerance: float = 0.03) -> List[Point]:
+    """Return the points of a way (m) without those that others tell well enough (Douglas and Peucker)."""
+    kept, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
+    while spans:
+        first, last = spans.pop()
+        if last - first < 2:
+            continue
+        far, at = max((_off(points[at], points[first], points[last]), at) for at in range(first + 1, last))
+        if far > tolerance:
+            kept.add(at)
+            spans += [(first, at), (at, last)]
+    return [points[at] for at in sorted(kept)] if points else []
+
+
+def _off(point: Point, start: Point, end: Point) -> float:
+    """Return how far a point is from the line between two others."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = dx * dx + dy * dy
+    along = ((point[0] - start[0]) * dx + (point[1] - start[1]) * dy) / length if length else 0.0
+    along = min(1.0, max(0.0, along))
+    return math.hypot(point[0] - start[0] - along * dx, point[1] - start[1] - along * dy)
+
+
+class Revision:
+    """Counts changes."""
+
+    def __init__(self) -> None:
+        self.number = 0
+
+    def next(self) -> int:
+        """Return the number of another change."""
+        self.number += 1
+        return self.number
+
+
+class Table:
+    """Records by their numbers from 0 on; those that changed last can be asked for."""
+
+    def __init__(self, revision: Revision) -> None:
+        self._revision = revision
+        self._records: List[Record] = []
+        self._changed: Dict[int, int] = {}  # by number, the latest last
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    @property
+    def last(self) -> Optional[Record]:
+        """The newest record."""
+        return self._records[-1] if self._records else None
+
+    def add(self, **values: Any) -> int:
+        """Add a record and return its number."""
+        self._records.append(values)
+        return self._touch(len(self._records) - 1)
+
+    def change(self, number: int) -> Record:
+        """Return a record that is about to change."""
+        return self._records[self._touch(number)]
+
+    def __getitem__(self, number: int) -> Record:
+        return self._records[number]
+
+    def since(self, revision: int) -> List[Tuple[int, Record]]:
+        """Return the records that have changed after a revision, with their numbers."""
+        found = []
+        for number, changed in reversed(self._changed.items()):
+            if changed <= revision:
+                break
+            found.append((number, self._records[number]))
+        return sorted(found, key=lambda one: one[0])
+
+    def _touch(self, number: int) -> int:
+        self._changed.pop(number, None)
+        self._changed[number] = self._revision.next()
+        return number
+
+
+class Words:
+    """Texts and what they are, each once, by numbers from 0 on."""
+
+    def __init__(self) -> None:
+        self._numbers: Dict[str, int] = {}
+        self.entries: List[Any] = []
+
+    def number(self, text: str) -> int:
+        """Return the number of a text."""
+        if text not in self._numbers:
+            self._numbers[text] = len(self.entries)
+            self.entries.append(self.entry(text))
+        return self._numbers[text]
+
+    def numbers(self, texts: Sequence[str]) -> List[int]:
+        """Return the numbers of texts."""
+        return [self.number(text) for text in texts]
+
+    def entry(self, text: str) -> Any:
+        """Return what is told of a text."""
+        return text
+
+
+class Track:
+    """Where the robot was: poses (time, x, y, yaw, metres driven so far), fewer of them the longer the run."""
+
+    def __init__(self, most: int = POSES) -> None:
+        self._most = most
+        self._apart, self._turned = APART, TURNED
+        self._last: Optional[Tuple[float, float]] = None
+        self.metres = 0.0
+        self.poses: List[Tuple[float, ...]] = []
+        self.thinned = 0  # how often every second one went
+
+    def add(self, time: float, x: float, y: float, yaw: float) -> bool:
+        """Take a pose; tell whether it is kept."""
+        way = 0.0 if self._last is None else math.hypot(x - self._last[0], y - self._last[1])
+        if self._last is None or way >= APART:  # less may be noise of a robot that stands
+            self.metres += way
+            self._last = (x, y)
+        if self.poses and not self._moved(x, y, yaw):
+            return False
+        self.poses.append((round(time, 2), round(x, 3), round(y, 3), round(yaw, 3), round(self.metres, 2)))
+        if len(self.poses) > self._most:
+            self.poses = self.poses[::2]
+            self._apart, self._turned = 2.0 * self._apart, 2.0 * self._turned
+            self.thinned += 1
+        return True
+
+    def _moved(self, x: float, y: float, yaw: float) -> bool:
+        _, last_x, last_y, last_yaw, _ = self.poses[-1]
+        turned = abs(math.remainder(yaw - last_yaw, math.tau))
+        return math.hypot(x - last_x, y - last_y) >= self._apart or turned >= self._turned

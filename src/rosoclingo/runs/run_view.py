@@ -1,0 +1,312 @@
+"""A run as pages show it: tables of goals, cycles, actions, places and lines, as JSON.
+
+Fed from public topics, live or from a bag. Times are seconds of the run's clock since the first thing that anybody
+asked, told or did.
+"""
+
+import math
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
+
+from rosoclingo.common.labels import LabelError, LabelTable
+from rosoclingo.oclingo import OclingoError, ProgressionError, parse_atom, parse_update
+from rosoclingo.reasoning.keywords import (
+    ACTION_LIB,
+    CANCEL_ACTION,
+    KeywordError,
+    Return,
+    action_of,
+    name_of,
+    return_of,
+    shortened,
+)
+from rosoclingo.runs.account import STATUS_WORDS, Account
+from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.run_tables import Record, Revision, Table, Track, Words, simplified
+
+#: The form of what :meth:`RunView.changes` returns.
+FORMAT = 1
+
+#: Characters of a text from outside that a page shows.
+SHOWN = 2000
+
+#: Seconds between two ways to one place that are kept.
+PATHS_APART = 5.0
+
+#: Statuses after which nothing comes.
+TERMINAL = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
+
+
+class ActionWords(Words):
+    """Actions as pages name them."""
+
+    def entry(self, text: str) -> Record:
+        """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
+        try:
+            action = action_of(parse_atom(text))
+        except (ProgressionError, KeywordError):
+            return {"interface": shortened(text), "parameter": "", "cycle": 0}
+        return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
+
+
+class RunView:
+    """Puts together what topics tell of a run; ``about`` is what else the page says of it (title, verdict)."""
+
+    def __init__(self, about: Optional[Mapping[str, Any]] = None) -> None:
+        self.about: Record = {"labels": {}, "map": None, "run": 1, **(about or {})}
+        self._revision = Revision()
+        self._about_changed = 1
+        self.tables = {
+            name: Table(self._revision)
+            for name in ("goals", "cycles", "actions", "packages", "beliefs", "facts", "paths", "log")
+        }
+        self._terms, self._words = Words(), ActionWords()
+        self._track = Track()
+        self._account = Account(lambda _line: None, self._log)
+        self._goals: Dict[str, int] = {}
+        self._cycles: Dict[int, int] = {}
+        self._sent: Set[str] = set()
+        self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of actions under way, by interface and cycle
+        self._run = ""
+        self._start: Optional[float] = None
+        self.seconds = 0.0
+
+    # ---- what is fed ------------------------------------------------------------------------------------------------
+
+    def tell(self, **values: Any) -> None:
+        """Change what the page says of the run as a whole."""
+        self.about.update(values)
+        self._about_changed = self._revision.next()
+
+    def program(self, text: str) -> None:
+        """Take what a core said of its program when it began."""
+        try:
+            found = RunProgram.parse(text)
+            table = LabelTable.from_mapping(found.settings.get("labels", {}))
+        except (RecordingError, LabelError):
+            return
+        self.begin(found.run)
+        self.tell(labels={one.name: [one.x, one.y, one.yaw] for one in table})
+
+    def begin(self, run: str) -> None:
+        """Take the name of the core's run; another one than before begins with cycle 1 again."""
+        if self._run and run != self._run:
+            self._cycles, self._sent, self._open = {}, set(), {}
+            self.tell(run=self.about["run"] + 1)
+        self._run = run
+
+    def goal(self, time: float, key: str, text: str) -> None:
+        """Record a goal that a client sent."""
+        now = self._now(time, begins=True)
+        if key not in self._goals:
+            self._goals[key] = self.tables["goals"].add(
+                id=key, request=shortened(text, SHOWN), sent=now, ended=None, states=[[now, "pending", ""]]
+            )
+            self._account.goal(now, key, shortened(text, SHOWN))
+
+    def cancel(self, time: float, key: str) -> None:
+        """Record that a client cancelled a goal; an empty key stands for all of them."""
+        self._account.cancel(self._now(time, begins=True), key)
+
+    def status(self, time: float, key: str, number: int, message: str) -> None:
+        """Record a goal's status, as often as it is published."""
+        if not 0 <= number < len(STATUS_WORDS):
+            return
+        if self._state(time, key, STATUS_WORDS[number], message):
+            self._account.status(self._now(time), key, number, shortened(message, SHOWN))
+
+    def feedback(self, time: float, key: str, status: str) -> None:
+        """Record that a goal waits, and why; other feedback says what the status does."""
+        word, _, why = status.partition(": ")
+        if word == "waiting":
+            self._state(time, key, word, why)
+
+    def update(self, time: float, text: str) -> None:
+        """Record a stream update that the core fed."""
+        now = self._now(time, begins=True)
+        try:
+            update = parse_update(text)
+            step, plain = update.step, shortened(str(update.plain).strip(), 10 * SHOWN)
+        except OclingoError:
+            step, plain = None, shortened(text, SHOWN)
+        one = self._cycle(step if step is not None else self._last_cycle, now)
+        one["updates"].append(plain)
+        self._account.update(now, text)
+
+    def plan(self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Tuple[float, float]) -> None:
+        """Record a plan, with the seconds of wall time that grounding and searching took."""
+        now = self._now(time)
+        ahead = self._words.numbers(actions)
+        ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times)
+        plan = {"time": now, "horizon": horizon, "actions": ahead, "ground": ground, "solve": solve}
+        self._cycle(cycle, now)["plans"].append(plan)
+        self._account.plan(now, cycle, actions)
+
+    def dispatched(self, time: float, facts: Sequence[str]) -> None:
+        """Record actions that went out, once each, and what ends them early."""
+        fresh = [text for text in facts if text.startswith((ACTION_LIB, CANCEL_ACTION)) and text not in self._sent]
+        now = self._now(time)
+        for text in fresh:
+            self._sent.add(text)
+            if text.startswith(ACTION_LIB):
+                word = self._words.number(text)
+                number = self.tables["actions"].add(action=word, begun=now, ended=None, value=None, failed=False)
+                action = self._words.entries[word]
+                self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
+        if fresh:
+            self._account.dispatched(now, fresh)
+
+    def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
+        """Record facts that came in."""
+        if not facts:
+            return
+        now = self._now(time, begins=True)
+        for text in facts:
+            answer = _return(text)
+            if answer is None or not self._answered(now, answer):
+                labels = [name for name in _arguments(text) if name in self.about["labels"]]
+                self.tables["facts"].add(
+                    time=now, origin=shortened(origin), text=shortened(text, SHOWN), name=_name(text), labels=labels
+                )
+        self._account.returned(now, origin, facts)
+
+    def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
+        """Record where all packages are; an empty place is the robot."""
+        places = sorted(packages)
+        last = self.tables["packages"].last
+        if last is None or last["places"] != places:
+            self.tables["packages"].add(time=self._now(time), places=places)
+
+    def beliefs(self, time: float, cycle: int, atoms: Sequence[str]) -> None:
+        """Record the atoms that hold now, by the program."""
+        terms = self._terms.numbers([shortened(atom) for atom in atoms])
+        last = self.tables["beliefs"].last
+        if last is None or last["atoms"] != terms:
+            self.tables["beliefs"].add(time=self._now(time), cycle=cycle, atoms=terms)
+
+    def problem(self, time: float, cycle: int, text: str) -> None:
+        """Record what the core told of in its log."""
+        now = self._now(time)
+        self._cycle(cycle, now)["problems"].append([now, shortened(text, SHOWN)])
+        self._account.note(now, shortened(text, SHOWN))
+
+    def pose(self, time: float, x: float, y: float, yaw: float) -> None:
+        """Record where the robot is (m, rad)."""
+        if all(map(math.isfinite, (x, y, yaw))) and self._track.add(time, x, y, yaw):
+            self._revision.next()
+
+    def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
+        """Record the way that the robot is to drive."""
+        finite = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
+        kept = [[round(x, 2), round(y, 2)] for x, y in simplified(finite)]
+        now, last = self._now(time), self.tables["paths"].last
+        if last is None or last["points"][-1:] != kept[-1:] or now - last["time"] >= PATHS_APART:
+            self.tables["paths"].add(time=now, points=kept)
+
+    def finish(self) -> None:
+        """Write the lines that are still held back."""
+        self._account.finish()
+
+    # ---- what is asked ----------------------------------------------------------------------------------------------
+
+    def changes(self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)) -> Record:
+        """Return what is new after a revision: records by table and number, and the revision that it leads to.
+
+        ``words`` are how many terms and actions are known already; ``poses`` how many, and as often thinned.
+        """
+        known = poses[1] if poses[0] == self._track.thinned else 0
+        start = self._start or 0.0
+        return {
+            "format": FORMAT,
+            "revision": self._revision.number,
+            "seconds": round(self.seconds, 2),
+            "about": self.about if self._about_changed > revision else None,
+            "terms": self._terms.entries[words[0] :],
+            "words": self._words.entries[words[1] :],
+            "thinned": self._track.thinned,
+            "first": known,
+            "poses": [[round(one[0] - start, 2), *one[1:]] for one in self._track.poses[known:]],
+            **{name: table.since(revision) for name, table in self.tables.items()},
+        }
+
+    # ---- how it is put together -------------------------------------------------------------------------------------
+
+    def _now(self, time: float, begins: bool = False) -> float:
+        """Return the time since the run began, 0 before; what ``begins`` a run is what anybody asks or tells."""
+        if self._start is None and not begins:
+            return 0.0
+        if self._start is None:
+            self._start = time
+        now = round(max(0.0, time - self._start), 2)
+        self.seconds = max(self.seconds, now)
+        return now
+
+    @property
+    def _last_cycle(self) -> int:
+        return max(self._cycles, default=1)
+
+    def _cycle(self, cycle: int, now: float) -> Record:
+        if cycle not in self._cycles:
+            self._cycles[cycle] = self.tables["cycles"].add(
+                cycle=cycle, run=self.about["run"], time=now, updates=[], plans=[], problems=[]
+            )
+        return self.tables["cycles"].change(self._cycles[cycle])
+
+    def _state(self, time: float, key: str, word: str, message: str) -> bool:
+        """Record a goal's status if it is another than before; tell whether it is."""
+        number = self._goals.get(key)
+        if number is None:
+            return False
+        goal = self.tables["goals"][number]
+        reason = shortened(_reason(goal["request"], message), SHOWN)
+        if goal["ended"] is not None or goal["states"][-1][1:] == [word, reason]:
+            return False
+        now = self._now(time)
+        goal = self.tables["goals"].change(number)
+        goal["states"].append([now, word, reason])
+        if word in TERMINAL:
+            goal["ended"] = now
+        return True
+
+    def _answered(self, now: float, answer: Return) -> bool:
+        """Give an action its return; tell whether there is such an action."""
+        value = name_of(answer.value)
+        under_way = self._open.get((answer.interface_name, answer.cycle), [])
+        if not under_way:
+            return False
+        meant = [number for number in under_way if self._parameter(number) == value]
+        number = (meant or under_way)[0]
+        under_way.remove(number)
+        self.tables["actions"].change(number).update(ended=now, value=value, failed=not meant)
+        return True
+
+    def _parameter(self, number: int) -> str:
+        return str(self._words.entries[self.tables["actions"][number]["action"]]["parameter"])
+
+    def _log(self, time: float, cycle: int, kind: str, text: str) -> None:
+        self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, text=shortened(text, SHOWN))
+
+
+def _reason(request: str, message: str) -> str:
+    """A status' message without the goal that it begins with."""
+    return (message[len(request) :] if message.startswith(request) else message).strip()
+
+
+def _return(text: str) -> Optional[Return]:
+    try:
+        return return_of(parse_atom(text))
+    except (ProgressionError, KeywordError):
+        return None
+
+
+def _arguments(text: str) -> List[str]:
+    try:
+        return [str(one) for one in parse_atom(text).arguments]
+    except ProgressionError:
+        return []
+
+
+def _name(text: str) -> str:
+    try:
+        return parse_atom(text).name
+    except ProgressionError:
+        return ""

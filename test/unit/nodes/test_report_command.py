@@ -1,0 +1,220 @@
+"""The command ``report`` on bags: runs as a recorder writes them, and bags that hold none."""
+
+import json
+import math
+import re
+from pathlib import Path
+from pkgutil import extend_path
+
+import pytest
+from told_runs import GOAL, LABELS, plan_of
+
+import rosoclingo
+from rosoclingo.runs.recorded_run import RunProgram
+
+ROOT = Path(__file__).resolve().parents[3]
+PLAN = plan_of("move_base office2", "pickup 1")
+
+
+@pytest.fixture
+def messages(monkeypatch):
+    """The package's messages; unit tests take it from its sources, where they are not."""
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    return pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+
+
+@pytest.fixture
+def report(monkeypatch):
+    """The command; its exit code and its lines."""
+    pytest.importorskip("rosbag")
+    from rosoclingo.nodes.pages import report_command
+
+    monkeypatch.setattr(report_command, "web", lambda: ROOT / "web")
+
+    def run(*words):
+        lines = []
+        return report_command.main([str(word) for word in words], lines.append), lines
+
+    return run
+
+
+@pytest.fixture
+def write(messages, tmp_path):
+    """Writes a bag with messages of topics at some seconds."""
+    rosbag = pytest.importorskip("rosbag")
+    import genpy
+
+    def write(said, name="run.bag"):
+        path = tmp_path / name
+        with rosbag.Bag(str(path), "w") as bag:
+            for time, topic, message in said:
+                bag.write(topic, message, genpy.Time.from_sec(time))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def run(messages):
+    """What a robot's topics say of a goal that is met; all below a namespace."""
+    from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+    from nav_msgs.msg import OccupancyGrid
+    from rosgraph_msgs.msg import Log
+    from std_msgs.msg import String
+
+    def say(space="/"):
+        goal = messages.ROSoClingoActionGoal(goal_id=GoalID(id="a"))
+        goal.goal.request = GOAL
+        grid = OccupancyGrid(data=[0, 100, -1, 0])
+        grid.info.width = grid.info.height = 2
+        grid.info.resolution = 1.0
+        program = RunProgram("r", (), {}, "", {"labels": LABELS}).text()
+        status = [GoalStatusArray(status_list=[GoalStatus(GoalID(id="a"), number, "")]) for number in (1, 1, 3)]
+        lying = [messages.PackageStates(packages=[messages.PackageState("1", place, not place)]) for place in ("x", "")]
+        own = [
+            (1.0, "rosoclingo/program", String(program)),
+            (1.0, "out_rosoclingo", messages.InterfaceIO("rosoclingo", ['_run("r")'])),
+            (1.0, "map", grid),
+            (2.0, "rosoclingo/goal", goal),
+            (2.5, "rosoclingo/updates", String(f"#step 1.\n_request({GOAL},2).\n#end step.\n")),
+            (2.5, "rosoclingo/task_plan", messages.TaskPlan(cycle=1, horizon=2, actions=PLAN, ground_time=0.5)),
+            (2.5, "out_rosoclingo", messages.InterfaceIO("move_base", PLAN[:1])),
+            *((3.0 + number, "rosoclingo/status", one) for number, one in enumerate(status)),
+            *((4.0 + number, "packages", one) for number, one in enumerate(lying)),
+            (4.5, "in_rosoclingo", messages.InterfaceIO("move_base", ["_return(move_base,office2,1)"])),
+        ]
+        log = Log(name=space + "rosoclingo", msg="cycle 1: something is odd")
+        other = Log(name="/other", msg="cycle 1: it is not of the core")
+        return [
+            *((time, space + topic, one) for time, topic, one in own),
+            (4.0, "/rosout", log),
+            (4.0, "/rosout", other),
+        ]
+
+    return say
+
+
+def shown(path):
+    text = path.read_text(encoding="utf-8")
+    return json.loads(re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL).group(1))
+
+
+def odometry(x, yaw):
+    from nav_msgs.msg import Odometry
+
+    found = Odometry()
+    found.pose.pose.position.x = x
+    found.pose.pose.orientation.z, found.pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return found
+
+
+def transform(parent, child, x):
+    from geometry_msgs.msg import TransformStamped
+    from tf2_msgs.msg import TFMessage
+
+    one = TransformStamped(child_frame_id=child)
+    one.header.frame_id = parent
+    one.transform.translation.x, one.transform.rotation.w = x, 1.0
+    return TFMessage([one])
+
+
+def test_a_bag_becomes_a_report_beside_it(report, write, run, tmp_path):
+    path = write(run())
+    assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
+    found = shown(tmp_path / "run.html")
+    assert (found["about"]["title"], found["about"]["source"]) == ("run", "run.bag")
+    assert found["about"]["labels"] == LABELS
+    assert found["about"]["map"]["width"] == 2.0
+    ((_, goal),) = found["goals"]
+    assert [state[:2] for state in goal["states"]] == [[0.0, "pending"], [1.0, "active"], [3.0, "succeeded"]]
+    ((_, cycle),) = found["cycles"]
+    assert (cycle["plans"][0]["ground"], cycle["problems"]) == (0.5, [[2.0, "something is odd"]])
+    assert [one["places"] for _, one in found["packages"]] == [[["1", "x"]], [["1", ""]]]
+    assert found["actions"][0][1]["value"] == "office2"
+
+
+def test_file_title_and_core_can_be_named(report, write, run, tmp_path):
+    path = write([*run("/red/"), *run("/blue/")])
+    to = tmp_path / "other.html"
+    assert report(path, "-o", to, "--core", "/red/rosoclingo", "--title", "Red <b>")[0] == 0
+    assert shown(to)["about"]["title"] == "Red <b>"
+    assert "Red <b>" not in to.read_text()
+    assert len(shown(to)["goals"]) == 1
+
+
+def test_of_several_cores_one_has_to_be_named(report, write, run, capsys):
+    assert report(write([*run("/red/"), *run("/blue/")]))[0] == 2
+    assert "the runs of 2 cores are in it" in capsys.readouterr().err
+
+
+def test_what_all_robots_share_may_lie_at_the_root(report, write, run, tmp_path):
+    said = [(time, "/map" if topic == "/red/map" else topic, one) for time, topic, one in run("/red/")]
+    assert report(write(said))[0] == 0
+    assert shown(tmp_path / "run.html")["about"]["map"]["width"] == 2.0
+
+
+def test_the_pose_is_the_simulator_s_where_it_tells_one(report, write, run, tmp_path):
+    truth = [(3.0 + 0.01 * tick, "/base_pose_ground_truth", odometry(0.05 * tick, 0.5)) for tick in range(100)]
+    tf = [(3.0, "/tf", transform("map", "odom", 7.0)), (3.5, "/tf", transform("odom", "base_link", 7.0))]
+    report(write([*run(), *truth, *tf]))
+    poses = shown(tmp_path / "run.html")["poses"]
+    assert poses[0] == [1.0, 0.0, 0.0, 0.5, 0.0]
+    assert 5 <= len(poses) <= 11, "ten a second"
+    assert max(pose[1] for pose in poses) < 6.0
+
+
+def test_a_robot_s_pose_is_that_of_tf(report, write, run, tmp_path):
+    tf = [
+        (1.5, "/tf_static", transform("base_footprint", "base_link", 0.5)),
+        (2.0, "/tf", transform("map", "odom", 7.0)),
+    ]
+    tf += [(3.0 + tick, "/tf", transform("odom", "base_footprint", float(tick))) for tick in range(3)]
+    report(write([*run(), *tf]))
+    assert [pose[:2] for pose in shown(tmp_path / "run.html")["poses"]] == [[1.0, 7.5], [2.0, 8.5], [3.0, 9.5]]
+
+
+def test_the_way_that_is_to_be_driven(report, write, run, tmp_path):
+    from geometry_msgs.msg import PoseStamped
+    from nav_msgs.msg import Path as Way
+
+    poses = [PoseStamped() for _ in range(3)]
+    for x, one in enumerate(poses):
+        one.pose.position.x = float(x)
+    report(write([*run(), (3.0, "/move_base/NavfnROS/plan", Way(poses=poses))]))
+    assert shown(tmp_path / "run.html")["paths"] == [[0, {"time": 1.0, "points": [[0.0, 0.0], [2.0, 0.0]]}]]
+
+
+def test_a_map_without_cells_is_none(report, write, run, tmp_path):
+    from nav_msgs.msg import OccupancyGrid
+
+    report(write([*run(), (9.0, "/map", OccupancyGrid())]))
+    assert shown(tmp_path / "run.html")["about"]["map"] is None
+
+
+@pytest.mark.parametrize(
+    ("damage", "told"),
+    [
+        (lambda data: b"", "is no bag, or damaged"),
+        (lambda data: b"something else", "is no bag, or damaged"),
+        (lambda data: data[: len(data) // 2], "has no index"),
+        (lambda data: data[:4200] + bytes(300) + data[4500:], "is no bag, or damaged"),
+    ],
+    ids=["empty", "other", "cut", "zeros"],
+)
+def test_a_damaged_bag_is_told(report, write, run, capsys, damage, told):
+    path = write(run())
+    path.write_bytes(damage(path.read_bytes()))
+    assert report(path)[0] == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"report: {path}")
+    assert told in said
+    assert not path.with_suffix(".html").exists()
+
+
+def test_a_bag_without_a_core_and_files_that_are_not_there(report, write, run, tmp_path, capsys):
+    assert report(write([one for one in run() if "updates" not in one[1]]))[0] == 2
+    assert "no stream updates of a core" in capsys.readouterr().err
+    assert report(tmp_path / "nosuch.bag")[0] == 2
+    assert "nosuch.bag cannot be read: No such file" in capsys.readouterr().err
+    assert report(write(run()), "-o", tmp_path / "no" / "folder.html")[0] == 2
+    assert "No such file or directory" in capsys.readouterr().err

@@ -1,0 +1,58 @@
+import base64
+import io
+import math
+
+import numpy as np
+import pytest
+
+from rosoclingo.runs import map_image as module
+from rosoclingo.runs.map_image import LONGEST
+
+
+def map_image(cells, resolution, origin):
+    return module.map_image(cells.ravel().tolist(), cells.shape[1], resolution, origin)
+
+
+def picture(found):
+    image = pytest.importorskip("PIL.Image")
+    data = base64.b64decode(found["image"].partition(",")[2])
+    return np.array(image.open(io.BytesIO(data)).convert("RGBA"))
+
+
+def test_the_picture_is_cropped_to_what_is_known():
+    cells = np.full((20, 30), -1, np.int8)
+    cells[5:8, 10:14] = 0
+    cells[5, 10] = 100
+    found = map_image(cells, 0.5, (1.0, 2.0, 0.0))
+    assert (found["corner"], found["width"], found["height"]) == ([6.0, 4.5], 2.0, 1.5)
+    pixels = picture(found)
+    assert pixels.shape == (3, 4, 4)
+    assert pixels[2, 0, 3] == 255, "the first cell is at the lower left"
+    assert (pixels[:2, :, 3] == 0).all(), "the floor is seen through"
+
+
+def test_a_turned_map_has_its_corner_turned():
+    cells = np.full((10, 10), -1, np.int8)
+    cells[2:4, 5:6] = 0
+    found = map_image(cells, 1.0, (0.0, 0.0, math.pi / 2))
+    assert found["corner"] == pytest.approx([-2.0, 5.0])
+
+
+def test_between_free_and_occupied_is_unknown():
+    pixels = picture(map_image(np.array([[0, 25, 50, 65, 100]], np.int8), 1.0, (0.0, 0.0, 0.0)))
+    assert [int(value) for value in pixels[0, :, 3]] == [0, 0, 72, 255, 255]
+
+
+def test_a_map_of_nothing_known_is_shown_whole():
+    assert map_image(np.full((3, 4), -1, np.int8), 1.0, (0.0, 0.0, 0.0))["width"] == 4.0
+
+
+@pytest.mark.slow
+def test_a_large_map_is_small_and_keeps_its_thin_walls():
+    cells = np.zeros((3, 3 * LONGEST + 1), np.int8)
+    cells[:, 4000] = 100
+    found = map_image(cells, 0.05, (0.0, 0.0, 0.0))
+    pixels = picture(found)
+    assert pixels.shape[1] <= LONGEST
+    assert found["width"] == pytest.approx(0.05 * 4 * pixels.shape[1])
+    assert pixels[0, 1000, 3] == 255

@@ -1,0 +1,26 @@
+import math
+
+import pytest
+
+from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+
+
+def test_a_frame_is_found_through_those_between():
+    frames = PlanarFrames()
+    frames.place("map", "odom", Pose(1.0, 0.0, math.pi / 2))
+    frames.place("/odom", "/base_footprint", Pose(2.0, 0.0, 0.0))
+    frames.place("base_footprint", "base_link", Pose(0.5, 0.0, 0.25))
+    assert frames.find("map", "base_link") == pytest.approx((1.0, 2.5, math.pi / 2 + 0.25))
+    assert frames.find("odom", "base_footprint") == (2.0, 0.0, 0.0)
+
+
+def test_what_is_not_connected_or_in_a_circle_is_not_found():
+    frames = PlanarFrames()
+    assert frames.find("map", "base_link") is None
+    frames.place("a", "b", Pose(0.0, 0.0, 0.0))
+    frames.place("b", "a", Pose(0.0, 0.0, 0.0))
+    assert frames.find("map", "a") is None
+
+
+def test_a_heading():
+    assert yaw_of(0.0, 0.0, math.sin(0.4), math.cos(0.4)) == pytest.approx(0.8)

@@ -1,0 +1,198 @@
+"""The report in a browser: its views, its slider, hostile texts, a long run."""
+
+import json
+import re
+from pathlib import Path
+
+import browser
+import pytest
+from told_runs import GOAL, delivery, long_run
+
+from rosoclingo.runs.report_page import SCRIPTS, report_page
+from rosoclingo.runs.run_view import RunView
+
+WEB = Path(__file__).resolve().parents[3] / "web"
+HOSTILE = [
+    "<script>window.broken = 1</script>",
+    "</script><script>window.broken = 1</script>",
+    "<img src=x onerror='window.broken = 1'>",
+    "\u2028]]><!-- script -->",
+    '" onclick="window.broken = 1',
+    "{{constructor}}",
+]
+pytestmark = [pytest.mark.slow, pytest.mark.once]
+
+
+def write(folder, view):
+    page = report_page(view.changes(), WEB)
+    path = folder / "run.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def page():
+    path = browser.found()
+    if path is None:
+        pytest.skip("there is no browser: install chromium")
+    with browser.Browser(path) as one:
+        one.size(1280, 900)
+        yield one
+
+
+@pytest.fixture
+def opened(page, tmp_path):
+    def open_run(view):
+        page.faults.clear()
+        page.open(write(tmp_path, view).as_uri())
+        return page
+
+    yield open_run
+    assert page.faults == []
+
+
+def move(page, time):
+    script = (
+        "const slider = document.getElementById('slider'); slider.value = {}; slider.dispatchEvent(new Event('input'))"
+    )
+    page.run("{" + script.format(time) + "}")
+
+
+def test_the_page_is_one_file_with_all_scripts():
+    text = report_page(delivery().changes(), WEB)
+    assert {path.name for path in WEB.iterdir()} >= {*SCRIPTS, "page.css", "report.html"}
+    assert not re.search(r"<!-- (policy|style|run|script) -->", text)
+    assert not re.search(r"(src|href)=[\"']?(https?:|//)", text)
+    run = re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL).group(1)
+    assert json.loads(run)["goals"][0][1]["request"] == GOAL
+
+
+def test_the_end_is_shown_first(opened):
+    page = opened(delivery())
+    assert page.text("h1") == "A delivery"
+    assert page.text("#clock") == "32.5 s · cycle 6"
+    assert "1 goal: 1 succeeded" in page.text("#facts")
+    assert page.texts("#goals tbody td") == ["succeeded", "32.5 s", ""]
+    assert page.text("#map .caption") == "The robot is at office2. Packages: 1, 2 at office1."
+    assert page.run("document.querySelector('.floor').getBoundingClientRect().width") > 300
+
+
+def test_the_slider_shows_a_moment(opened):
+    page = opened(delivery())
+    move(page, 10.5)
+    assert page.text("#clock") == "10.5 s · cycle 2"
+    assert page.texts("#cycle li") == ["✓ move_base office2", "▶ pickup 1", "○ move_base office1", "○ deliver 1"]
+    assert "_return(move_base,office2,1)." in page.text("#cycle pre")
+    assert page.texts("#goals tbody td")[:2] == ["active", "10.5 s"]
+    assert len(page.texts(".timeline .bar.ahead")) == 2
+    assert page.texts(".log [aria-current] .text") == ["pickup 1"]
+    move(page, 13.0)
+    assert "It carries 1." in page.text("#map .caption")
+    move(page, 0)
+    assert page.texts("#goals tbody td")[0] == "pending"
+
+
+def test_a_failed_action_is_seen(opened):
+    page = opened(delivery())
+    move(page, 21.0)
+    assert "✕ move_base office1: blocked" in page.texts("#cycle li")
+    assert "Not reached: office1 (blocked)." in page.text("#map .caption")
+    assert page.texts(".map .wayname.bad") == ["✕ blocked"]
+    move(page, 31.0)
+    assert "Not reached" not in page.text("#map .caption")
+
+
+def test_the_figures(opened):
+    page = opened(delivery())
+    found = dict(zip(page.texts("figcaption strong"), page.texts("figcaption span")))
+    assert found["Goals by their end"] == "1 goal"
+    assert found["Time until the end"] == "median 32.5 s, longest 32.5 s"
+    assert found["Response: time until accepted"] == "median 1.5 s, longest 1.5 s"
+    assert found["Solver's share"] == "250 ms of wall time, 0.8 % of the run's 32.5 s"
+    assert found["Metres driven"] == "4.0 m"
+
+
+def test_the_keyboard_does(opened):
+    page = opened(delivery())
+    page.press("Home", "#slider")
+    assert page.text("#clock") == "0.0 s · cycle 1"
+    page.press("ArrowRight", ".log")
+    assert page.text("#clock") == "10.0 s · cycle 2"
+    page.press("ArrowLeft", ".log")
+    assert page.text("#clock") == "0.0 s · cycle 1"
+    page.press("Enter", ".log li:last-child button")
+    assert page.text("#clock") == "32.5 s · cycle 6"
+
+
+def test_a_click_on_the_timeline_goes_there_and_play_goes_on(opened):
+    page = opened(delivery())
+    page.click(".timeline")
+    here = page.run("report.time")
+    assert 5.0 < here < 25.0
+    page.click("#play")
+    page.wait_for(f"report.time > {here} + 0.5")
+    page.click("#play")
+    assert page.text("#play") == "Play"
+
+
+def test_an_address_names_a_moment(page, tmp_path):
+    page.open(write(tmp_path, delivery()).as_uri() + "#t=12.5")
+    assert page.text("#clock").startswith("12.5 s")
+
+
+@pytest.mark.parametrize("verdict", [[], ["goals: expected <b>"]])
+def test_the_verdict(opened, verdict):
+    view = delivery()
+    view.tell(verdict=verdict)
+    text = opened(view).text("#verdict")
+    assert text.split("\n") == (["Not as expected", *verdict] if verdict else ["As expected"])
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_hostile_texts_are_text(opened, text):
+    view = RunView({"title": text, "source": text, "verdict": [text], "labels": {text: [1.0, 1.0, 0.0]}})
+    view.goal(0.0, text, text)
+    view.status(1.0, text, 5, text)
+    view.update(1.0, text)
+    view.plan(1.0, 1, 1, [text], (0.0, 0.0))
+    view.returned(1.0, text, [text])
+    view.packages(1.0, [(text, text)])
+    view.beliefs(1.0, 1, [text])
+    view.problem(1.0, 1, text)
+    view.pose(1.0, 1.0, 1.0, 0.0)
+    view.finish()
+    page = opened(view)
+    assert page.run("window.broken") is None
+    assert page.texts("#goals code") == [text]
+    assert text in page.texts(".labelname")
+    assert text in page.texts(".atoms code")
+    assert page.texts("h1") == [text]
+
+
+def test_nothing_at_all_is_shown_too(opened):
+    page = opened(RunView())
+    assert page.text("#map .caption") == "Where the robot is was not recorded."
+    assert page.text("#cycle") == "No cycle has begun yet."
+    assert "Nobody has asked for anything yet." in page.text("#goals")
+
+
+@pytest.mark.parametrize("width", [360, 1280])
+def test_nothing_is_wider_than_the_window(opened, page, width):
+    view = delivery()
+    view.goal(140.0, "b", f"goal({'x' * 300},1)")
+    page.size(width, 740)
+    opened(view)
+    assert page.run("document.documentElement.scrollWidth") <= width
+    page.size(1280, 900)
+
+
+def test_two_hundred_goals_are_a_small_file_that_is_drawn_soon(opened, tmp_path):
+    view = long_run()
+    assert write(tmp_path, view).stat().st_size < 5_000_000
+    page = opened(view)
+    assert page.text("#clock").endswith("cycle 1200")
+    assert len(page.texts("#goals tbody tr")) == 200
+    used = "performance.getEntriesByType('navigation')[0].loadEventEnd"
+    drawn = "(() => { const start = performance.now(); report.seek(3000.5); return performance.now() - start; })()"
+    print("loaded after", page.wait_for(used), "ms, moment drawn in", page.run(drawn), "ms")
+    assert page.text("#clock").endswith("cycle 301")

@@ -1,0 +1,244 @@
+"""What pages show of a run: put together from what topics tell."""
+
+import json
+import math
+
+import pytest
+from told_runs import GOAL, delivery, plan_of
+
+from rosoclingo.runs.recorded_run import FORMAT, RunProgram
+from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
+from rosoclingo.runs.run_view import RunView
+
+
+@pytest.fixture(scope="module")
+def told():
+    return delivery().changes()
+
+
+def records(changes, name):
+    return [record for _, record in changes[name]]
+
+
+def names(changes, numbers):
+    words = [changes["words"][number] for number in numbers]
+    return [f"{word['interface']} {word['parameter']}" for word in words]
+
+
+def test_it_is_json_and_begins_with_the_first_request(told):
+    assert json.loads(json.dumps(told, allow_nan=False))["seconds"] == 32.5
+    (goal,) = records(told, "goals")
+    assert (goal["request"], goal["sent"], goal["ended"]) == (GOAL, 0.0, 32.5)
+    assert goal["states"] == [[0.0, "pending", ""], [1.5, "active", "is accepted"], [32.5, "succeeded", "is met"]]
+
+
+def test_a_cycle_has_its_update_and_plans_with_times(told):
+    cycles = records(told, "cycles")
+    assert [one["cycle"] for one in cycles] == [1, 2, 3, 4, 5, 6]
+    assert cycles[0]["updates"] == [f"#step 1.\n_request({GOAL},2).\n#end step."]
+    early, plan = cycles[0]["plans"]
+    assert (early["time"], early["actions"], early["ground"]) == (0.0, [], 0.1)
+    assert (plan["time"], plan["horizon"], plan["ground"], plan["solve"]) == (1.0, 4, 0.02, 0.01)
+    assert names(told, plan["actions"]) == ["move_base office2", "pickup 1", "move_base office1", "deliver 1"]
+
+
+def test_an_action_has_its_return(told):
+    actions = records(told, "actions")
+    assert [(one["begun"], one["ended"], one["value"], one["failed"]) for one in actions] == [
+        (1.0, 10.0, "office2", False),
+        (10.0, 12.0, "1", False),
+        (12.0, 20.0, "blocked", True),
+        (22.0, 30.0, "office1", False),
+        (30.0, 32.0, "1", False),
+    ]
+
+
+def test_the_log_is_that_of_the_account(told):
+    log = records(told, "log")
+    assert [one["kind"] for one in log[:4]] == ["plan", "request", "update", "plan"]
+    assert log[-1] == {"time": 32.5, "cycle": 6, "kind": "goal", "text": f"{GOAL}: succeeded"}
+    assert [one["time"] for one in log] == sorted(one["time"] for one in log)
+
+
+def test_packages_and_poses_are_kept_when_they_change(told):
+    assert [one["time"] for one in records(told, "packages")] == [0.0, 12.0, 32.0]
+    assert told["poses"][0] == [-10.0, 1.0, 1.0, 0.0, 0.0]
+    assert told["poses"][-1] == [9.0, 5.0, 1.0, 0.0, 4.0]
+
+
+def test_only_what_is_new_is_told():
+    view = delivery()
+    first = view.changes()
+    view.goal(140.0, "b", "goal(office1,office2,2)")
+    view.pose(140.0, 4.0, 1.0, 0.0)
+    known = len(first["terms"]), len(first["words"])
+    more = view.changes(first["revision"], known, (first["thinned"], len(first["poses"])))
+    assert [number for number, _ in more["goals"]] == [1]
+    assert (more["about"], more["cycles"], more["words"]) == (None, [], [])
+    assert (more["first"], more["poses"]) == (len(first["poses"]), [[40.0, 4.0, 1.0, 0.0, 5.0]])
+    view.status(141.0, "b", 1, "")
+    ((number, goal),) = view.changes(more["revision"])["goals"]
+    assert (number, goal["states"][-1]) == (1, [41.0, "active", ""])
+
+
+def test_what_a_goal_waits_for_is_kept():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.feedback(1.0, "a", "active")
+    view.feedback(2.0, "a", "waiting: there is too much to do")
+    view.feedback(3.0, "nobody", "waiting: for ever")
+    (goal,) = records(view.changes(), "goals")
+    assert goal["states"] == [[0.0, "pending", ""], [2.0, "waiting", "there is too much to do"]]
+
+
+def test_a_status_that_is_none_and_a_goal_that_nobody_sent_are_passed_over():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.status(1.0, "a", 99, "odd")
+    view.status(1.0, "b", 3, "of another run")
+    view.status(2.0, "a", 5, "g(1) is refused")
+    view.status(3.0, "a", 1, "too late")
+    (goal,) = records(view.changes(), "goals")
+    assert goal["states"][1:] == [[2.0, "rejected", "is refused"]]
+
+
+def test_actions_that_a_newcomer_is_told_again_are_there_once():
+    view = RunView()
+    plan = plan_of("go a")
+    view.goal(0.0, "a", "g(1)")
+    for _ in range(3):
+        view.dispatched(1.0, plan)
+    view.dispatched(2.0, ["_cancel(go,a,1)"])
+    assert len(records(view.changes(), "actions")) == 1
+
+
+def test_of_two_actions_of_an_interface_in_a_cycle_each_has_its_own_return():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.dispatched(1.0, ["_action_lib(go,a,1)", "_action_lib(go,b,1)"])
+    view.returned(2.0, "go", ["_return(go,b,1)"])
+    view.returned(3.0, "go", ["_return(go,stuck,1)"])
+    first, second = records(view.changes(), "actions")
+    assert (second["ended"], second["failed"]) == (2.0, False)
+    assert (first["ended"], first["value"], first["failed"]) == (3.0, "stuck", True)
+
+
+def test_other_facts_have_the_labels_that_they_name():
+    view = RunView({"labels": {"a": [0, 0, 0], "b": [1, 0, 0]}})
+    view.returned(0.0, "eye", ["_blocked(a,b,now)", "_return(nothing,x,1)", "no atom ("])
+    facts = records(view.changes(), "facts")
+    assert [(one["name"], one["labels"]) for one in facts] == [("_blocked", ["a", "b"]), ("_return", []), ("", [])]
+
+
+def test_a_core_that_is_started_again_begins_with_cycle_1():
+    view = RunView()
+    view.begin("one")
+    view.update(0.0, "#step 1.\n#end step.\n")
+    view.begin("one")
+    view.update(1.0, "#step 2.\n#end step.\n")
+    view.begin("two")
+    view.update(2.0, "#step 1.\n#end step.\n")
+    found = view.changes()
+    assert [(one["run"], one["cycle"]) for one in records(found, "cycles")] == [(1, 1), (1, 2), (2, 1)]
+    assert found["about"]["run"] == 2
+
+
+def test_labels_come_with_the_program():
+    view = RunView()
+    program = RunProgram("r", (), {}, "", {"labels": {"kitchen": [1.0, 2.0, 0.5]}})
+    view.program(program.text())
+    assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
+    for damaged in ("no JSON", program.text().replace(f'"format": {FORMAT}', '"format": 99'), '{"format": 1}'):
+        view.program(damaged)
+    odd = RunProgram("r", (), {}, "", {"labels": {"Kitchen Sink": "here"}})
+    view.program(odd.text())
+    assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
+
+
+def test_an_update_that_is_none_is_shown_as_it_is():
+    view = RunView()
+    view.update(0.0, "#step 3.\n#end step.\n")
+    view.update(1.0, "no update <b>")
+    (cycle,) = records(view.changes(), "cycles")
+    assert cycle["updates"][1] == "no update <b>"
+
+
+def test_a_text_of_a_megabyte_is_cut():
+    view = RunView()
+    view.goal(0.0, "a", "g(" + "x" * 1_000_000 + ")")
+    view.status(1.0, "a", 5, "y" * 1_000_000)
+    view.returned(2.0, "z", ['_seen("' + "x" * 1_000_000 + '")'])
+    view.problem(2.0, 1, "p" * 1_000_000)
+    assert len(json.dumps(view.changes())) < 100_000
+
+
+def test_numbers_that_are_none_do_not_reach_the_page():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.pose(1.0, math.nan, 0.0, 0.0)
+    view.pose(1.0, 0.0, 0.0, math.inf)
+    view.path(1.0, [(math.nan, 0.0), (1.0, 2.0)])
+    view.plan(1.0, 1, 1, [], (math.nan, math.inf))
+    found = view.changes()
+    json.dumps(found, allow_nan=False)
+    assert found["poses"] == []
+    assert records(found, "paths") == [{"time": 1.0, "points": [[1.0, 2.0]]}]
+
+
+def test_ways_to_one_place_are_kept_now_and_then_only():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    for tick in range(100):
+        view.path(0.1 * tick, [(0.01 * tick, 0.0), (2.0, 0.0)])
+    view.path(10.0, [(1.0, 0.0), (9.0, 0.0)])
+    assert [one["time"] for one in records(view.changes(), "paths")] == [0.0, 5.0, 10.0]
+
+
+def test_beliefs_are_kept_when_they_change():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    for cycle, atoms in ((1, ["at(a)"]), (2, ["at(a)"]), (3, ["at(b)", "at(a)"])):
+        view.beliefs(float(cycle), cycle, atoms)
+    found = view.changes()
+    assert found["terms"] == ["at(a)", "at(b)"]
+    assert [(one["cycle"], one["atoms"]) for one in records(found, "beliefs")] == [(1, [0]), (3, [1, 0])]
+
+
+# ---- tables ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_table_tells_what_has_changed_since():
+    revision = Revision()
+    table = Table(revision)
+    for letter in "abc":
+        table.add(name=letter)
+    before = revision.number
+    assert table.since(before) == []
+    table.change(0)["name"] = "A"
+    table.add(name="d")
+    assert table.since(before) == [(0, {"name": "A"}), (3, {"name": "d"})]
+    assert len(table.since(0)) == len(table) == 4
+
+
+def test_a_long_way_has_few_poses_and_its_length():
+    track = Track()
+    for tick in range(5 * POSES):
+        track.add(float(tick), 0.1 * tick, 0.0, 0.0)
+    assert POSES / 3 < len(track.poses) <= POSES
+    assert track.metres == pytest.approx(0.1 * (5 * POSES - 1))
+    assert track.thinned > 0
+
+
+def test_a_robot_that_stands_has_driven_nothing():
+    track = Track()
+    for tick in range(1000):
+        track.add(float(tick), 0.01 * (tick % 3), 0.0, 0.0)
+    assert (track.metres, len(track.poses)) == (0.0, 1)
+
+
+def test_a_way_keeps_its_corners():
+    way = [(0.1 * one, 0.0) for one in range(11)] + [(1.0, 0.1 * one) for one in range(1, 11)]
+    assert simplified(way) == [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
+    assert simplified([]) == []
+    assert simplified([(1.0, 1.0)]) == [(1.0, 1.0)]
+    assert simplified([(1.0, 1.0)] * 5) == [(1.0, 1.0)] * 2

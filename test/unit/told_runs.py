@@ -1,0 +1,83 @@
+"""Runs for tests of what pages show, told as topics tell them."""
+
+import numpy as np
+
+from rosoclingo.runs.map_image import map_image
+from rosoclingo.runs.run_view import RunView
+
+LABELS = {"office1": [1.0, 1.0, 0.0], "office2": [5.0, 1.0, 0.0]}
+GOAL = "goal(office2,office1,1)"
+
+
+def plan_of(*words):
+    """Actions one after the other from cycle 1 on, each "interface parameter"."""
+    return ["_action_lib({},{},{})".format(*word.split(), cycle) for cycle, word in enumerate(words, 1)]
+
+
+def delivery():
+    """One goal that is met after four actions, the third of which failed once; it begins 100 s after time did."""
+    view = RunView({"labels": LABELS, "title": "A delivery"})
+    cells = np.zeros((40, 120), np.int8)
+    cells[0] = cells[-1] = cells[:, 0] = cells[:, -1] = 100
+    view.tell(map=map_image(cells.ravel().tolist(), 120, 0.05, (0.0, 0.0, 0.0)))
+    view.plan(90.0, 1, 1, [], (0.1, 0.0))
+    view.pose(90.0, 1.0, 1.0, 0.0)
+    view.packages(90.0, [("1", "office2"), ("2", "office1")])
+    view.goal(100.0, "a", GOAL)
+    view.update(101.0, f"#step 1.\n_request({GOAL},2).\n#end step.\n")
+    plan = plan_of("move_base office2", "pickup 1", "move_base office1", "deliver 1")
+    act(view, 101.0, 1, plan)
+    view.status(101.5, "a", 1, f"{GOAL} is accepted")
+    for second in range(1, 9):
+        view.pose(101.0 + second, 1.0 + 0.5 * second, 1.0, 0.0)
+    ends = ((110.0, "office2"), (112.0, "1"), (120.0, "blocked"))
+    for number, (time, value) in enumerate(ends, 1):
+        back(view, time, plan[number - 1], value, number)
+        if number == 2:
+            view.packages(time, [("1", ""), ("2", "office1")])
+        if number < 3:
+            act(view, time, number + 1, plan)
+    again = [*plan[:3], "_action_lib(move_base,office1,4)", "_action_lib(deliver,1,5)"]
+    for number, (time, value) in enumerate(((130.0, "office1"), (132.0, "1")), 4):
+        act(view, time - 8.0 if number == 4 else time - 2.0, number, again)
+        back(view, time, again[number - 1], value, number)
+    view.packages(132.0, [("1", "office1"), ("2", "office1")])
+    view.status(132.5, "a", 3, f"{GOAL} is met")
+    view.finish()
+    return view
+
+
+def act(view, time, cycle, plan):
+    """A plan is told and its action of a cycle goes out."""
+    view.plan(time, cycle, len(plan), plan, (0.02, 0.01))
+    view.dispatched(time, [plan[cycle - 1]])
+
+
+def back(view, time, action, value, cycle):
+    """An action returns, and the core feeds that."""
+    text = f"_return({action.split('(')[1].split(',')[0]},{value},{cycle})"
+    view.returned(time, "tests", [text])
+    view.update(time, f"#step {cycle + 1}.\n:- not {action}.\n{text}.\n#end step.\n")
+
+
+def long_run(goals=200):
+    """Many goals after each other, each a minute long, with a robot that is seen ten times a second."""
+    view = RunView({"labels": LABELS, "title": "Many goals"})
+    cycle = 0
+    for number in range(goals):
+        start, key = 60.0 * number, f"key {number}"
+        view.goal(start, key, f"goal(office1,office2,{number})")
+        for step in range(6):
+            cycle, time = cycle + 1, start + 10.0 * step
+            where = ("office1", "office2")[step % 2]
+            view.update(time, f"#step {cycle}.\n_request(goal(office1,office2,{number}),{cycle + 1}).\n#end step.\n")
+            plan = [f"_action_lib(move_base,{where},{cycle + ahead})" for ahead in range(30)]
+            view.plan(time, cycle, cycle + 30, plan, (0.01, 0.02))
+            view.dispatched(time, plan[:1])
+            for tick in range(80):
+                view.pose(time + 0.1 * tick, 1.0 + 0.05 * (tick if step % 2 else 80 - tick), 1.0, 0.0)
+            view.returned(time + 9.0, "tests", [f"_return(move_base,{where},{cycle})"])
+            view.beliefs(time, cycle, [f"at({where},{cycle})", *(f"lies({one})" for one in range(20))])
+        view.status(start + 58.0, key, 3 if number % 10 else 4, "it is over")
+    view.finish()
+    return view

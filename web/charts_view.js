@@ -1,0 +1,125 @@
+"use strict";
+// Figures of the whole run.
+
+const CHART = { width: 320, height: 150, left: 40, bottom: 22, top: 8 };
+
+function median(values) {
+  const sorted = [...values].sort((one, other) => one - other);
+  const middle = sorted.length >> 1;
+  return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
+}
+
+/** A run's figures: counts, sums and lists that charts and summary are made of. */
+function figures(model) {
+  const ends = new Map();
+  for (const goal of model.goals) {
+    const word = goal.ended === null ? "open" : goal.states[goal.states.length - 1][1];
+    ends.set(word, (ends.get(word) || 0) + 1);
+  }
+  const solver = model.cycles.map((cycle) => model.solverTime(cycle));
+  const total = solver.reduce((sum, one) => sum + one.ground + one.solve, 0);
+  const last = model.poses[model.poses.length - 1];
+  return {
+    ends,
+    waits: model.goals.filter((goal) => goal.ended !== null).map((goal) => goal.ended - goal.sent),
+    responses: model.goals.map((goal) => model.response(goal)).filter((value) => value !== null),
+    metres: last ? last[4] : null,
+    solver,
+    total,
+    share: model.seconds ? total / model.seconds : 0,
+  };
+}
+
+class ChartsView {
+  constructor(parent, model) {
+    this.model = model;
+    this.parent = parent;
+  }
+
+  draw() {
+    const found = figures(this.model);
+    const spread = (values) => (values.length ? `median ${seconds(median(values))}, longest ${seconds(Math.max(...values))}` : "none");
+    const share = `${brief(found.total)} of wall time, ${(100 * found.share).toFixed(1)} % of the run's ${seconds(this.model.seconds)}`;
+    const charts = [
+      this.chart("Goals by their end", count(this.model.goals.length, "goal", "goals"), this.ends(found.ends), 6 + 26 * found.ends.size),
+      this.chart("Time until the end", spread(found.waits), this.histogram(found.waits)),
+      this.chart("Response: time until accepted", spread(found.responses), this.histogram(found.responses)),
+      this.chart("Solver's share", share, this.solver(found.solver)),
+    ];
+    if (found.metres !== null) charts.push(this.chart("Metres driven", `${found.metres.toFixed(1)} m`, this.metres(found.metres)));
+    show(this.parent, charts);
+  }
+
+  chart(title, words, shapes, height = CHART.height) {
+    const size = `0 0 ${CHART.width} ${height}`;
+    const picture = svg("svg", { class: "chart", role: "img", "aria-label": `${title}: ${words}`, viewBox: size }, shapes);
+    return html("figure", {}, html("figcaption", {}, html("strong", {}, title), html("span", {}, words)), picture);
+  }
+
+  ends(ends) {
+    const most = Math.max(1, ...ends.values());
+    return [...ends].map(([word, number], row) => {
+      const [top, width] = [6 + row * 26, (number / most) * (CHART.width - 130)];
+      return [
+        svg("text", { class: "tick start", x: 0, y: top + 15 }, word),
+        svg("rect", { class: `end ${word}`, x: 84, y: top, width, height: 20, rx: 3 }),
+        svg("text", { class: "tick start", x: 90 + width, y: top + 15 }, number),
+      ];
+    });
+  }
+
+  /** Both axes, and the functions that place a value on them. */
+  axes(most, to, unit, whole = false) {
+    const [right, low] = [CHART.width - 6, CHART.height - CHART.bottom];
+    const x = (value) => CHART.left + (value / (to || 1)) * (right - CHART.left);
+    const y = (value) => low - (value / (most || 1)) * (low - CHART.top);
+    const shapes = [
+      marks(0, most || 1, 4).filter((at) => !whole || Number.isInteger(at)).map((at) => [
+        svg("line", { class: "grid", x1: CHART.left, x2: right, y1: y(at), y2: y(at) }),
+        svg("text", { class: "tick end", x: CHART.left - 5, y: y(at) + 4 }, at),
+      ]),
+      marks(0, to || 1, 4).map((at) => svg("text", { class: "tick", x: x(at), y: CHART.height - 5 }, `${at}${unit}`)),
+    ];
+    return { x, y, low, shapes };
+  }
+
+  histogram(values) {
+    if (!values.length) return null;
+    const most = Math.max(...values, 1);
+    const bins = new Array(Math.min(12, Math.max(4, values.length))).fill(0);
+    for (const value of values) bins[Math.min(bins.length - 1, Math.floor((value / most) * bins.length))] += 1;
+    const { x, y, low, shapes } = this.axes(Math.max(...bins), most, " s", true);
+    const width = (x(most) - x(0)) / bins.length;
+    return [shapes, bins.map((number, at) => svg("rect", { class: "fill", x: x(0) + at * width + 1, y: y(number), width: width - 2, height: low - y(number) }))];
+  }
+
+  /** The solver's time in each cycle; where there are more cycles than pixels, the most of several. */
+  solver(cycles) {
+    if (!cycles.length) return null;
+    const group = Math.ceil(cycles.length / 90);
+    const bars = [];
+    for (let at = 0; at < cycles.length; at += group) {
+      const sum = (one) => one.ground + one.solve;
+      bars.push(cycles.slice(at, at + group).reduce((one, other) => (sum(other) > sum(one) ? other : one)));
+    }
+    const most = Math.max(...bars.map((one) => one.ground + one.solve), 0.001);
+    const { x, y, shapes } = this.axes(most * 1000, cycles.length, "");
+    const width = (x(group) - x(0)) * 0.8;
+    const bar = (name, at, from, to) =>
+      svg("rect", { class: name, x: x(at * group), y: y(1000 * to), width, height: Math.max(0, y(1000 * from) - y(1000 * to)) });
+    return [
+      shapes,
+      bars.map((one, at) => [bar("fill", at, 0, one.ground), bar("fill second", at, one.ground, one.ground + one.solve)]),
+      svg("text", { class: "tick end", x: CHART.width - 6, y: 14 }, "ms per cycle: grounding, "),
+      svg("text", { class: "tick end second", x: CHART.width - 6, y: 28 }, "searching"),
+    ];
+  }
+
+  metres(most) {
+    const { x, y, shapes } = this.axes(most, this.model.seconds, " s");
+    const step = Math.max(1, Math.floor(this.model.poses.length / 300));
+    const poses = this.model.poses.filter((_pose, number) => number % step === 0 || number === this.model.poses.length - 1);
+    const points = poses.map((pose) => `${x(Math.max(0, pose[0])).toFixed(1)},${y(pose[4]).toFixed(1)}`);
+    return [shapes, svg("polyline", { class: "curve", points: points.join(" ") })];
+  }
+}

@@ -1,0 +1,158 @@
+"use strict";
+// The map with robot, ways, labels and packages. Drawn in pixels of a picture that is 1000 wide.
+
+class MapView {
+  constructor(parent, model) {
+    this.model = model;
+    this.caption = html("p", { class: "caption" });
+    this.picture = svg("svg", { class: "map", role: "img", "aria-label": "Map: what it shows is told below it" });
+    show(parent, this.picture, this.caption);
+  }
+
+  /** The part of the floor that is shown: least and greatest x and y in m. */
+  bounds() {
+    const points = Object.values(this.model.about.labels).map(([x, y]) => [x, y]);
+    const map = this.model.about.map;
+    if (map) {
+      const [c, s] = [Math.cos(map.yaw), Math.sin(map.yaw)];
+      for (const [u, v] of [[0, 0], [map.width, 0], [0, map.height], [map.width, map.height]]) {
+        points.push([map.corner[0] + c * u - s * v, map.corner[1] + s * u + c * v]);
+      }
+    } else {
+      for (const pose of this.model.poses) points.push([pose[1], pose[2]]);
+    }
+    if (!points.length) return null;
+    const margin = map ? 0 : 1;
+    const xs = points.map((point) => point[0]);
+    const ys = points.map((point) => point[1]);
+    const least = (values) => values.reduce((one, other) => Math.min(one, other)) - margin;
+    const most = (values) => values.reduce((one, other) => Math.max(one, other)) + margin;
+    return { x0: least(xs), y0: least(ys), x1: most(xs), y1: most(ys) };
+  }
+
+  draw(time) {
+    const bounds = this.bounds();
+    this.caption.textContent = this.words(time);
+    if (!bounds) {
+      show(this.picture);
+      return;
+    }
+    const scale = 1000 / Math.max(bounds.x1 - bounds.x0, 0.1);
+    const height = Math.max(1, (bounds.y1 - bounds.y0) * scale);
+    this.at = (x, y) => [(x - bounds.x0) * scale, (bounds.y1 - y) * scale];
+    this.scale = scale;
+    this.unit = 1000 / (this.picture.clientWidth || 700); // a pixel of the screen
+    this.picture.setAttribute("viewBox", `0 0 1000 ${height.toFixed(1)}`);
+    show(this.picture, this.floor(), this.ways(time), this.driven(time), this.ahead(time), this.labels(time), this.robot(time));
+  }
+
+  floor() {
+    const map = this.model.about.map;
+    if (!map) return null;
+    const [x, y] = this.at(...map.corner);
+    const [width, height] = [map.width * this.scale, map.height * this.scale];
+    const turn = `translate(${x} ${y}) rotate(${(-map.yaw * 180) / Math.PI})`;
+    return svg("image", { class: "floor", href: map.image, width, height, y: -height, transform: turn, preserveAspectRatio: "none" });
+  }
+
+  line(points, name) {
+    const text = points.map(([x, y]) => this.at(x, y).map((value) => value.toFixed(1)).join(",")).join(" ");
+    return svg("polyline", { class: name, points: text, "stroke-width": 2 * this.unit });
+  }
+
+  driven(time) {
+    return this.line(this.model.track(time).map((pose) => [pose[1], pose[2]]), "driven");
+  }
+
+  /** The way to the next place as it is driven, and straight lines to the places after it. */
+  ahead(time) {
+    const labels = this.model.about.labels;
+    const pose = this.model.poseAt(time);
+    const under = this.model.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
+    const places = [...under, ...this.model.aheadAt(time)].map((action) => action.parameter).filter((name) => name in labels);
+    const points = [...(pose ? [[pose[1], pose[2]]] : []), ...places.map((name) => labels[name])];
+    const moving = under.some((action) => action.parameter in labels);
+    return [moving ? this.line(this.model.pathAt(time), "path") : null, points.length > 1 ? this.line(points, "ahead") : null];
+  }
+
+  ways(time) {
+    const labels = this.model.about.labels;
+    return this.model.waysAt(time).map(({ from, to, name }) => {
+      const kind = /open/.test(name) ? "good" : /block|clos|shut/.test(name) ? "bad" : "plain";
+      const middle = [0, 1].map((axis) => (labels[from][axis] + labels[to][axis]) / 2);
+      return [this.line([labels[from], labels[to]], `way ${kind}`), this.text(name, middle, -6, `wayname ${kind}`)];
+    });
+  }
+
+  text(words, [x, y], down, name) {
+    const [left, top] = this.at(x, y);
+    const size = 13 * this.unit;
+    return svg("text", { class: name, x: left, y: top + down * this.unit, "font-size": size, "stroke-width": size / 5 }, words);
+  }
+
+  labels(time) {
+    const lying = new Map();
+    for (const [name, place] of this.model.packagesAt(time)) lying.set(place, [...(lying.get(place) || []), name]);
+    const troubles = this.model.troublesAt(time);
+    return Object.entries(this.model.about.labels).map(([name, point]) => {
+      const [x, y] = this.at(...point);
+      const trouble = troubles.get(name);
+      return [
+        svg("circle", { class: trouble ? "label bad" : "label", cx: x, cy: y, r: 7 * this.unit }),
+        this.text(name, point, 22, "labelname"),
+        trouble ? this.text(`✕ ${short(trouble, 20)}`, point, -12, "wayname bad") : null,
+        this.boxes(lying.get(name) || [], x, y + 30 * this.unit),
+      ];
+    });
+  }
+
+  boxes(names, x, y) {
+    const size = 16 * this.unit;
+    const left = x - (names.length * size * 1.15) / 2;
+    return names.map((name, number) =>
+      svg(
+        "g",
+        { class: "package", transform: `translate(${left + number * size * 1.15} ${y})` },
+        svg("rect", { width: size, height: size, rx: size / 6 }),
+        svg("text", { x: size / 2, y: size * 0.75, "font-size": size * (name.length > 2 ? 0.45 : 0.7) }, short(name, 4)),
+        svg("title", {}, name)
+      )
+    );
+  }
+
+  robot(time) {
+    const pose = this.model.poseAt(time);
+    if (!pose) return null;
+    const [x, y] = this.at(pose[1], pose[2]);
+    const size = Math.max(9 * this.unit, 0.18 * this.scale);
+    const carried = this.model.packagesAt(time).filter(([, place]) => place === "").map(([name]) => name);
+    return [
+      svg(
+        "g",
+        { class: "robot", transform: `translate(${x} ${y}) rotate(${(-pose[3] * 180) / Math.PI})` },
+        svg("circle", { r: size }),
+        svg("path", { d: `M ${0.9 * size} 0 L ${-0.4 * size} ${0.55 * size} L ${-0.1 * size} 0 L ${-0.4 * size} ${-0.55 * size} Z` })
+      ),
+      this.boxes(carried, x, y - size - 18 * this.unit),
+    ];
+  }
+
+  words(time) {
+    const pose = this.model.poseAt(time);
+    const place = this.model.placeAt(time);
+    const lying = new Map();
+    for (const [name, where] of this.model.packagesAt(time)) lying.set(where, [...(lying.get(where) || []), name]);
+    const carried = lying.get("");
+    lying.delete("");
+    const robot = !pose ? "Where the robot is was not recorded." : place ? `The robot is at ${place}.` : "The robot is on its way.";
+    const parts = [robot];
+    if (carried) parts.push(`It carries ${carried.join(", ")}.`);
+    if (lying.size) {
+      const places = [...lying].sort().map(([where, names]) => `${names.join(", ")} at ${where}`);
+      parts.push(`Packages: ${places.join("; ")}.`);
+    }
+    for (const { from, to, name } of this.model.waysAt(time)) parts.push(`${from} – ${to}: ${name}.`);
+    for (const [label, value] of this.model.troublesAt(time)) parts.push(`Not reached: ${label} (${value}).`);
+    return parts.join(" ");
+  }
+}

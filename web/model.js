@@ -1,0 +1,162 @@
+"use strict";
+// A run as the views ask for it: what was known and done at a moment. It is fed with the JSON of runs/run_view.py, all
+// at once in a report, bit by bit on the live page. Times are seconds since the run began.
+
+const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "facts", "paths", "log"];
+const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
+
+/** The number of the last record of a list, ordered by a time, that is not later than a moment; -1 where none is. */
+function lastAt(list, time, timeOf = (one) => one.time) {
+  let low = 0;
+  let high = list.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (timeOf(list[middle]) <= time) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
+}
+
+class RunModel {
+  constructor() {
+    this.about = { labels: {}, map: null, run: 1 };
+    this.seconds = 0;
+    this.revision = 0;
+    this.thinned = 0;
+    this.terms = [];
+    this.words = [];
+    this.poses = [];
+    for (const name of TABLES) this[name] = [];
+  }
+
+  /** Take what is new. */
+  merge(changes) {
+    if (changes.about) this.about = changes.about;
+    this.seconds = changes.seconds;
+    this.revision = changes.revision;
+    this.thinned = changes.thinned;
+    for (const term of changes.terms) this.terms.push(term);
+    for (const word of changes.words) this.words.push(word);
+    this.poses.length = changes.first;
+    for (const pose of changes.poses) this.poses.push(pose);
+    for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
+  }
+
+  actionName(action) {
+    return action.parameter === "" ? action.interface : `${action.interface} ${action.parameter}`;
+  }
+
+  /** Where the robot is: [time, x, y, yaw, metres driven], null where that is not known. */
+  poseAt(time) {
+    const number = lastAt(this.poses, time, (pose) => pose[0]);
+    return number < 0 ? this.poses[0] || null : this.poses[number];
+  }
+
+  track(time) {
+    return this.poses.slice(0, lastAt(this.poses, time, (pose) => pose[0]) + 1);
+  }
+
+  /** The label that the robot is at, "" away from all. */
+  placeAt(time) {
+    const pose = this.poseAt(time);
+    if (!pose) return "";
+    const near = Object.entries(this.about.labels)
+      .map(([name, [x, y]]) => [Math.hypot(x - pose[1], y - pose[2]), name])
+      .sort((one, other) => one[0] - other[0])[0];
+    return near && near[0] <= 0.5 ? near[1] : "";
+  }
+
+  cycleAt(time) {
+    return lastAt(this.cycles, time);
+  }
+
+  /** The plan in force: {cycle, plan, number (of the cycle's plans), actions}; null before the first. */
+  planAt(time) {
+    for (let number = this.cycleAt(time); number >= 0; number -= 1) {
+      const cycle = this.cycles[number];
+      const last = lastAt(cycle.plans, time);
+      if (last >= 0) {
+        const plan = cycle.plans[last];
+        return { cycle, plan, number: last, actions: plan.actions.map((word) => this.words[word]) };
+      }
+    }
+    return null;
+  }
+
+  /** What the plan still has to do: actions from its cycle on that have not begun. */
+  aheadAt(time) {
+    const found = this.planAt(time);
+    if (!found) return [];
+    const begun = new Set(this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1).map((one) => one.action));
+    const words = found.plan.actions.filter((word) => !begun.has(word));
+    return words.map((word) => this.words[word]).filter((action) => action.cycle >= found.cycle.cycle);
+  }
+
+  /** The actions that have begun, with how they stand: "now", "done" or "failed". */
+  actionsAt(time) {
+    const begun = this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1);
+    return begun
+      .map((one) => {
+        const under = one.ended === null || one.ended > time;
+        return { ...one, word: this.words[one.action], state: under ? "now" : one.failed ? "failed" : "done" };
+      });
+  }
+
+  /** How a goal stands: {word, reason, waited}; null where it has not been sent yet. */
+  goalAt(goal, time) {
+    const number = lastAt(goal.states, time, (one) => one[0]);
+    if (goal.sent > time || number < 0) return null;
+    const [, word, reason] = goal.states[number];
+    const end = goal.ended !== null && goal.ended <= time ? goal.ended : time;
+    return { word, reason, waited: end - goal.sent, open: OPEN.has(word) };
+  }
+
+  /** Seconds until a goal was accepted, null where it was not. */
+  response(goal) {
+    const found = goal.states.find((one) => one[1] === "active");
+    return found ? found[0] - goal.sent : null;
+  }
+
+  packagesAt(time) {
+    const number = lastAt(this.packages, time);
+    return number < 0 ? [] : this.packages[number].places;
+  }
+
+  beliefsAt(time) {
+    const number = lastAt(this.beliefs, time);
+    return number < 0 ? [] : this.beliefs[number].atoms.map((term) => this.terms[term]);
+  }
+
+  pathAt(time) {
+    const number = lastAt(this.paths, time);
+    return number < 0 ? [] : this.paths[number].points;
+  }
+
+  /** What was told of ways between two labels, the last word on each: {from, to, name}. */
+  waysAt(time) {
+    const ways = new Map();
+    for (const fact of this.facts.slice(0, lastAt(this.facts, time) + 1)) {
+      if (fact.labels.length !== 2) continue;
+      const [from, to] = [...fact.labels].sort();
+      ways.set(`${from}\n${to}`, { from, to, name: fact.name.replace(/^_+/, "") });
+    }
+    return [...ways.values()];
+  }
+
+  /** Labels that an action has not led to, and why, until one does: Map of label to value. */
+  troublesAt(time) {
+    const troubles = new Map();
+    for (const one of this.actionsAt(time)) {
+      if (one.state === "now" || !(one.word.parameter in this.about.labels)) continue;
+      if (one.failed) troubles.set(one.word.parameter, one.value);
+      else troubles.delete(one.word.parameter);
+    }
+    return troubles;
+  }
+
+  /** Seconds that the solver took: {ground, solve}. */
+  solverTime(cycle) {
+    const sum = (name) => cycle.plans.reduce((total, plan) => total + plan[name], 0);
+    return { ground: sum("ground"), solve: sum("solve") };
+  }
+}

@@ -1,0 +1,153 @@
+"use strict";
+// Goals, the present cycle and the log: the run in words.
+
+const STATE_MARKS = { done: "✓", now: "▶", failed: "✕", ahead: "○" };
+
+class GoalsView {
+  constructor(parent, model) {
+    this.model = model;
+    this.body = html("tbody");
+    const heads = ["goal", "state", "since it was sent", "reason"].map((words) => html("th", { scope: "col" }, words));
+    this.none = html("p", { class: "caption" }, "Nobody has asked for anything yet.");
+    show(parent, html("table", { class: "goals" }, html("thead", {}, html("tr", {}, heads)), this.body), this.none);
+  }
+
+  draw(time) {
+    const rows = this.model.goals.map((goal) => this.row(goal, this.model.goalAt(goal, time))).filter(Boolean);
+    this.none.hidden = rows.length > 0;
+    show(this.body, rows);
+  }
+
+  row(goal, state) {
+    if (!state) return null;
+    const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
+    return html(
+      "tr",
+      {},
+      html("th", { scope: "row" }, html("code", {}, goal.request)),
+      html("td", {}, html("span", { class: `state ${state.word}` }, state.word)),
+      html("td", { class: "number" }, seconds(state.waited)),
+      html("td", {}, speaks ? state.reason : "")
+    );
+  }
+}
+
+class CycleView {
+  constructor(parent, model) {
+    this.model = model;
+    this.parent = parent;
+  }
+
+  draw(time) {
+    const cycle = this.model.cycles[this.model.cycleAt(time)];
+    if (!cycle) {
+      show(this.parent, html("p", { class: "caption" }, "No cycle has begun yet."));
+      return;
+    }
+    const runs = this.model.about.run > 1 ? `, start ${cycle.run} of the core` : "";
+    show(
+      this.parent,
+      html("p", { class: "caption" }, `Cycle ${cycle.cycle}${runs}, since ${seconds(cycle.time)}`),
+      html("h3", {}, "Update"),
+      html("pre", {}, cycle.updates.join("\n") || "none: nothing has happened yet"),
+      this.plan(time),
+      this.problems(cycle, time),
+      this.beliefs(time)
+    );
+  }
+
+  plan(time) {
+    const found = this.model.planAt(time);
+    if (!found) return null;
+    const { plan, cycle } = found;
+    const done = new Map(this.model.actionsAt(time).map((one) => [one.action, one]));
+    const items = plan.actions.map((word) => {
+      const one = done.get(word);
+      const action = this.model.words[word];
+      const state = one ? one.state : action.cycle < cycle.cycle ? "done" : "ahead";
+      const end = one && one.state === "failed" ? `: ${one.value}` : "";
+      return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${this.model.actionName(action)}${end}`);
+    });
+    const times = `Grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}; steps up to ${plan.horizon}`;
+    const which = cycle.plans.length > 1 ? `; plan ${found.number + 1} of ${cycle.plans.length} in cycle ${cycle.cycle}` : "";
+    const list = items.length ? html("ol", { class: "plan" }, items) : html("p", {}, "Nothing to do.");
+    return [html("h3", {}, "Plan"), list, html("p", { class: "caption" }, `${times}${which}.`)];
+  }
+
+  problems(cycle, time) {
+    const lines = cycle.problems.filter(([at]) => at <= time).map(([, text]) => html("li", {}, text));
+    return lines.length ? [html("h3", {}, "Told in the log"), html("ul", {}, lines)] : null;
+  }
+
+  beliefs(time) {
+    const atoms = this.model.beliefsAt(time);
+    if (!atoms.length) return null;
+    return [html("h3", {}, "What the program believes"), html("p", { class: "atoms" }, atoms.map((atom) => [html("code", {}, atom), " "]))];
+  }
+}
+
+const LOG_LINES = 300;
+
+/** The log around the present moment, so many lines at a time as a browser shows soon; all of them for the printer. */
+class LogView {
+  /** ``seek`` is called with the moment of a line that was chosen. */
+  constructor(parent, model, seek) {
+    this.model = model;
+    this.seek = seek;
+    this.list = html("ol", { class: "log", tabindex: "0", "aria-label": "Log of the run" });
+    const more = (words, by) => html("button", { type: "button", onclick: () => this.show(this.first + by, LOG_LINES) }, words);
+    this.earlier = more("Earlier lines", -LOG_LINES / 2);
+    this.later = more("Later lines", LOG_LINES / 2);
+    [this.first, this.past, this.known, this.now] = [0, 0, 0, -1];
+    window.addEventListener("beforeprint", () => this.show(0, this.model.log.length));
+    show(parent, html("div", { class: "row tools" }, this.earlier, this.later), this.list);
+  }
+
+  draw(time) {
+    const now = lastAt(this.model.log, time);
+    const inside = now >= this.first && now < this.past;
+    if (!inside || this.known !== this.model.log.length) {
+      this.now = now;
+      this.show(inside ? this.first : now - LOG_LINES / 2, LOG_LINES);
+    } else if (now !== this.now) {
+      this.mark(now);
+    }
+  }
+
+  /** Show some lines, those from ``first`` on as far as there are so many. */
+  show(first, lines) {
+    const all = this.model.log.length;
+    this.known = all;
+    this.first = Math.max(0, Math.min(Math.round(first), all - lines));
+    this.past = Math.min(all, this.first + lines);
+    show(this.list, this.model.log.slice(this.first, this.past).map((entry) => this.line(entry)));
+    this.earlier.hidden = this.first === 0;
+    this.later.hidden = this.past === all;
+    this.mark(this.now);
+  }
+
+  mark(now) {
+    const old = this.list.querySelector("[aria-current]");
+    if (old) old.removeAttribute("aria-current");
+    this.now = now;
+    const line = this.list.children[now - this.first];
+    if (!line) return;
+    line.setAttribute("aria-current", "true");
+    const [top, room] = [line.offsetTop, this.list.clientHeight];
+    if (top < this.list.scrollTop || top + line.offsetHeight > this.list.scrollTop + room) {
+      this.list.scrollTop = top - room / 2;
+    }
+  }
+
+  line({ time, cycle, kind, text }) {
+    const moment = html("button", { type: "button", class: "moment", onclick: () => this.seek(time) }, `${time.toFixed(1)} s`);
+    return html(
+      "li",
+      { class: `entry ${kind}` },
+      moment,
+      html("span", { class: "number" }, `${cycle}`),
+      html("span", { class: "kind" }, kind),
+      html("span", { class: "text" }, text)
+    );
+  }
+}
