@@ -72,6 +72,7 @@ NODES = (
     Node(("fake_localization",), "fake_localization", (("robot/nodes/localization.py", "FakeLocalizationNode"),)),
     Node(("move_base",), "move_base", (("robot/nodes/move_base/navigation_node.py", "MoveBaseNode"),)),
     Node(("markers",), "markers", (("nodes/rviz/markers.py", "MarkersNode"),)),
+    Node(("web",), "web", (("nodes/pages/web_node.py", "WebNode"),)),
     Node(("record",), "record", (("nodes/recording/recorder.py", "RecorderNode"),)),
 )
 COMMANDS = {  # with what they have of ROS

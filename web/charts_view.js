@@ -34,9 +34,13 @@ class ChartsView {
   constructor(parent, model) {
     this.model = model;
     this.parent = parent;
+    this.shown = null;
   }
 
   draw() {
+    const what = [this.model.goals.length, this.model.log.length, Math.round(this.model.seconds / 5)].join();
+    if (what === this.shown) return;
+    this.shown = what;
     const found = figures(this.model);
     const spread = (values) => (values.length ? `median ${seconds(median(values))}, longest ${seconds(Math.max(...values))}` : "none");
     const share = `${brief(found.total)} of wall time, ${(100 * found.share).toFixed(1)} % of the run's ${seconds(this.model.seconds)}`;

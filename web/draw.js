@@ -31,6 +31,11 @@ function show(element, ...children) {
   element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
 }
 
+/** Give an element another text, if it has not got it. */
+function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 function seconds(value) {
   if (value < 60) return `${value.toFixed(1)} s`;
   const whole = Math.round(value);

@@ -19,6 +19,12 @@ function lastAt(list, time, timeOf = (one) => one.time) {
 
 class RunModel {
   constructor() {
+    this.clear();
+  }
+
+  /** Forget all: another run begins, or the same is told anew. */
+  clear() {
+    this.born = (this.born || 0) + 1;
     this.about = { labels: {}, map: null, run: 1 };
     this.seconds = 0;
     this.revision = 0;

@@ -1,119 +1,14 @@
 "use strict";
-// The report: all views of a run that is over, at the moment that the slider says.
-
-class Report {
-  constructor(model) {
-    this.model = model;
-    this.time = model.seconds;
-    const seek = (time) => this.seek(time);
-    const part = (name) => document.getElementById(name);
-    this.views = [
-      new MapView(part("map"), model),
-      new TimelineView(part("timeline"), model, seek),
-      new GoalsView(part("goals"), model),
-      new CycleView(part("cycle"), model),
-      new LogView(part("log"), model, seek),
-    ];
-    this.charts = new ChartsView(part("charts"), model);
-    this.slider = part("slider");
-    this.clock = part("clock");
-    this.playing = null;
-    this.title();
-    this.controls(part);
-    this.charts.draw();
-    this.seek(this.fromAddress());
-  }
-
-  title() {
-    const { title, source, verdict } = this.model.about;
-    document.title = title || "A run";
-    document.getElementById("title").textContent = title || "A run";
-    const found = figures(this.model);
-    const ends = [...found.ends].map(([word, number]) => `${number} ${word}`).join(", ");
-    const words = [
-      `${count(this.model.goals.length, "goal", "goals")}${ends ? `: ${ends}` : ""}`,
-      seconds(this.model.seconds),
-      count(this.model.cycles.length, "cycle", "cycles"),
-      found.metres === null ? null : `${found.metres.toFixed(1)} m driven`,
-      `solver ${brief(found.total)}`,
-      source,
-    ];
-    show(document.getElementById("facts"), words.filter(Boolean).map((one) => html("li", {}, one)));
-    if (!verdict) return;
-    const box = document.getElementById("verdict");
-    box.hidden = false;
-    box.className = verdict.length ? "bad" : "good";
-    show(box, verdict.length ? [html("strong", {}, "Not as expected"), html("ul", {}, verdict.map((one) => html("li", {}, one)))] : html("strong", {}, "As expected"));
-  }
-
-  controls(part) {
-    this.slider.max = Math.max(this.model.seconds, 0.1);
-    this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
-    this.play = part("play");
-    this.play.addEventListener("click", () => this.toggle());
-    part("before").addEventListener("click", () => this.step(-1));
-    part("after").addEventListener("click", () => this.step(1));
-    window.addEventListener("resize", () => this.draw());
-    window.addEventListener("hashchange", () => this.seek(this.fromAddress()));
-    document.addEventListener("keydown", (event) => this.key(event));
-  }
-
-  /** The moment that the address names (#t=12.5), else the end. */
-  fromAddress() {
-    const found = /^#t=([0-9.]+)$/.exec(window.location.hash);
-    return found ? Number(found[1]) : this.model.seconds;
-  }
-
-  key(event) {
-    if (/^(INPUT|SELECT|BUTTON|TEXTAREA)$/.test(event.target.tagName) || event.ctrlKey || event.altKey || event.metaKey) return;
-    const act = { " ": () => this.toggle(), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1) }[event.key];
-    if (!act) return;
-    event.preventDefault();
-    act();
-  }
-
-  /** Go to the next cycle or the one before. */
-  step(by) {
-    const moments = [0, ...this.model.cycles.map((cycle) => cycle.time), this.model.seconds];
-    const other = by > 0 ? moments.find((time) => time > this.time + 1e-6) : moments.filter((time) => time < this.time - 1e-6).pop();
-    if (other !== undefined) this.seek(other);
-  }
-
-  toggle() {
-    if (this.playing !== null) {
-      window.cancelAnimationFrame(this.playing);
-      this.playing = null;
-    } else {
-      if (this.time >= this.model.seconds) this.seek(0);
-      let last = null;
-      const frame = (now) => {
-        const speed = Number(document.getElementById("speed").value);
-        if (last === null || now - last >= 50) {
-          this.seek(this.time + (last === null ? 0 : ((now - last) / 1000) * speed));
-          last = now;
-        }
-        if (this.time < this.model.seconds) this.playing = window.requestAnimationFrame(frame);
-        else this.toggle();
-      };
-      this.playing = window.requestAnimationFrame(frame);
-    }
-    this.play.textContent = this.playing === null ? "Play" : "Pause";
-  }
-
-  seek(time) {
-    this.time = Math.min(Math.max(time, 0), this.model.seconds);
-    this.slider.value = this.time;
-    const cycle = this.model.cycles[this.model.cycleAt(this.time)];
-    this.clock.textContent = `${seconds(this.time)}${cycle ? ` · cycle ${cycle.cycle}` : ""}`;
-    this.slider.setAttribute("aria-valuetext", this.clock.textContent);
-    this.draw();
-  }
-
-  draw() {
-    for (const view of this.views) view.draw(this.time);
-  }
-}
+// The report: a run that is over, with the data in the page itself.
 
 const model = new RunModel();
 model.merge(JSON.parse(document.getElementById("run").textContent));
-const report = new Report(model);
+const player = new Player(model);
+
+/** Go to the moment that the address names (#t=12.5). */
+function toAddress() {
+  const found = /^#t=([0-9.]+)$/.exec(window.location.hash);
+  if (found) player.seek(Number(found[1]));
+}
+window.addEventListener("hashchange", toAddress);
+toAddress();

@@ -6,29 +6,38 @@ const STATE_MARKS = { done: "✓", now: "▶", failed: "✕", ahead: "○" };
 class GoalsView {
   constructor(parent, model) {
     this.model = model;
+    this.rows = new Map(); // by the goal's id
     this.body = html("tbody");
     const heads = ["goal", "state", "since it was sent", "reason"].map((words) => html("th", { scope: "col" }, words));
     this.none = html("p", { class: "caption" }, "Nobody has asked for anything yet.");
     show(parent, html("table", { class: "goals" }, html("thead", {}, html("tr", {}, heads)), this.body), this.none);
   }
 
+  /** Rows stay as they are but for the texts that change, so that nobody's button goes while it is pressed. */
   draw(time) {
     const rows = this.model.goals.map((goal) => this.row(goal, this.model.goalAt(goal, time))).filter(Boolean);
     this.none.hidden = rows.length > 0;
-    show(this.body, rows);
+    if (rows.length !== this.body.children.length || rows.some((row, number) => row !== this.body.children[number])) {
+      show(this.body, rows);
+    }
   }
 
   row(goal, state) {
     if (!state) return null;
+    if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
+    const { row, word, waited, reason } = this.rows.get(goal.id);
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
-    return html(
-      "tr",
-      {},
-      html("th", { scope: "row" }, html("code", {}, goal.request)),
-      html("td", {}, html("span", { class: `state ${state.word}` }, state.word)),
-      html("td", { class: "number" }, seconds(state.waited)),
-      html("td", {}, speaks ? state.reason : "")
-    );
+    say(word, state.word);
+    word.className = `state ${state.word}`;
+    say(waited, seconds(state.waited));
+    say(reason, speaks ? state.reason : "");
+    return row;
+  }
+
+  newRow(goal) {
+    const [word, waited, reason] = [html("span"), html("td", { class: "number" }), html("td")];
+    const name = html("th", { scope: "row" }, html("code", {}, goal.request));
+    return { row: html("tr", {}, name, html("td", {}, word), waited, reason), word, waited, reason };
   }
 }
 
@@ -36,10 +45,17 @@ class CycleView {
   constructor(parent, model) {
     this.model = model;
     this.parent = parent;
+    this.shown = null;
   }
 
   draw(time) {
     const cycle = this.model.cycles[this.model.cycleAt(time)];
+    const plan = this.model.planAt(time);
+    const states = this.model.actionsAt(time).slice(-30).map((one) => one.state);
+    const problems = cycle ? cycle.problems.filter(([at]) => at <= time).length : 0;
+    const what = JSON.stringify([cycle, plan && [plan.cycle.cycle, plan.number], states, problems, this.model.beliefsAt(time)]);
+    if (what === this.shown) return; // nobody's place in it is lost
+    this.shown = what;
     if (!cycle) {
       show(this.parent, html("p", { class: "caption" }, "No cycle has begun yet."));
       return;
@@ -106,7 +122,8 @@ class LogView {
   draw(time) {
     const now = lastAt(this.model.log, time);
     const inside = now >= this.first && now < this.past;
-    if (!inside || this.known !== this.model.log.length) {
+    if (!inside || this.known !== this.model.log.length || this.born !== this.model.born) {
+      this.born = this.model.born;
       this.now = now;
       this.show(inside ? this.first : now - LOG_LINES / 2, LOG_LINES);
     } else if (now !== this.now) {

@@ -40,6 +40,7 @@ LIBRARIES = {  # the key of package.xml for each library that is imported; cling
     "PIL": "python3-pil",
     "rospkg": "python3-rospkg",
     "scipy": "python3-scipy",
+    "tornado": "python3-tornado",
     "yaml": "python3-yaml",
 }
 SOURCES = sorted(PACKAGES.rglob("*.py"))

@@ -175,6 +175,11 @@ class Account:
         """Record anything else worth a line."""
         self._line(time, "note", text)
 
+    def pass_time(self, time: float) -> None:
+        """Write the lines that have been held back for long enough at a time, though nothing else came."""
+        while self._start is not None and self._release(time - self._start):
+            pass
+
     def finish(self) -> None:
         """Write the lines that are still held back."""
         for line in self._held:

@@ -6,20 +6,22 @@ import json
 from pathlib import Path
 from typing import Any, Mapping
 
-__all__ = ["SCRIPTS", "report_page"]
+__all__ = ["LIVE_PAGE", "LIVE_SCRIPTS", "SCRIPTS", "STYLE", "report_page"]
 
-#: The scripts of a report, in order; a live page has the same views.
-SCRIPTS = (
+#: The scripts of a report and of the live page, in order.
+_VIEWS = (
     "model.js",
     "draw.js",
     "map_view.js",
     "timeline_view.js",
     "tables_view.js",
     "charts_view.js",
-    "report.js",
+    "player.js",
 )
+SCRIPTS = (*_VIEWS, "report.js")
+LIVE_SCRIPTS = (*_VIEWS, "live.js")
 STYLE = "page.css"
-PAGE = "report.html"
+PAGE, LIVE_PAGE = "report.html", "live.html"
 
 
 def report_page(run: Mapping[str, Any], web: Path) -> str:

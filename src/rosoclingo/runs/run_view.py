@@ -32,8 +32,12 @@ SHOWN = 2000
 #: Seconds between two ways to one place that are kept.
 PATHS_APART = 5.0
 
-#: Statuses after which nothing comes.
-TERMINAL = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
+#: Statuses after which nothing comes; a goal that was given up as lost may yet be heard of.
+LOST = "lost"
+TERMINAL = frozenset({"canceled", "succeeded", "aborted", "rejected", LOST})
+
+#: Records of all tables together after which a page that goes on begins anew.
+MOST = 50000
 
 
 class ActionWords(Words):
@@ -92,6 +96,8 @@ class RunView:
         if self._run and run != self._run:
             self._cycles, self._sent, self._open = {}, set(), {}
             self.tell(run=self.about["run"] + 1)
+            for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
+                self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was started again")
         self._run = run
 
     def goal(self, time: float, key: str, text: str) -> None:
@@ -202,11 +208,48 @@ class RunView:
         if last is None or last["points"][-1:] != kept[-1:] or now - last["time"] >= PATHS_APART:
             self.tables["paths"].add(time=now, points=kept)
 
+    def clock(self, time: float) -> None:
+        """Take the time, though nothing else has come."""
+        if self._start is not None:
+            self._account.pass_time(self._now(time))
+
     def finish(self) -> None:
         """Write the lines that are still held back."""
         self._account.finish()
 
     # ---- what is asked ----------------------------------------------------------------------------------------------
+
+    @property
+    def revision(self) -> int:
+        """How often anything has changed."""
+        return self._revision.number
+
+    def known(self) -> Tuple[int, Tuple[int, int], Tuple[int, int]]:
+        """Return what to ask for later changes with: the arguments of :meth:`changes` for all that there is now."""
+        words = len(self._terms.entries), len(self._words.entries)
+        return self.revision, words, (self._track.thinned, len(self._track.poses))
+
+    @property
+    def full(self) -> bool:
+        """Whether so much is kept that a page that goes on had better begin anew."""
+        return sum(map(len, self.tables.values())) + len(self._words.entries) + len(self._terms.entries) > MOST
+
+    def renewed(self) -> "RunView":
+        """Return a view that goes on with what is open now, without what is over."""
+        fresh = RunView(self.about)
+        start = self._start or 0.0
+        fresh.begin(self._run)
+        for goal in (record for _, record in self.tables["goals"].since(0) if record["ended"] is None):
+            fresh.goal(start + goal["sent"], goal["id"], goal["request"])
+            for time, word, reason in goal["states"][1:]:
+                fresh._state(start + time, goal["id"], word, reason)
+        fresh.clock(start + self.seconds)
+        places, pose = self.tables["packages"].last, self._track.poses[-1:]
+        if places is not None:
+            fresh.packages(start + self.seconds, places["places"])
+        if pose:
+            fresh.pose(*pose[0][:4])
+        return fresh
 
     def changes(self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)) -> Record:
         """Return what is new after a revision: records by table and number, and the revision that it leads to.
@@ -258,13 +301,13 @@ class RunView:
             return False
         goal = self.tables["goals"][number]
         reason = shortened(_reason(goal["request"], message), SHOWN)
-        if goal["ended"] is not None or goal["states"][-1][1:] == [word, reason]:
+        last = goal["states"][-1]
+        if last[1:] == [word, reason] or (goal["ended"] is not None and last[1] != LOST):
             return False
         now = self._now(time)
         goal = self.tables["goals"].change(number)
         goal["states"].append([now, word, reason])
-        if word in TERMINAL:
-            goal["ended"] = now
+        goal["ended"] = now if word in TERMINAL else None
         return True
 
     def _answered(self, now: float, answer: Return) -> bool:

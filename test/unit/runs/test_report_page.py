@@ -127,10 +127,10 @@ def test_the_keyboard_does(opened):
 def test_a_click_on_the_timeline_goes_there_and_play_goes_on(opened):
     page = opened(delivery())
     page.click(".timeline")
-    here = page.run("report.time")
+    here = page.run("player.time")
     assert 5.0 < here < 25.0
     page.click("#play")
-    page.wait_for(f"report.time > {here} + 0.5")
+    page.wait_for(f"player.time > {here} + 0.5")
     page.click("#play")
     assert page.text("#play") == "Play"
 
@@ -193,6 +193,6 @@ def test_two_hundred_goals_are_a_small_file_that_is_drawn_soon(opened, tmp_path)
     assert page.text("#clock").endswith("cycle 1200")
     assert len(page.texts("#goals tbody tr")) == 200
     used = "performance.getEntriesByType('navigation')[0].loadEventEnd"
-    drawn = "(() => { const start = performance.now(); report.seek(3000.5); return performance.now() - start; })()"
+    drawn = "(() => { const start = performance.now(); player.seek(3000.5); return performance.now() - start; })()"
     print("loaded after", page.wait_for(used), "ms, moment drawn in", page.run(drawn), "ms")
     assert page.text("#clock").endswith("cycle 301")

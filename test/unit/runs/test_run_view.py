@@ -6,6 +6,7 @@ import math
 import pytest
 from told_runs import GOAL, delivery, plan_of
 
+from rosoclingo.runs import run_view
 from rosoclingo.runs.recorded_run import FORMAT, RunProgram
 from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
 from rosoclingo.runs.run_view import RunView
@@ -141,6 +142,58 @@ def test_a_core_that_is_started_again_begins_with_cycle_1():
     found = view.changes()
     assert [(one["run"], one["cycle"]) for one in records(found, "cycles")] == [(1, 1), (1, 2), (2, 1)]
     assert found["about"]["run"] == 2
+
+
+def test_goals_of_a_core_that_is_gone_are_lost_unless_they_are_heard_of_again():
+    view = RunView()
+    view.begin("one")
+    for key in "ab":
+        view.goal(5.0, key, f"g({key})")
+        view.status(6.0, key, 1, "")
+    view.begin("two")
+    first, second = records(view.changes(), "goals")
+    assert first["states"][-1] == second["states"][-1] == [1.0, "lost", "the core was started again"]
+    view.status(8.0, "a", 1, "")
+    assert (first["ended"], second["ended"]) == (None, 1.0)
+
+
+def test_a_view_that_goes_on_has_what_is_open_and_nothing_else():
+    view = delivery()
+    view.begin("one")
+    view.goal(140.0, "b", "g(b)")
+    view.feedback(141.0, "b", "waiting: much to do")
+    view.clock(150.0)
+    fresh = view.renewed()
+    found = fresh.changes()
+    (goal,) = records(found, "goals")
+    assert (goal["request"], goal["states"][-1]) == ("g(b)", [1.0, "waiting", "much to do"])
+    assert (found["about"], found["cycles"], found["actions"]) == (view.about, [], [])
+    assert records(found, "packages")[0]["places"] == [("1", "office1"), ("2", "office1")]
+    assert found["poses"][-1][1:3] == [5.0, 1.0]
+    fresh.status(151.0, "b", 3, "")
+    assert goal["ended"] == 11.0
+
+
+def test_a_view_is_full_at_some_time(monkeypatch):
+    monkeypatch.setattr(run_view, "MOST", 200)
+    view = RunView()
+    for number in range(1000):
+        if view.full:
+            break
+        view.goal(float(number), str(number), f"g({number})")
+        view.status(float(number), str(number), 3, "")
+    assert view.full
+    assert not view.renewed().full
+
+
+def test_lines_that_wait_are_written_when_time_passes():
+    view = RunView()
+    view.update(0.0, "#step 1.\n_return(go,x,1).\n#end step.\n")
+    view.clock(0.5)
+    assert view.changes()["log"] == []
+    view.clock(2.0)
+    assert [one["kind"] for one in records(view.changes(), "log")] == ["update"]
+    assert view.seconds == 2.0
 
 
 def test_labels_come_with_the_program():

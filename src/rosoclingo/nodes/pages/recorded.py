@@ -17,6 +17,9 @@ OFTEN = 0.1
 #: Bytes of a std_msgs/Header before its frame's name: number and time, which differ in each message.
 STAMP = 12
 
+#: What all robots may share.
+SHARED = ("map", "packages")
+
 #: Topics whose messages begin with a header and are sent again and again as they were.
 REPEATED = ("~status", "packages", *PATHS)
 
@@ -29,7 +32,7 @@ def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[st
     with opened(path) as bag:
         topics = set(bag.get_type_and_topic_info().topics)
         reader = RunTopics(RunView(about), core_in(topics, core))
-        names = {_found(reader.full(name), topics): name for name in reader.takes}
+        names = {_found(name, reader.full(name), topics): name for name in reader.takes}
         for name, kind, data, time in _fresh(bag, names):
             message = kind()
             message.deserialize(data)
@@ -38,10 +41,9 @@ def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[st
         return reader.view
 
 
-def _found(topic: str, topics: "set[str]") -> str:
+def _found(name: str, topic: str, topics: "set[str]") -> str:
     """Return a topic as a bag has it: what all robots share may lie at the root."""
-    shared = "/" + topic.rpartition("/")[2]
-    return topic if topic in topics or shared not in topics else shared
+    return f"/{name}" if name in SHARED and topic not in topics else topic
 
 
 def _fresh(bag: rosbag.Bag, names: Mapping[str, str]) -> Iterator[Tuple[str, Any, bytes, float]]:
@@ -54,7 +56,7 @@ def _fresh(bag: rosbag.Bag, names: Mapping[str, str]) -> Iterator[Tuple[str, Any
             if mark == old:
                 continue
             last[name] = mark
-        elif name in POSES and name != "tf":  # a message of tf has the one or the other frame
+        elif name in POSES and name != "/tf":  # a message of tf has the one or the other frame
             if 0.0 <= time - last.get(name, -OFTEN) < OFTEN:
                 continue
             last[name] = time

@@ -16,7 +16,7 @@ __all__ = ["PATHS", "POSES", "RunTopics"]
 BASES = ("base_link", "base_footprint")
 
 #: Topics that tell where the robot is, the most exact first.
-POSES = ("base_pose_ground_truth", "tf", "amcl_pose")
+POSES = ("base_pose_ground_truth", "/tf", "amcl_pose")
 
 #: Topics of the way that the robot is to drive.
 PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
@@ -28,7 +28,7 @@ _CYCLE = re.compile(r"cycle (\d+): ")
 
 
 class RunTopics:
-    """Takes messages of a core's topics and gives them to a view.
+    """Takes messages of a core's topics and gives them to ``view``, which may be exchanged.
 
     ``takes`` has a function of the time and a message for each topic, by its name in the core's namespace; topics that
     begin with ``~`` are the core's own.
@@ -40,24 +40,26 @@ class RunTopics:
         self._frames = PlanarFrames()
         self._exact, self._heard = len(POSES), 0.0
         self.takes: Dict[str, Callable[[float, Any], None]] = {
-            "~program": lambda _time, message: view.program(message.data),
-            "~goal": lambda time, message: view.goal(time, message.goal_id.id, message.goal.request),
-            "~cancel": lambda time, message: view.cancel(time, message.id),
+            "~program": lambda _time, message: self.view.program(message.data),
+            "~goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
+            "~cancel": lambda time, message: self.view.cancel(time, message.id),
             "~status": self._statuses,
-            "~feedback": lambda time, message: view.feedback(time, message.status.goal_id.id, message.feedback.status),
+            "~feedback": lambda time, message: self.view.feedback(
+                time, message.status.goal_id.id, message.feedback.status
+            ),
             "~result": lambda time, message: self._status(time, message.status),
-            "~updates": lambda time, message: view.update(time, message.data),
+            "~updates": lambda time, message: self.view.update(time, message.data),
             "~task_plan": self._plan,
-            "~state": lambda time, message: view.beliefs(time, message.cycle, message.atoms),
+            "~state": lambda time, message: self.view.beliefs(time, message.cycle, message.atoms),
             "out_rosoclingo": self._dispatched,
-            "in_rosoclingo": lambda time, message: view.returned(time, message.interface, message.facts),
+            "in_rosoclingo": lambda time, message: self.view.returned(time, message.interface, message.facts),
             "packages": self._packages,
-            "map": lambda _time, message: view.tell(map=_image(message)),
+            "map": lambda _time, message: self.view.tell(map=_image(message)),
             **dict.fromkeys(PATHS, self._path),
             "base_pose_ground_truth": lambda time, message: self._pose("base_pose_ground_truth", time, message),
             "amcl_pose": lambda time, message: self._pose("amcl_pose", time, message),
-            "tf": self._transforms,
-            "tf_static": self._transforms,
+            "/tf": self._transforms,
+            "/tf_static": self._transforms,
             "/rosout": self._log,
         }
 
@@ -105,7 +107,7 @@ class RunTopics:
             self._frames.place(one.header.frame_id, one.child_frame_id, pose)
         pose = next(filter(None, (self._frames.find(DEFAULT_FRAME, base) for base in BASES)), None)
         if pose is not None:
-            self._at("tf", time, pose)
+            self._at("/tf", time, pose)
 
     def _at(self, topic: str, time: float, pose: Pose) -> None:
         """Take a pose if no topic that is more exact tells of one."""

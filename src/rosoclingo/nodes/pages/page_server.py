@@ -1,0 +1,241 @@
+"""The live page's server: files, and a WebSocket that sends what is new in a run. It has a thread of its own."""
+
+import asyncio
+import json
+import logging
+import socket
+import threading
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
+
+from tornado.httpserver import HTTPServer
+from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.web import Application, HTTPError, RequestHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
+
+from rosoclingo.nodes.pages.access import Access
+from rosoclingo.runs.report_page import LIVE_PAGE, LIVE_SCRIPTS, STYLE
+from rosoclingo.runs.run_view import RunView
+
+__all__ = ["PageServer"]
+
+#: Seconds between two looks for what is new.
+PERIOD = 0.2
+
+#: Viewers at a time; bytes of what one may send.
+MOST_VIEWERS, MOST_BYTES = 50, 4096
+
+#: Seconds after which a viewer that does not answer is let go.
+SILENCE = 30
+
+COOKIE = "rosoclingo"
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:; connect-src 'self' ws://{host} wss://{host};"
+    " base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
+
+
+class PageServer:
+    """Serves the view of a run; all but ``put`` and ``stop`` are called in the server's own thread.
+
+    ``look`` is called before each look for what is new and returns what else to tell; ``view`` gives the view, which
+    may become another one. ``sockets`` listen already.
+    """
+
+    def __init__(
+        self,
+        view: Callable[[], RunView],
+        look: Callable[[], Dict[str, Any]],
+        web: Path,
+        access: Access,
+        sockets: Sequence[socket.socket],
+    ) -> None:
+        logging.getLogger("tornado.access").setLevel(logging.ERROR)
+        self.access = access
+        self.viewers: Set[_Viewer] = set()
+        self._view, self._look = view, look
+        self._shown: Optional[RunView] = None
+        self._extra: Dict[str, Any] = {}
+        self._files = {f"/{name}": (web / name).read_bytes() for name in (*LIVE_SCRIPTS, STYLE)}
+        self._files["/"] = (web / LIVE_PAGE).read_bytes()
+        self._sockets = list(sockets)
+        self._loop: Optional[IOLoop] = None
+        self._ready = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name="pages", daemon=True)
+
+    def start(self) -> None:
+        """Begin to serve."""
+        self._thread.start()
+        self._ready.wait()
+
+    def put(self, job: Callable[[], object]) -> None:
+        """Have a job done in the server's thread; from any thread."""
+        if self._loop is not None:
+            self._loop.add_callback(job)
+
+    def stop(self, timeout: float = 2.0) -> None:
+        """End it, and wait for that."""
+        self.put(lambda: self._loop.stop() if self._loop is not None else None)
+        self._thread.join(timeout)
+
+    def _serve(self) -> None:
+        asyncio.set_event_loop(asyncio.new_event_loop())
+        self._loop = IOLoop.current()
+        server = HTTPServer(
+            self._application(), max_header_size=16384, max_body_size=MOST_BYTES, idle_connection_timeout=60
+        )
+        server.add_sockets(self._sockets)
+        PeriodicCallback(self._tick, 1000 * PERIOD).start()
+        self._loop.add_callback(self._ready.set)
+        self._loop.start()
+        server.stop()
+        self._loop.close(all_fds=True)
+
+    def _application(self) -> Application:
+        files = [(path, _File, {"server": self, "path": path, "data": data}) for path, data in self._files.items()]
+        return Application(
+            [*files, ("/run", _Viewer, {"server": self})],
+            websocket_max_message_size=MOST_BYTES,
+            websocket_ping_interval=SILENCE,
+            default_handler_class=_Nothing,
+        )
+
+    def _tick(self) -> None:
+        """Send each viewer what is new for it; one that has not taken what it was sent is passed over."""
+        self._extra = self._look()
+        view = self._view()
+        if view is not self._shown:
+            self._shown = view
+            for viewer in self.viewers:
+                viewer.forget()
+        texts: Dict[Any, str] = {}
+        for viewer in self.viewers:
+            viewer.send_news(view, self._extra, texts)
+
+
+def _check(handler: RequestHandler, server: PageServer) -> None:
+    """Raise HTTPError for a request that is not to be answered."""
+    host = handler.request.host
+    if not server.access.named(host):
+        raise HTTPError(403, reason="Wrong host name")
+    if not server.access.proven(handler.get_cookie(COOKIE, "") or ""):
+        raise HTTPError(403, reason="Token needed: open the address that the node has logged")
+
+
+class _Nothing(RequestHandler):
+    """What there is not."""
+
+    def prepare(self) -> None:
+        """Answer that it is not there."""
+        raise HTTPError(404)
+
+    def set_default_headers(self) -> None:
+        """Set no header that tells of the server."""
+        self.clear_header("Server")
+
+    def write_error(self, status_code: int, **_more: Any) -> None:
+        """Say in plain text what is wrong."""
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code} {self._reason}\n")
+
+
+class _File(_Nothing):
+    """One of the front-end's files. The page takes a token from its address into a cookie."""
+
+    def initialize(self, server: PageServer, path: str, data: bytes) -> None:
+        """Take what it serves."""
+        self._server, self._file, self._data = server, path, data
+
+    def prepare(self) -> None:
+        """Set the headers."""
+        self.set_header("Content-Security-Policy", POLICY.format(host=_plain(self.request.host)))
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("X-Frame-Options", "DENY")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cache-Control", "no-store")
+
+    def get(self) -> None:
+        """Answer with the file."""
+        token = self.get_query_argument("token", None)
+        if self._file == "/" and token is not None and self._server.access.known(token):
+            self.set_cookie(COOKIE, self._server.access.proof, httponly=True, samesite="Lax")
+            self.redirect("/")
+            return
+        _check(self, self._server)
+        kind = TYPES.get(Path(self._file).suffix, "text/html")
+        self.set_header("Content-Type", f"{kind}; charset=utf-8")
+        self.finish(self._data)
+
+
+class _Viewer(WebSocketHandler):
+    """One who looks on."""
+
+    def initialize(self, server: PageServer) -> None:
+        """Take the server."""
+        self._server = server
+        self._busy = False
+        self._told: Dict[str, Any] = {}
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin with all that there is."""
+        self._known: Tuple[int, Tuple[int, int], Tuple[int, int]] = (-1, (0, 0), (0, 0))
+
+    def check_origin(self, origin: str) -> bool:
+        """Whether a page of this server asks."""
+        return Access.own(origin, self.request.host)
+
+    def prepare(self) -> None:
+        """Refuse who may not see the run, and those who are too many."""
+        _check(self, self._server)
+        if "Origin" not in self.request.headers:
+            raise HTTPError(403, reason="No page of this server")
+        if len(self._server.viewers) >= MOST_VIEWERS:
+            raise HTTPError(503, reason="Too many viewers")
+
+    def get_compression_options(self) -> Dict[str, Any]:
+        """Compress, lightly: texts repeat much."""
+        return {"compression_level": 1}
+
+    def open(self, *_arguments: str, **_more: str) -> None:
+        """Add it to those who look on."""
+        self._server.viewers.add(self)
+
+    def on_message(self, _message: Any) -> None:
+        """Let go who speaks: a viewer has nothing to say."""
+        self.close(1008, "nothing is taken")
+
+    def on_close(self) -> None:
+        """Forget it."""
+        self._server.viewers.discard(self)
+
+    def send_news(self, view: RunView, extra: Dict[str, Any], texts: Dict[Any, str]) -> None:
+        """Send what is new since the last time; ``texts`` has what others were sent just now."""
+        seconds = {**extra, "seconds": int(view.seconds)}
+        if self._busy or (self._known[0] == view.revision and self._told == seconds):
+            return
+        if self._known not in texts:
+            revision, words, poses = self._known
+            changes = view.changes(max(0, revision), words, poses)
+            texts[self._known] = json.dumps({**changes, **extra, "whole": revision < 0}, separators=(",", ":"))
+        text, self._known, self._told, self._busy = texts[self._known], view.known(), seconds, True
+        self._server.put(lambda: self._write(text))
+
+    async def _write(self, text: str) -> None:
+        try:
+            await self.write_message(text)
+        except WebSocketClosedError:
+            self._server.viewers.discard(self)
+        finally:
+            self._busy = False
+
+
+def _plain(host: str) -> str:
+    """Return a host that can be part of a policy."""
+    return "".join(letter for letter in host if letter.isalnum() or letter in ".-:[]")
+
+
+def listening(sockets: Sequence[socket.socket]) -> List[int]:
+    """Return the ports on which sockets listen."""
+    return [one.getsockname()[1] for one in sockets]

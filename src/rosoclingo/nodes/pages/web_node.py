@@ -1,0 +1,128 @@
+"""The node that serves the live page."""
+
+import secrets
+from typing import Any, Dict
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
+from tornado.netutil import bind_sockets
+
+from rosoclingo.common.parameters import ParameterError, Parameters
+from rosoclingo.msg import (
+    InterfaceIO,
+    PackageStates,
+    ROSoClingoActionFeedback,
+    ROSoClingoActionGoal,
+    ROSoClingoActionResult,
+    TaskPlan,
+)
+from rosoclingo.nodes.pages.access import LOCAL, Access
+from rosoclingo.nodes.pages.page_server import PageServer, listening
+from rosoclingo.nodes.pages.report_command import web
+from rosoclingo.nodes.pages.run_topics import PATHS, POSES, RunTopics
+from rosoclingo.runs.run_view import RunView
+
+#: Seconds of wall time between two messages of a pose's topic that are read.
+OFTEN = 0.1
+
+TYPES: Dict[str, Any] = {
+    "~program": String,
+    "~goal": ROSoClingoActionGoal,
+    "~cancel": GoalID,
+    "~status": GoalStatusArray,
+    "~feedback": ROSoClingoActionFeedback,
+    "~result": ROSoClingoActionResult,
+    "~updates": String,
+    "~task_plan": TaskPlan,
+    "out_rosoclingo": InterfaceIO,
+    "in_rosoclingo": InterfaceIO,
+    "packages": PackageStates,
+    "map": OccupancyGrid,
+    **dict.fromkeys(PATHS, Path),
+    "base_pose_ground_truth": Odometry,
+    "amcl_pose": PoseWithCovarianceStamped,
+    "/tf": TFMessage,
+    "/tf_static": TFMessage,
+    "/rosout": Log,
+}
+
+
+class WebNode:
+    """Serves a page that shows a running system in any browser: map, plan, goals, log and figures, live.
+
+    Parameters
+    ----------
+        ~host (str, default "127.0.0.1"): the address of this machine on which it is served; with another one than the
+            default, or 0.0.0.0 for all, browsers on other machines can see it, if they have the token.
+        ~port (int, default 8080): the port; 0 for any that is free.
+        ~token (str, default ""): what others have to know to see the page when it is served for other machines; empty:
+            a new one at each start, which is told in the log.
+        ~title (str, default "rosoclingo"): the page's title.
+    Subscribes:
+        rosoclingo/program, rosoclingo/updates (std_msgs/String), rosoclingo/task_plan (rosoclingo/TaskPlan)
+        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
+        rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/feedback
+            (rosoclingo/ROSoClingoActionFeedback), rosoclingo/result (rosoclingo/ROSoClingoActionResult)
+        out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), packages (rosoclingo/PackageStates)
+        map (nav_msgs/OccupancyGrid), base_pose_ground_truth (nav_msgs/Odometry), amcl_pose
+            (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)
+        move_base/GridPlanner/plan, move_base/NavfnROS/plan, move_base/GlobalPlanner/plan (nav_msgs/Path)
+        /rosout (rosgraph_msgs/Log): what the core says.
+    Publishes:
+        ~address (std_msgs/String, latched): where the page is, without the token.
+
+    Raises ParameterError when it cannot start, also where the port is taken.
+
+    """
+
+    def __init__(self) -> None:
+        given = Parameters()
+        host, port = given.at("host").text("127.0.0.1"), given.at("port").whole(8080, low=0, high=65535)
+        token, title = given.at("token").text(""), given.at("title").text("rosoclingo")
+        given.check()
+        local = host in LOCAL
+        token = "" if local else token or secrets.token_urlsafe(12)
+        try:
+            sockets = bind_sockets(port, host)
+        except OSError as error:
+            mend = "choose another ~port or ~host"
+            raise ParameterError(f"the page cannot be served on {host}:{port}: {error.strerror}; {mend}") from None
+        self._topics = RunTopics(RunView({"title": title}), rospy.resolve_name("rosoclingo"))
+        self._heard: Dict[str, float] = {}
+        self._subscribers: Dict[str, rospy.Subscriber] = {}
+        self._server = PageServer(lambda: self._topics.view, self._look, web(), Access(token), sockets)
+        self._server.start()
+        rospy.on_shutdown(self._server.stop)
+        self._subscribers = self._subscribe()
+        address = f"http://{f'[{host}]' if ':' in host else host}:{listening(sockets)[0]}/"
+        rospy.loginfo("the page is served on %s", address + (f"?token={token}" if token else ""))
+        self._address = rospy.Publisher("~address", String, latch=True, queue_size=1)
+        self._address.publish(String(address))
+
+    def _subscribe(self) -> Dict[str, rospy.Subscriber]:
+        return {
+            name: rospy.Subscriber(self._topics.full(name), kind, self._on_message, name)
+            for name, kind in TYPES.items()
+        }
+
+    def _on_message(self, message: Any, name: str) -> None:
+        now = rospy.get_time()
+        if name in POSES and name != "/tf":
+            if 0.0 <= now - self._heard.get(name, -OFTEN) < OFTEN:
+                return
+            self._heard[name] = now
+        self._server.put(lambda: self._topics.takes[name](now, message))
+
+    def _look(self) -> Dict[str, Any]:
+        """Keep the view in bounds, and tell what else the page shows: whether the core is there."""
+        view = self._topics.view
+        view.clock(rospy.get_time())
+        if view.full:
+            self._topics.view = view.renewed()
+        plan = self._subscribers.get("~task_plan")
+        return {"core": plan is not None and plan.get_num_connections() > 0}

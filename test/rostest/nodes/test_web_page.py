@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""The live page with a real core: what a browser shows of goals, also when the core was killed and is there again."""
+
+import os
+import signal
+import sys
+import unittest
+import xmlrpc.client
+from pathlib import Path
+
+import rosgraph
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from std_msgs.msg import String
+
+from rosoclingo.common.parameters import ParameterError
+from rosoclingo.nodes.pages.web_node import WebNode
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import browser
+from core_helpers import Client, Hands
+from interface_helpers import wait_until
+
+GOAL = "goal(office2,office3,1)"
+
+
+class WebPage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("web_page_test")
+        cls.hands = Hands()
+        cls.hands.at_once = True
+        cls.hands.wait_for("/rosoclingo")
+        cls.client = Client()
+        cls.address = rospy.wait_for_message("web/address", String).data
+
+    def setUp(self):
+        path = browser.found()
+        if path is None:
+            self.skipTest("there is no browser: install chromium")
+        self.page = self.enterContext(browser.Browser(path))
+        self.page.size(1280, 900)
+        self.page.open(self.address)
+        self.connected()
+
+    def enterContext(self, context):  # unittest has it from Python 3.11 on
+        value = context.__enter__()
+        self.addCleanup(context.__exit__, None, None, None)
+        return value
+
+    def connected(self):
+        self.page.wait_for("document.getElementById('connection').textContent === 'Live'")
+
+    def goals(self, states):
+        self.page.wait_for(
+            f"[...document.querySelectorAll('#goals .state')].map((one) => one.textContent).join() === '{states}'"
+        )
+
+    def test_goals_are_seen_also_after_the_core_was_killed(self):
+        self.assertEqual(self.page.text("h1"), "The page's test")
+        self.page.wait_for("document.querySelectorAll('.labelname').length === 4")
+        self.client.send(GOAL).ends_as(GoalStatus.SUCCEEDED)
+        self.goals("succeeded")
+        self.page.wait_for("document.querySelectorAll('.timeline .bar.done').length > 4")
+        self.page.wait_for("document.querySelector('#log').textContent.includes('office2')")
+        self.client.send("goal(office2,office9,1)").ends_as(GoalStatus.REJECTED)
+        self.goals("succeeded,rejected")
+        self.assertNotEqual(self.page.texts("#goals td:last-child")[1], "")
+        self.hands.at_once = False
+        self.client.send("goal(office3,office4,1)").arrived()
+        self.goals("succeeded,rejected,active")
+        self.kill_core()
+        self.goals("succeeded,rejected,lost")
+        self.connected()
+        self.hands.at_once = True
+        self.hands.wait_for("/rosoclingo")
+        self.client.send("goal(office3,office4,2)").ends_as(GoalStatus.SUCCEEDED)
+        self.goals("succeeded,rejected,lost,succeeded")
+        self.assertEqual(self.page.faults, [])
+
+    def kill_core(self):
+        master = rosgraph.Master(rospy.get_name())
+        with_core = xmlrpc.client.ServerProxy(master.lookupNode("/rosoclingo"))
+        process, runs = with_core.getPid(rospy.get_name())[2], len(self.hands.runs)
+        os.kill(process, signal.SIGKILL)
+        wait_until(lambda: len(self.hands.runs) > runs, "the core to be there again")
+
+    def test_what_it_cannot_work_with_is_told(self):
+        port = int(self.address.rstrip("/").rpartition(":")[2])
+        for name, value, told in (
+            ("port", port, "cannot be served on 127.0.0.1"),
+            ("port", 99999, "port"),
+            ("host", 7, "host"),
+        ):
+            rospy.set_param("~" + name, value)
+            with self.assertRaises(ParameterError) as caught:
+                WebNode()
+            self.assertIn(told, str(caught.exception))
+            rospy.delete_param("~" + name)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "web_page", WebPage)

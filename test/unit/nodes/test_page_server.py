@@ -1,0 +1,332 @@
+"""The live page's server: who is let in, what is sent to whom, and the page in a browser."""
+
+import asyncio
+import json
+import socket
+import threading
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import HTTPRedirectHandler, Request, build_opener
+
+import browser
+import pytest
+from told_runs import GOAL, delivery, plan_of
+from tornado.httpclient import HTTPClientError, HTTPRequest
+from tornado.websocket import websocket_connect
+
+from rosoclingo.nodes.pages.access import Access
+from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_VIEWERS, PageServer
+from rosoclingo.runs.report_page import LIVE_SCRIPTS
+from rosoclingo.runs.run_view import RunView
+
+WEB = Path(__file__).resolve().parents[3] / "web"
+PATIENCE = 60.0
+
+
+class Served:
+    """A server of a view on a port of this machine."""
+
+    def __init__(self, view, token="", port=0):
+        self.view = view
+        self.extra = {"core": True}
+        listener = socket.socket()
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(("127.0.0.1", port))
+        listener.listen()
+        listener.setblocking(False)
+        self.port = listener.getsockname()[1]
+        self.server = PageServer(lambda: self.view, lambda: self.extra, WEB, Access(token), [listener])
+        self.server.start()
+
+    @property
+    def address(self):
+        return f"http://127.0.0.1:{self.port}"
+
+    def do(self, job):
+        """Change the view, in the server's thread."""
+        done = threading.Event()
+        self.server.put(lambda: (job(self.view), done.set()))
+        assert done.wait(PATIENCE)
+
+    def viewers(self):
+        return len(self.server.viewers)
+
+    def get(self, path="/", **headers):
+        """Status, headers and body of an answer; redirections are not followed."""
+        try:
+            with build_opener(Stay).open(Request(self.address + path, headers=headers), timeout=PATIENCE) as answer:
+                return answer.status, answer.headers, answer.read().decode()
+        except HTTPError as error:
+            return error.code, error.headers, error.read().decode()
+
+    async def connect(self, origin=None, **headers):
+        headers["Origin"] = self.address if origin is None else origin
+        request = HTTPRequest(
+            f"ws://127.0.0.1:{self.port}/run", headers={key: value for key, value in headers.items() if value}
+        )
+        return await asyncio.wait_for(websocket_connect(request), PATIENCE)
+
+
+class Stay(HTTPRedirectHandler):
+    def redirect_request(self, *_arguments):
+        return None
+
+
+@contextmanager
+def serving(view=None, token="", port=0):
+    served = Served(view or delivery(), token, port)
+    try:
+        yield served
+    finally:
+        served.server.stop(PATIENCE)
+
+
+@pytest.fixture
+def served():
+    with serving() as one:
+        yield one
+
+
+def play(scene):
+    """Run a scene of clients."""
+    return asyncio.new_event_loop().run_until_complete(asyncio.wait_for(scene, 3 * PATIENCE))
+
+
+async def told(client):
+    """The next message, None where the server has closed the connection."""
+    text = await asyncio.wait_for(client.read_message(), PATIENCE)
+    return None if text is None else json.loads(text)
+
+
+def wait_until(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+# ---- files ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_page_and_what_it_needs_are_served(served):
+    code, headers, page = served.get()
+    assert (code, headers["Content-Type"]) == (200, "text/html; charset=utf-8")
+    assert [f'src="/{name}"' in page for name in LIVE_SCRIPTS] == [True] * len(LIVE_SCRIPTS)
+    for name in (*LIVE_SCRIPTS, "page.css"):
+        assert served.get("/" + name)[0] == 200
+    assert "default-src 'none'; script-src 'self'" in headers["Content-Security-Policy"]
+    assert (headers["X-Frame-Options"], headers["X-Content-Type-Options"]) == ("DENY", "nosniff")
+    assert headers["Server"] is None
+
+
+@pytest.mark.parametrize("path", ["/nosuch", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/report.html"])
+def test_nothing_else_is_served(served, path):
+    assert served.get(path)[0] == 404
+
+
+def test_a_request_that_is_too_long_is_refused(served):
+    with pytest.raises(ConnectionError):
+        served.get("/" + "x" * 40000)
+    assert served.get()[0] == 200
+
+
+# ---- who is let in --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "a b", "127.0.0.1@evil"]
+)
+def test_a_page_for_this_machine_answers_to_its_own_names_only(served, host):
+    assert served.get(Host=host or "-")[0] in (400, 403)
+    assert served.get(Host=f"localhost:{served.port}")[0] == 200
+
+
+def test_another_site_s_page_is_no_viewer(served):
+    for origin in (
+        "http://evil.example",
+        "null",
+        f"http://127.0.0.1:{served.port}.evil.example",
+        f"http://localhost:{served.port}",
+    ):
+        with pytest.raises(HTTPClientError) as error:
+            play(served.connect(origin))
+        assert error.value.code == 403, origin
+    with pytest.raises(HTTPClientError):
+        play(served.connect(""))
+
+
+def test_with_a_token_only_who_knows_it_is_let_in():
+    with serving(token="open sesame") as served:
+        assert served.get()[0] == 403
+        assert served.get("/model.js")[0] == 403
+        assert served.get("/?token=wrong")[0] == 403
+        assert "Token needed" in served.get("/?token=wr%C3%B6ng")[2]
+        with pytest.raises(HTTPClientError) as error:
+            play(served.connect())
+        assert error.value.code == 403
+        code, headers, _ = served.get("/?token=open+sesame")
+        cookie = headers["Set-Cookie"]
+        assert (code, headers["Location"]) == (302, "/")
+        assert "sesame" not in cookie
+        assert "HttpOnly" in cookie
+        assert "SameSite=Lax" in cookie
+        mine = cookie.partition(";")[0]
+        assert served.get(Cookie=mine)[0] == 200
+        assert served.get(Cookie=mine, Host="robot.example:8080")[0] == 200
+        play(served.connect(Cookie=mine))
+
+
+def test_who_speaks_or_says_too_much_is_let_go(served):
+    async def scene():
+        for text in ("hello", "x" * (MOST_BYTES + 1)):
+            client = await served.connect()
+            assert (await told(client))["whole"]
+            await client.write_message(text)
+            while await told(client) is not None:
+                pass
+
+    play(scene())
+    wait_until(lambda: served.viewers() == 0)
+    assert served.get()[0] == 200
+
+
+def test_there_are_so_many_viewers_and_no_more(served):
+    async def scene():
+        clients = [await served.connect() for _ in range(MOST_VIEWERS)]
+        with pytest.raises(HTTPClientError) as error:
+            await served.connect()
+        assert error.value.code == 503
+        clients.pop().close()
+        while served.viewers() == MOST_VIEWERS:
+            await asyncio.sleep(0.02)
+        assert (await told(await served.connect()))["whole"]
+
+    play(scene())
+
+
+# ---- what is sent ---------------------------------------------------------------------------------------------------
+
+
+def test_a_viewer_gets_all_and_then_what_is_new(served):
+    async def scene():
+        client = await served.connect()
+        first = await told(client)
+        assert (first["whole"], first["core"], first["goals"][0][1]["request"]) == (True, True, GOAL)
+        served.do(lambda view: view.goal(140.0, "b", "goal(office1,office2,2)"))
+        more = await told(client)
+        assert (more["whole"], more["about"], more["first"]) == (False, None, len(first["poses"]))
+        assert [number for number, _ in more["goals"]] == [1]
+
+    play(scene())
+
+
+def test_who_comes_late_and_who_was_there_know_the_same(served):
+    async def scene():
+        early = await served.connect()
+        await told(early)
+        served.do(lambda view: view.goal(140.0, "b", "g(b)"))
+        late = await served.connect()
+        assert len((await told(late))["goals"]) == 2
+        assert len((await told(early))["goals"]) == 1
+        served.do(lambda view: view.status(141.0, "b", 1, ""))
+        assert (await told(early))["goals"] == (await told(late))["goals"]
+
+    play(scene())
+
+
+def test_that_the_core_is_gone_is_told(served):
+    async def scene():
+        client = await served.connect()
+        await told(client)
+        served.extra = {"core": False}
+        assert (await told(client))["core"] is False
+
+    play(scene())
+
+
+def test_another_view_is_told_whole(served):
+    async def scene():
+        client = await served.connect()
+        await told(client)
+        served.do(lambda view: view.goal(140.0, "b", "g(b)"))
+        await told(client)
+        served.view = served.view.renewed()
+        found = await told(client)
+        assert found["whole"]
+        assert [goal["request"] for _, goal in found["goals"]] == ["g(b)"]
+        assert found["about"]["title"] == "A delivery"
+        assert found["packages"][0][1]["places"] == [["1", "office1"], ["2", "office1"]]
+
+    play(scene())
+
+
+# ---- in a browser ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def page():
+    path = browser.found()
+    if path is None:
+        pytest.skip("there is no browser: install chromium")
+    with browser.Browser(path) as one:
+        one.size(1280, 900)
+        yield one
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_the_page_shows_what_happens(page, served):
+    page.faults.clear()
+    page.open(served.address + "/")
+    page.wait_for("document.getElementById('connection').textContent === 'Live'")
+    assert page.text("h1") == "A delivery"
+    hostile = "<img src=x onerror=window.broken=1>"
+    served.do(lambda view: view.goal(140.0, "b", hostile))
+    page.wait_for("document.querySelectorAll('#goals tbody tr').length === 2")
+    assert page.texts("#goals code") == [GOAL, hostile]
+    plan = plan_of("move_base office2")
+    served.do(lambda view: view.begin("one"))
+    served.do(
+        lambda view: (view.begin("another"), view.plan(141.0, 1, 1, plan, (0.0, 0.0)), view.dispatched(141.0, plan))
+    )
+    page.wait_for("document.querySelector('#cycle li.now') !== null")
+    assert page.texts("#cycle li") == ["▶ move_base office2"]
+    served.do(lambda view: view.pose(142.0, 1.0, 1.0, 0.0))
+    page.wait_for("document.querySelector('#map .caption').textContent.includes('at office1')")
+    served.extra = {"core": False}
+    page.wait_for("document.getElementById('connection').textContent.startsWith('The core is not there')")
+    assert page.run("window.broken") is None
+    assert page.faults == []
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_the_page_connects_again(page):
+    with serving() as served:
+        page.open(served.address + "/")
+        page.wait_for("document.getElementById('connection').textContent === 'Live'")
+        port = served.port
+    page.wait_for("document.getElementById('connection').textContent.startsWith('No connection')")
+    view = RunView({"title": "Another run"})
+    view.goal(5.0, "z", "g(z)")
+    with serving(view, port=port):
+        page.wait_for("document.getElementById('connection').textContent === 'Live'")
+        page.wait_for("document.querySelector('h1').textContent === 'Another run'")
+        assert page.texts("#goals code") == ["g(z)"]
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_two_viewers_see_the_same_and_a_moment_that_is_looked_at_stays(page, served):
+    with browser.Browser(browser.found()) as other:
+        for one in (page, other):
+            one.open(served.address + "/")
+            one.wait_for("document.getElementById('connection').textContent === 'Live'")
+        other.run("live.player.seek(10.5)")
+        served.do(lambda view: view.goal(150.0, "b", "g(b)"))
+        page.wait_for("document.querySelectorAll('#goals tbody tr').length === 2")
+        other.wait_for("live.model.goals.length === 2")
+        assert page.text("#clock").startswith("50.0 s")
+        assert other.text("#clock") == "10.5 s · cycle 2"
