@@ -14,8 +14,11 @@ class TimelineView {
     for (const [value, words] of [["0", "whole run"], ["60", "1 minute"], ["180", "3 minutes"], ["900", "15 minutes"]]) {
       this.zoom.append(html("option", { value }, words));
     }
-    this.zoom.value = model.seconds > 240 ? "180" : "0";
-    this.zoom.addEventListener("change", () => this.draw(this.time));
+    this.chosen = false;
+    this.zoom.addEventListener("change", () => {
+      this.chosen = true;
+      this.draw(this.time);
+    });
     this.picture.addEventListener("click", (event) => this.clicked(event));
     const key = [["done", "done"], ["now", "under way"], ["failed", "failed"], ["ahead", "planned"]];
     const keys = key.map(([name, words]) => html("span", { class: `key ${name}` }, words));
@@ -48,6 +51,7 @@ class TimelineView {
 
   /** What part of the run is shown, with room for what is planned. */
   span(time, ahead) {
+    if (!this.chosen) this.zoom.value = this.model.seconds > 240 ? "180" : "0";
     const wanted = Number(this.zoom.value);
     const whole = Math.max(this.model.seconds, 1);
     if (!wanted) {

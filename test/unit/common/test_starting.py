@@ -18,6 +18,7 @@ PARAMETERS = {
     "move_base_interface": ["~interfaces (map, optional)"],
     "record": ["~topics (list of str, required)"],
     "markers": ["~panel (list"],
+    "web": ["~token (str"],
     "office": ["~duration (float, default 3.0)"],
     "map_server": ["~frame_id (str, default", "[MAP.yaml]"],
     "fake_localization": ["~odom_frame_id"],
