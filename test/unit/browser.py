@@ -10,7 +10,7 @@ import time
 from contextlib import suppress
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-PATIENCE = 60.0  # seconds of wall time for an answer, on a machine that is slow or busy
+PATIENCE = 300.0  # seconds of wall time for an answer, on a machine that is slow or busy
 OPTIONS = (
     "--headless",
     "--no-sandbox",  # which a container does not allow

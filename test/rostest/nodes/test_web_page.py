@@ -14,6 +14,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from std_msgs.msg import String
 
+from rosoclingo.common.connections import comes_to
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.pages.web_node import WebNode
 
@@ -24,6 +25,11 @@ import browser
 from core_helpers import Client, Hands
 from interface_helpers import wait_until
 
+TOPICS = [
+    "/in_rosoclingo",
+    "/out_rosoclingo",
+    *(f"/rosoclingo/{name}" for name in ("goal", "status", "task_plan", "updates")),
+]
 GOAL = "goal(office2,office3,1)"
 
 
@@ -35,6 +41,8 @@ class WebPage(unittest.TestCase):
         cls.hands.at_once = True
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
+        for topic in TOPICS:
+            wait_until(lambda topic=topic: comes_to("/web", topic), f"{topic} to come to the page's node")
         cls.address = rospy.wait_for_message("web/address", String).data
 
     def setUp(self):

@@ -22,7 +22,7 @@ from rosoclingo.runs.report_page import LIVE_SCRIPTS
 from rosoclingo.runs.run_view import RunView
 
 WEB = Path(__file__).resolve().parents[3] / "web"
-PATIENCE = 60.0
+PATIENCE = 300.0
 
 
 class Served:
