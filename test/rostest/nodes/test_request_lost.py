@@ -11,14 +11,16 @@ from pathlib import Path
 
 import rospy
 import rostest
+from actionlib_msgs.msg import GoalStatus
 from rosgraph_msgs.msg import Clock
+from rosoclingo.msg import ROSoClingoActionResult
 
 from rosoclingo.nodes.server_watch import SILENCE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Hands
-from interface_helpers import PATIENCE, Process, wait_until
+from interface_helpers import PATIENCE, Process, wait_to_hear, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
@@ -130,6 +132,18 @@ class RequestLost(unittest.TestCase):
                     code, said = request.end()
                     self.assertEqual(code, 5, said)
                     self.assertIn("lost:", said)
+
+    def test_the_goal_of_a_request_that_is_killed_goes_on(self):
+        results = []
+        subscriber = rospy.Subscriber("orphan/rosoclingo/result", ROSoClingoActionResult, results.append)
+        with core("orphan"):
+            hands, command, request = self.asks("orphan")
+            wait_to_hear(subscriber, nodes=["/orphan/rosoclingo"])
+            with request:
+                pass  # it is killed at the end
+            hands.succeed(command)
+            wait_until(lambda: results, "the goal to end")
+        self.assertEqual(results[0].status.status, GoalStatus.SUCCEEDED)
 
     def test_core_was_never_there(self):
         for running in (True, False):
