@@ -40,12 +40,12 @@ def _of_suite(suite: ElementTree.Element, of_nodes: bool) -> Outcome:
     """One suite; rostest's own report tells of each test node whether it ran, not of the tests in it."""
     total, skipped = int(suite.get("tests", 0)), int(suite.get("skipped", suite.get("skip", 0)))
     bad = int(suite.get("failures", 0)) + int(suite.get("errors", 0))
-    names = [_name(case) for case in suite.iter("testcase") for kind in ("failure", "error") for _ in case.iter(kind)]
+    names = [name_of(case) for case in suite.iter("testcase") for kind in ("failure", "error") for _ in case.iter(kind)]
     names = names[:bad] + [f"{suite.get('name', 'a suite')}: a failure without a name"] * (bad - len(names))
     return Outcome(0 if of_nodes else max(total - bad - skipped, 0), tuple(names), skipped)
 
 
-def _name(case: ElementTree.Element) -> str:
+def name_of(case: ElementTree.Element) -> str:
     """The name of a test as pytest takes it, test/unit/test_x.py::test_y; that of a rostest as unittest writes it."""
     name = ".".join(part for part in (case.get("classname"), case.get("name")) if part)
     if not name.startswith("test."):
@@ -69,9 +69,10 @@ def judge(name: str, finished: Finished, counted: Outcome) -> Outcome:
     return counted._replace(failures=failures)
 
 
-def report(name: str, outcome: Outcome, seconds: float, log: Path) -> None:
+def report(name: str, outcome: Outcome, seconds: float, computed: float, log: Path) -> None:
     """One line for what went well; for what did not the log, and its failures after it."""
-    print(f"{'FAILED' if outcome.failures else 'ok':6} {name}: {outcome} ({seconds:.1f} s)", flush=True)
+    took = f"{seconds:.1f} s, {computed:.1f} s of CPU"
+    print(f"{'FAILED' if outcome.failures else 'ok':6} {name}: {outcome} ({took})", flush=True)
     if outcome.failures:
         print(log.read_text(errors="replace"))
         print(f"The log is {log}. FAILED {name}:", *outcome.failures, sep="\n    ", flush=True)

@@ -13,10 +13,14 @@ MARK = "ROSOCLINGO_TEST_RUN"  # an environment variable: by it a test's processe
 
 
 class Finished(NamedTuple):
-    """A command that ended: its exit code (None if it had to be ended) and the processes it left behind."""
+    """A command that ended: its exit code (None if it had to be ended), the processes it left behind, and its CPU time.
+
+    The time is in seconds, its own and that of all that it started and waited for.
+    """
 
     code: Optional[int]
     leftovers: List[str]
+    computed: float = 0.0
 
 
 def processes_with(mark: str) -> Iterator[int]:
@@ -52,6 +56,26 @@ def end_leftovers(mark: str, grace: float = 30.0) -> List[str]:
     return names
 
 
+def _wait(pid: int, limit: float) -> Optional[float]:
+    """Wait for a child's end, and leave it to be reaped; its CPU time in seconds, None where it goes on."""
+    deadline = time.monotonic() + limit
+    while not os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+        if time.monotonic() > deadline:
+            return None
+        time.sleep(0.05)
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")  # utime to cstime of proc(5)
+
+
+def _interrupt(process: "subprocess.Popen[bytes]") -> None:
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(20)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
 def run(command: Sequence[str], log: Path, limit: float, environment: Mapping[str, str]) -> Finished:
     """Runs a command with a time limit in seconds and its output in a log, and sees that nothing is left of it."""
     mark = uuid.uuid4().hex
@@ -61,17 +85,12 @@ def run(command: Sequence[str], log: Path, limit: float, environment: Mapping[st
             command, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT
         )
         try:
-            code: Optional[int] = process.wait(limit)
-        except subprocess.TimeoutExpired:
-            code = None
-            process.send_signal(signal.SIGINT)
-            try:
-                process.wait(20)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            computed = _wait(process.pid, limit)
+            if computed is None:
+                _interrupt(process)
+            code = None if computed is None else process.wait()
         finally:
             if process.poll() is None:
                 process.kill()
             leftovers = end_leftovers(mark)
-    return Finished(code, leftovers)
+    return Finished(code, leftovers, computed or 0.0)

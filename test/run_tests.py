@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
 
+from durations import Duration, summary
 from importable import rostests_within
 from outcome import Outcome, count, judge, report
 from processes import ROOT, run
@@ -42,6 +43,7 @@ QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
 NOT_ONCE = ("-m", "not once")
+PYTEST_REPORT = "unit.xml"
 BRIEF = {"HYPOTHESIS_PROFILE": "brief"}
 ON_PYTHON38 = " on Python 3.8"
 NO_PYTHON38 = 3  # the exit code of ./dev exec-python38 where there is none
@@ -54,6 +56,7 @@ class Tests:
         self.work = work
         self.results = work / "results" / uuid.uuid4().hex[:8]
         self.results.mkdir(parents=True)
+        self.durations: List[Duration] = []
 
     def lint(self, _names: Sequence[str]) -> Outcome:
         """The static checks."""
@@ -70,7 +73,7 @@ class Tests:
     def install(self, _names: Sequence[str]) -> Outcome:
         """The install space, on its own."""
         command = [str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")]
-        return self._run("install", command, INSTALL_LIMIT, os.environ)
+        return self._run("install", "install", command, INSTALL_LIMIT, os.environ)
 
     def quick(self, _names: Sequence[str]) -> Outcome:
         """What finds most faults in little time: no slow linter and test, few random examples, two rostests."""
@@ -109,12 +112,12 @@ class Tests:
         sources = [str(path) for folder in PYTHON_FOLDERS for path in _python_files(ROOT / folder)]
         arguments = {"vermin": sources, "catkin_lint": [str(self.work / "ws" / "src" / "rosoclingo")]}
         commands = {name: LINTERS[name] + arguments.get(name, []) for name in names}
-        return sum((self._run(name, commands[name], LINT_LIMIT, os.environ) for name in commands), Outcome())
+        return sum((self._run("lint", name, commands[name], LINT_LIMIT, os.environ) for name in commands), Outcome())
 
     def _unit(self, name: str, environment: Mapping[str, str], arguments: Sequence[str]) -> Outcome:
         reports = self.results / _file_name(name)
-        command = ["python3", "-m", "pytest", "-q", f"--junitxml={reports}/unit.xml", *arguments]
-        return self._run(name, command, UNIT_LIMIT, environment, reports)
+        command = ["python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}", *arguments]
+        return self._run(name, name, command, UNIT_LIMIT, environment, reports)
 
     def _rostests(self, paths: Sequence[Path], suffix: str, environment: Mapping[str, str]) -> Outcome:
         # the longest first, so that none runs alone at the end
@@ -128,10 +131,11 @@ class Tests:
         limit = ROSTEST_MARGIN + sum(_time_limits(path))
         command = ["rostest", "--pkgdir", str(ROOT), "--package", "rosoclingo"]
         command += ["--results-filename", path.stem + ".xml", "--results-base-dir", str(reports), str(path)]
-        return self._run(name, command, limit, environment, reports)
+        return self._run("rostest" + suffix, name, command, limit, environment, reports)
 
     def _run(
         self,
+        part: str,
         name: str,
         command: Sequence[str],
         limit: float,
@@ -143,7 +147,11 @@ class Tests:
         finished = run(command, log, limit, environment)
         counted = count(sorted(reports.rglob("*.xml"))) if reports else Outcome(passed=int(finished.code == 0))
         outcome = judge(name, finished, counted)
-        report(name, outcome, time.monotonic() - begin, log)
+        seconds = time.monotonic() - begin
+        self.durations.append(
+            Duration(part, name, begin, seconds, finished.computed, reports and reports / PYTEST_REPORT)
+        )
+        report(name, outcome, seconds, finished.computed, log)
         return outcome
 
 
@@ -207,6 +215,7 @@ def main() -> int:
     outcome = getattr(tests, arguments.group)(arguments.names) if arguments.group else tests.whole()
     if outcome.failures:
         print("What failed:", *outcome.failures, sep="\n    ")
+    print(*summary(tests.durations), sep="\n")
     print(f"took {time.monotonic() - begin:.0f} s, logs and reports in {tests.results}")
     print(outcome, flush=True)
     return 1 if outcome.failures or not outcome.passed else 0

@@ -29,7 +29,7 @@ class Notes(run_tests.Tests):
             self.done.append(name)
         return Outcome(1, (name,) if name in self.bad else ())
 
-    def _run(self, name, command, limit, environment, reports=None):
+    def _run(self, _part, name, command, limit, environment, reports=None):
         return self.note(name, *(["install"] if name == "install" else []))
 
     def _unit(self, name, environment, arguments):

@@ -1,0 +1,49 @@
+"""What a run took: by part, the longest first, and the CPU time of commands with all that they started."""
+
+import os
+import sys
+
+from durations import Duration, summary
+from processes import run
+
+REPORT = """<testsuites><testsuite name="pytest" tests="2">
+<testcase classname="test.unit.test_a" name="test_slow[1]" time="7.5"/>
+<testcase classname="test.unit.test_a" name="test_fast" time="0.1"/>
+</testsuite></testsuites>"""
+BUSY = "import time\nwhile time.process_time() < 0.6: pass"
+
+
+def test_parts_in_their_order_and_the_longest_tests(tmp_path):
+    report = tmp_path / "unit.xml"
+    report.write_text(REPORT)
+    durations = [
+        Duration("unit", "unit", 100.0, 9.0, 16.0, report),
+        Duration("rostest", "rostest core", 109.0, 6.0, 2.0, tmp_path / "none.xml"),
+        Duration("rostest", "rostest crowd", 110.0, 8.0, 3.5),
+    ]
+    assert summary(durations, 3) == [
+        "What took how long:",
+        "       9.0 s,   16.0 s of CPU: unit",
+        "       9.0 s,    5.5 s of CPU: rostest",
+        "The longest:",
+        "       8.0 s: rostest crowd",
+        "       7.5 s: test/unit/test_a.py::test_slow[1] (unit)",
+        "       6.0 s: rostest core",
+    ]
+
+
+def test_a_report_that_is_cut_off_counts_as_one(tmp_path):
+    (tmp_path / "unit.xml").write_text(REPORT[:100])
+    assert summary([Duration("unit", "unit", 0.0, 9.0, 1.0, tmp_path / "unit.xml")])[-1] == "       9.0 s: unit"
+
+
+def test_cpu_time_is_that_of_all_that_a_command_starts(tmp_path):
+    code = f"import subprocess, sys\nsubprocess.run([sys.executable, '-c', {BUSY!r}])"
+    finished = run([sys.executable, "-c", code], tmp_path / "log", 60.0, os.environ)
+    assert finished.code == 0, (tmp_path / "log").read_text()
+    assert finished.computed >= 0.6
+
+
+def test_what_does_not_end_in_time_is_ended(tmp_path):
+    finished = run([sys.executable, "-c", "import time; time.sleep(600)"], tmp_path / "log", 0.1, os.environ)
+    assert finished == (None, [], 0.0)
