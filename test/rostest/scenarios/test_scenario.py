@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Plays a shipped scenario in the whole system: real core, interfaces, office, navigation, simulator and recorder."""
+"""Plays a shipped scenario in the whole system: real core, interfaces, office, navigation, simulator and recorder.
+
+Time flies once all nodes are up: before, each step of it would only take from them what they need to start.
+"""
 
 import argparse
 import os
@@ -14,6 +17,7 @@ import rosbag
 import rosnode
 import rospy
 import rostest
+from rosoclingo.srv import SetSpeed
 
 from rosoclingo.nodes.recording.bag_file import active, mend
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
@@ -24,6 +28,7 @@ from rosoclingo.reasoning.keywords import CORE
 
 OPTIONS = argparse.Namespace()
 PATIENCE = 300.0  # seconds of wall time
+SPEED = 10.0  # simulated seconds per second
 GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
 
 
@@ -56,13 +61,29 @@ class Bag:
             self.ends[message.status.goal_id.id] = GOAL_STATES[message.status.status]
 
 
-def look_into(path):
-    """What a bag holds that is still written."""
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder, path.name)
-        shutil.copy(active(path), active(copy))
-        mend(copy, copy, "/notes")
-        return Bag(copy)
+class Growing:
+    """A bag that is still written; it is read again where it has grown."""
+
+    def __init__(self, path):
+        self.path, self.size, self.ends = path, 0, {}
+
+    def count_ends(self):
+        """How many goals have ended by what it holds."""
+        size = os.path.getsize(active(self.path))
+        if size != self.size:
+            with tempfile.TemporaryDirectory() as folder:
+                copy = Path(folder, self.path.name)
+                shutil.copy(active(self.path), active(copy))
+                mend(copy, copy, "/notes")
+                self.size, self.ends = size, Bag(copy).ends
+        return len(self.ends)
+
+
+def recording_and_flying():
+    """Whether the recorder is connected, as the last of all nodes; from then on time flies."""
+    if not is_recording(RECORDED):
+        return False
+    return rospy.ServiceProxy("simulator/set_speed", SetSpeed)(SPEED).success
 
 
 class ScenarioTest(unittest.TestCase):
@@ -76,15 +97,15 @@ class ScenarioTest(unittest.TestCase):
             ["move_base", "pickup", "deliver"],
             lines.append,
             PATIENCE,
-            recording=lambda: is_recording(RECORDED),
+            recording=recording_and_flying,
         )
         self.assertEqual(outcome.faults, [], "\n".join(lines))
         self.compare(self.read_bag(len(scenario.expect["goals"])), scenario)
 
     def read_bag(self, goals):
         """The bag of the recorder that has taken the end of so many goals; what else is on its way comes before."""
-        path = Path(OPTIONS.bag)
-        self.assertTrue(wait_for(lambda: len(look_into(path).ends) == goals), "the bag lacks ends of goals")
+        bag = Growing(Path(OPTIONS.bag))
+        self.assertTrue(wait_for(lambda: bag.count_ends() == goals), "the bag lacks ends of goals")
         rosnode.kill_nodes(["/record"])
         self.assertTrue(wait_for(lambda: os.path.exists(OPTIONS.bag)), "the bag was not closed")
         self.addCleanup(os.remove, OPTIONS.bag)
