@@ -64,7 +64,7 @@ class Tests:
 
     def unit(self, arguments: Sequence[str]) -> Outcome:
         """The tests of the pure packages."""
-        return self._unit("unit", os.environ, arguments or IN_PARALLEL)
+        return self._unit("", os.environ, arguments or IN_PARALLEL)
 
     def rostest(self, names: Sequence[str]) -> Outcome:
         """The tests of the nodes, each file with a master of its own."""
@@ -79,7 +79,7 @@ class Tests:
         """What finds most faults in little time: no slow linter and test, few random examples, two rostests."""
         outcome = self._lint([name for name in LINTERS if name not in SLOW_LINTERS])
         with _beside(self._rostests, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ) as rostests:
-            outcome += self._unit("unit", {**os.environ, **BRIEF}, [*IN_PARALLEL, *NOT_SLOW])
+            outcome += self._unit("", {**os.environ, **BRIEF}, [*IN_PARALLEL, *NOT_SLOW])
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
@@ -102,7 +102,8 @@ class Tests:
         if not environment:
             print("none   python38: what is above says why", flush=True)
             return Outcome()
-        return self._unit("unit" + ON_PYTHON38, {**environment, **BRIEF}, [*IN_PARALLEL, *NOT_ONCE])
+        print("(on Python 3.8 with few random examples, and without what is marked once)", flush=True)
+        return self._unit(ON_PYTHON38, {**environment, **BRIEF}, [*IN_PARALLEL, *NOT_ONCE])
 
     def _rostests_again(self, environment: Mapping[str, str]) -> Outcome:
         again = [path for path in ROSTESTS if path.stem not in ONCE] if environment else []
@@ -114,9 +115,13 @@ class Tests:
         commands = {name: LINTERS[name] + arguments.get(name, []) for name in names}
         return sum((self._run("lint", name, commands[name], LINT_LIMIT, os.environ) for name in commands), Outcome())
 
-    def _unit(self, name: str, environment: Mapping[str, str], arguments: Sequence[str]) -> Outcome:
+    def _unit(self, suffix: str, environment: Mapping[str, str], arguments: Sequence[str]) -> Outcome:
+        name = "unit" + suffix
         reports = self.results / _file_name(name)
-        command = ["python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}", *arguments]
+        # the sources by the way that the build knows them: so what it has compiled is not compiled again
+        sources = self.work / ("python38" if suffix else "") / "ws" / "src" / "rosoclingo" / "src"
+        command = ["python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}"]
+        command += ["-o", f"pythonpath={sources} {ROOT / 'test'} {ROOT / 'test' / 'unit'}", *arguments]
         return self._run(name, name, command, UNIT_LIMIT, environment, reports)
 
     def _rostests(self, paths: Sequence[Path], suffix: str, environment: Mapping[str, str]) -> Outcome:

@@ -44,7 +44,7 @@ for name in sys.argv[2].split(","):
 
 @pytest.mark.parametrize(
     "package",
-    ["reasoning", *(pytest.param(one, marks=pytest.mark.slow) for one in OTHERS)],
+    ["reasoning", *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in OTHERS)],
 )
 def test_who_has_a_robot_of_his_own_needs_nothing_of_the_stand_ins(package):
     """numpy is the rviz tools' too."""

@@ -32,8 +32,8 @@ class Notes(run_tests.Tests):
     def _run(self, _part, name, command, limit, environment, reports=None):
         return self.note(name, *(["install"] if name == "install" else []))
 
-    def _unit(self, name, environment, arguments):
-        return self.note(name)
+    def _unit(self, suffix, environment, arguments):
+        return self.note("unit" + suffix)
 
     def _rostests(self, paths, suffix, environment):
         self.rostests = {*getattr(self, "rostests", ()), *(path.stem + suffix for path in paths)}

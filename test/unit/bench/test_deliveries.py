@@ -103,7 +103,7 @@ def test_a_copy_goes_its_own_way():
 
 @pytest.mark.parametrize(
     "floor",
-    [FLOORS[0], *(pytest.param(one, marks=pytest.mark.slow) for one in FLOORS[1:])],
+    [FLOORS[0], *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in FLOORS[1:])],
     ids=lambda floor: floor.name,
 )
 def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):

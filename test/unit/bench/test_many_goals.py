@@ -15,6 +15,7 @@ OPTIONS = Namespace(seconds=[10], plan_time=5.0, action_time=0.01, search_timeou
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
     once = many_goals.measure("4", 3, "once", 1, OPTIONS)
     assert once["steps"] >= once["driven"] == 12

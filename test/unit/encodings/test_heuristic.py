@@ -124,7 +124,7 @@ def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, num
     assert sum(one.arguments[0].name == "deliver" for one in found) == number
 
 
-@pytest.mark.parametrize(("offices", "number"), [(4, 20), pytest.param(20, 8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("offices", "number"), [(4, 20), pytest.param(20, 8, marks=[pytest.mark.slow, pytest.mark.once])])
 def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, number):
     requests = errands(number, offices)
     fewest = nearest_first(ROW[: offices - 1], requests)
@@ -141,6 +141,7 @@ def test_without_a_heuristic_so_few_conflicts_do_not_do():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
 def test_with_a_way_shut_a_plan_is_found_soon(way):
     requests = errands(8, 12)

@@ -28,6 +28,9 @@ PLANS = settings(max_examples=max(1, settings.default.max_examples // 3))
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 8))
 
 
+RARE = [pytest.mark.slow, pytest.mark.once]
+
+
 @st.composite
 def floors(draw):
     """Number of offices, corridors of a connected floor, start, capacity."""
@@ -133,6 +136,7 @@ def test_more_packages_than_fit(corridors, capacity):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_idle_cycles_do_no_harm():
     robot = Mailbot(6, ROW)
     robot.request(1, 4, 2)
@@ -144,6 +148,7 @@ def test_idle_cycles_do_no_harm():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("reason", ["failed", "timeout", "server_lost", "blocked"])
 def test_no_failure_is_tried_for_ever(reason):
     """Whatever the robot tries fails: the request ends, and the next one finds the robot ready to try again."""
@@ -162,6 +167,7 @@ def test_no_failure_is_tried_for_ever(reason):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_place_that_was_unknown_is_tried_again_when_somebody_asks_for_it():
     robot = Mailbot(3, ROW[:2])
     robot.request(1, 1, 3)
@@ -178,6 +184,7 @@ def test_a_place_that_was_unknown_is_tried_again_when_somebody_asks_for_it():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_detour_is_taken_while_a_connection_is_blocked():
     robot = Mailbot(6, RING)
     robot.request(1, 3, 1)
@@ -191,7 +198,7 @@ def test_a_detour_is_taken_while_a_connection_is_blocked():
     assert ends(robot) == {1: "succeeded", 2: "succeeded"}
 
 
-@pytest.mark.parametrize("first", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("first", [1, pytest.param(2, marks=RARE)])
 def test_who_is_driven_by_somebody_else_gives_up_until_somebody_asks(first):
     robot = Mailbot(6, ROW)
     robot.request(1, first, 1)
@@ -233,7 +240,7 @@ def test_what_the_core_has_ended_itself_is_no_failure():
     assert ends(robot) == {1: "succeeded"}
 
 
-@pytest.mark.parametrize("reason", ["o4", *(pytest.param(one, marks=pytest.mark.slow) for one in ("1", '"o2"', "77"))])
+@pytest.mark.parametrize("reason", ["o4", *(pytest.param(one, marks=RARE) for one in ("1", '"o2"', "77"))])
 def test_the_name_of_something_else_is_a_failure(reason):
     robot = Mailbot(6, ROW)
     robot.request(1, 2, 3)
@@ -267,6 +274,7 @@ def test_what_could_not_be_put_down_is_asked_for_again():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("moves", "then"),
     [

@@ -4,10 +4,14 @@ from random import Random
 
 import pytest
 from busy_driver import BusyDriver
+from hypothesis import settings
 from office_world import OFFICES, World
 from shipped import shipped
 
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
+
+
+MANY = min(1000, 5 * settings.default.max_examples // 2)  # goals in a long run
 
 
 def ask(driver, *numbers, what="walk"):
@@ -180,7 +184,7 @@ def stream(limit, plan_time=None):
 
 
 @pytest.mark.parametrize("plan_time", [None, 0.0, 1.0])
-@pytest.mark.parametrize("limit", [3, pytest.param(10, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("limit", [3, pytest.param(10, marks=[pytest.mark.slow, pytest.mark.once])])
 def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
     driver = stream(limit, plan_time)
     order = driver.order()
@@ -194,6 +198,7 @@ def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("plan_time", [None, 0.0])
 def test_without_a_limit_it_is(plan_time):
     assert "far" not in stream(0, plan_time).order()
@@ -201,7 +206,7 @@ def test_without_a_limit_it_is(plan_time):
 
 @pytest.mark.parametrize(
     ("goals", "plan_time"),
-    [pytest.param(1000, None, marks=[pytest.mark.slow, pytest.mark.once]), (40, None), (40, 0.0)],
+    [pytest.param(MANY, None, marks=[pytest.mark.slow, pytest.mark.once]), (40, None), (40, 0.0)],
 )
 def test_many_goals_with_failures_and_searches_that_are_cut(goals, plan_time):
     """Whatever fails is tried again, whatever is too much waits; only what cannot be done is given up."""

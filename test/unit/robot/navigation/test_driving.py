@@ -45,7 +45,9 @@ def test_the_labels_of_the_office():
     assert drive.collisions == []
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(one, marks=pytest.mark.slow) for one in range(1, 4))])
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in range(1, 4))]
+)
 def test_tours_of_random_goals_among_unmapped_obstacles(seed):
     random = np.random.default_rng(seed)
     walls = [

@@ -10,6 +10,7 @@ from rosoclingo.robot.simulation import DoorSpec
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("resolution", "gap", "radius"),
     [
@@ -116,6 +117,7 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("gap", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize("yaw", [0.0, np.pi])
 @pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])

@@ -13,6 +13,7 @@ from rosoclingo.robot.nodes import building, compiling
 from rosoclingo.robot.nodes.move_base.plugins import prepare
 
 HERE = Path(__file__).resolve().parents[2]
+SOURCES = Path(compiling.__file__).parents[3]  # by the same way as here, which what is kept is for
 # Other tests hand over what no robot does: so this runs in a process of its own.
 DRIVES = """
 from navigation_worlds import LONG, Drive, room, simulation
@@ -46,7 +47,7 @@ print(len(after))
 
 
 def run(code, **environment):
-    path = os.pathsep.join([str(HERE), str(HERE.parents[1] / "src"), *sys.path])
+    path = os.pathsep.join([str(HERE), str(SOURCES), *sys.path])
     return subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, "PYTHONPATH": path, **environment},
@@ -112,7 +113,7 @@ def test_what_cannot_be_copied_is_left_to_the_first_start(tmp_path, capsys):
 @pytest.mark.parametrize("module", ["numba", "llvmlite"])
 def test_the_build_goes_on_without_numba_and_says_so(tmp_path, module):
     (tmp_path / f"{module}.py").write_text(f"raise ModuleNotFoundError('none', name={module!r})\n")
-    path = os.pathsep.join([str(tmp_path), str(HERE.parents[1] / "src"), *sys.path])
+    path = os.pathsep.join([str(tmp_path), str(SOURCES), *sys.path])
     code = "import runpy; runpy.run_module('rosoclingo.robot.nodes.building', run_name='__main__')"
     said = run(code, PYTHONPATH=path)
     (line,) = said.splitlines()
