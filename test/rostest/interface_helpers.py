@@ -22,11 +22,12 @@ PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on how f
 
 
 def wait_until(condition, what):
-    """Wait for a condition in wall time, as simulated time may stand still."""
-    end = time.monotonic() + PATIENCE
+    """Wait for a condition in wall time, as simulated time may stand still; who waits long looks less often."""
+    end, pause = time.monotonic() + PATIENCE, 0.01
     while not condition():
         assert time.monotonic() < end, f"timed out: {what}"
-        time.sleep(0.01)
+        time.sleep(pause)
+        pause = min(1.1 * pause, 0.05)
 
 
 def wait_to_hear(*subscribers, nodes=()):

@@ -61,7 +61,11 @@ def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_m
 
 
 @pytest.mark.parametrize(
-    "thing", ["window", *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in ("told", "memory", "period"))]
+    "thing",
+    [
+        "window",
+        *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in ("told", "memory", "period")),
+    ],
 )
 def test_a_thing_may_have_any_name(thing):
     files = [ENCODINGS / "house.lp", ENCODINGS / "home.lp"]

@@ -124,7 +124,9 @@ def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, num
     assert sum(one.arguments[0].name == "deliver" for one in found) == number
 
 
-@pytest.mark.parametrize(("offices", "number"), [(4, 20), pytest.param(20, 8, marks=[pytest.mark.slow, pytest.mark.once])])
+@pytest.mark.parametrize(
+    ("offices", "number"), [(4, 20), pytest.param(20, 8, marks=[pytest.mark.slow, pytest.mark.once])]
+)
 def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, number):
     requests = errands(number, offices)
     fewest = nearest_first(ROW[: offices - 1], requests)

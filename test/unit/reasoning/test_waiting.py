@@ -10,7 +10,6 @@ from shipped import shipped
 
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
 
-
 MANY = min(1000, 5 * settings.default.max_examples // 2)  # goals in a long run
 
 

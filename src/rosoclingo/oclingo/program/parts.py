@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import Iterator, List, NamedTuple, Sequence, Tuple
 
 from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer, parse_string
 
@@ -38,9 +38,14 @@ class Part:
     window: str = ""
 
     @cached_property
-    def atoms(self) -> List[Tuple[AST, Occurrence]]:
-        """All atoms, each with its statement; to be asked for once the statements are complete."""
-        return [(statement, one) for statement in self.statements for one in occurrences(statement)]
+    def found(self) -> List[Tuple[AST, List[Occurrence]]]:
+        """Each statement with its atoms; to be asked for once the statements are complete."""
+        return [(statement, occurrences(statement)) for statement in self.statements]
+
+    @property
+    def atoms(self) -> Iterator[Tuple[AST, Occurrence]]:
+        """All atoms, each with its statement."""
+        return ((statement, one) for statement, found in self.found for one in found)
 
 
 def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:

@@ -221,12 +221,12 @@ class ReactiveProgram:
         self.optimizes = self.advises = False
         self.shows: Set[Signature] = set()
         for part in self.parts:
-            for statement in part.statements:
+            for statement, found in part.found:
                 self.optimizes |= statement.ast_type == ASTType.Minimize
                 self.advises |= statement.ast_type == ASTType.Heuristic
                 if statement.ast_type == ASTType.ShowSignature:
                     self.shows.add(Signature(statement.name, statement.arity, bool(statement.positive)))
-                self.dependencies.add(*rule_edges(statement))
+                self.dependencies.add(*rule_edges(statement, found))
             for statement, one in part.atoms:
                 self.signatures.add(one.signature)
                 if one.head:

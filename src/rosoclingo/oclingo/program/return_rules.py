@@ -18,7 +18,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.domains import names_in, nodes_of
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import occurrences, term_signature
+from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
 
 ASKS, ACTS = "__oclingo_asks", "__oclingo_acts"
@@ -50,12 +50,13 @@ def return_rules(parts: Sequence[Part], constants: Constants) -> Optional[Return
     texts: List[Tuple[str, List[str], str]] = []
     acting: Set[int] = set()
     for part in parts:
-        for statement in part.statements:
+        for statement, found in part.found:
             if _reaches_further(statement):
                 return None
-            if not _asks(statement):
+            returns = [one for one in found if one.signature == RETURN]
+            if not _asks(statement, returns):
                 continue
-            place = _place(statement, part.parameter, constants)
+            place = _place(statement, returns, part.parameter, constants)
             if place is None:
                 return None
             asking = _Asking.of(len(texts), statement, place)
@@ -86,22 +87,20 @@ def _reaches_further(statement: AST) -> bool:
     return theory or statement.ast_type == ASTType.Edge
 
 
-def _asks(statement: AST) -> bool:
+def _asks(statement: AST, returns: Sequence[Occurrence]) -> bool:
     """Whether a statement that bears on answers has returns, but to declare them."""
-    found = [one for one in occurrences(statement) if one.signature == RETURN]
-    declares = statement.ast_type == ASTType.External and all(one.head for one in found)
-    return bool(found) and not declares and statement.ast_type != ASTType.Heuristic
+    declares = statement.ast_type == ASTType.External and all(one.head for one in returns)
+    return bool(returns) and not declares and statement.ast_type != ASTType.Heuristic
 
 
-def _place(statement: AST, parameter: str, constants: Constants) -> Optional[int]:
+def _place(statement: AST, returns: Sequence[Occurrence], parameter: str, constants: Constants) -> Optional[int]:
     """Return which literal of a rule's body is its only atom with a return, None where that is not all there is."""
     places = [place for place, literal in enumerate(_body(statement)) if _is_atom(literal, RETURN)]
-    found = [one for one in occurrences(statement) if one.signature == RETURN]
-    if statement.ast_type != ASTType.Rule or not len(places) == len(found) == 1:
+    if statement.ast_type != ASTType.Rule or not len(places) == len(returns) == 1:
         return None
-    arguments = found[0].term.arguments
+    arguments = returns[0].term.arguments
     simple = all(_is_simple(one) or str(one) == "_" for one in arguments)
-    offset = _offset(found[0].term, parameter, constants)
+    offset = _offset(returns[0].term, parameter, constants)
     return places[0] if simple and offset is not None and offset <= 0 else None
 
 

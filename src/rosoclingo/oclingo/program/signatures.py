@@ -14,16 +14,12 @@ from rosoclingo.oclingo.progression.updates import Statement
 
 
 class Occurrence(NamedTuple):
-    """An atom in a statement: its term, whether it stands in a head, and whether it is a positive body atom."""
+    """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
 
     term: AST
+    signature: Signature
     head: bool
     positive: bool
-
-    @property
-    def signature(self) -> Signature:
-        """The predicate of the atom."""
-        return term_signature(self.term)
 
 
 def term_signature(term: AST) -> Signature:
@@ -59,7 +55,7 @@ def occurrences(statement: AST) -> List[Occurrence]:
 
 
 def _from_atom(atom: AST, head: bool, positive: bool, found: List[Occurrence]) -> None:
-    found.extend(Occurrence(term, head, positive) for term in atom_terms(atom.symbol))
+    found.extend(Occurrence(term, term_signature(term), head, positive) for term in atom_terms(atom.symbol))
 
 
 def _from_head(head: AST, found: List[Occurrence]) -> None:
@@ -184,9 +180,9 @@ class Dependencies:
         return False
 
 
-def rule_edges(statement: AST) -> Tuple[Set[Signature], Set[Signature]]:
-    """Return the head signatures and the positive body signatures of a statement."""
-    found = occurrences(statement) if statement.ast_type == ASTType.Rule else []
+def rule_edges(statement: AST, atoms: Iterable[Occurrence]) -> Tuple[Set[Signature], Set[Signature]]:
+    """Return the head signatures and the positive body signatures of a statement with these atoms."""
+    found = list(atoms) if statement.ast_type == ASTType.Rule else []
     heads = {one.signature for one in found if one.head}
     return heads, {one.signature for one in found if one.positive}
 

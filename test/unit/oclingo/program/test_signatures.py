@@ -53,8 +53,9 @@ def test_occurrences(text, atoms):
 
 
 def test_edges_go_from_positive_bodies_to_heads_of_rules():
-    assert rule_edges(statement("a ; b :- c, not d.")) == ({Signature("a", 0), Signature("b", 0)}, {Signature("c", 0)})
-    assert rule_edges(statement("#show a : b.")) == (set(), set())
+    rule, shown = statement("a ; b :- c, not d."), statement("#show a : b.")
+    assert rule_edges(rule, occurrences(rule)) == ({Signature("a", 0), Signature("b", 0)}, {Signature("c", 0)})
+    assert rule_edges(shown, occurrences(shown)) == (set(), set())
 
 
 def test_pools_are_alternatives():
