@@ -1,5 +1,6 @@
 """Statements sorted into program parts, and volatile ones bound to the window in which they hold."""
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Iterator, List, NamedTuple, Sequence, Tuple
@@ -91,6 +92,9 @@ def _guard_declaration(part: Part, header: AST) -> List[AST]:
     return [statement for statement in found if statement.ast_type == ASTType.External]
 
 
+_ANONYMOUS = re.compile(r"(?<!\w)_(?!\w)")
+
+
 class _Namer(Transformer):
     """Names the anonymous variables of positive literals.
 
@@ -114,7 +118,7 @@ class _Namer(Transformer):
 
 
 def _add(part: Part, statement: AST) -> None:
-    if part.name != "base":
+    if part.name != "base" and _ANONYMOUS.search(str(statement)):  # the text is quickly made, a visit is not
         statement = _Namer().visit(statement)
     if part.window and statement.ast_type in _GUARDED:
         guard = Literal(statement.location, Sign.NoSign, part.statements[0].atom)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import clingo
-from clingo.ast import AST, ASTSequence, Location, Position, parse_string
+from clingo.ast import AST, ASTSequence, ASTType, Location, Position, parse_string
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
@@ -114,13 +114,20 @@ def _named(fault: Fault, name: str) -> Fault:
     return Fault(name if fault.file == "<string>" else fault.file, fault.line, fault.column, message, fault.mend)
 
 
+#: What nodes of a kind have below them; clingo works it out anew for each node.
+_CHILD_KEYS: Dict[ASTType, List[str]] = {}
+
+
 def _relocate(node: AST, name: str) -> None:
     """Let ``node`` and all below it say that they stand in file ``name``."""
     location = getattr(node, "location", None)
     if location is not None:
         begin, end = location.begin, location.end
         node.location = Location(Position(name, begin.line, begin.column), Position(name, end.line, end.column))
-    for key in node.child_keys:
+    kind = node.ast_type
+    if kind not in _CHILD_KEYS:
+        _CHILD_KEYS[kind] = node.child_keys
+    for key in _CHILD_KEYS[kind]:
         child = getattr(node, key)
         for one in child if isinstance(child, ASTSequence) else [child]:
             if isinstance(one, AST):
