@@ -30,6 +30,13 @@ def wait_until(condition, what):
         pause = min(1.1 * pause, 0.05)
 
 
+def executable(name):
+    """The file of a script of this package, as rosrun finds it, which takes longer for that than a node to start."""
+    spaces = os.environ["CMAKE_PREFIX_PATH"].split(os.pathsep)
+    files = [os.path.join(space, "lib", "rosoclingo", name) for space in spaces]
+    return next(file for file in files if os.path.exists(file))
+
+
 def wait_to_hear(*subscribers, nodes=()):
     """Wait until all that is published on the topics of these subscribers comes to them; by these nodes, too.
 

@@ -21,7 +21,7 @@ from rosoclingo.reasoning import Outcome
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, SentGoal, Updates
-from interface_helpers import PATIENCE, wait_until
+from interface_helpers import PATIENCE, executable, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
 PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
@@ -228,7 +228,7 @@ class Core(unittest.TestCase):
 
     def test_request_from_the_command_line(self):
         self.hands.at_once = True
-        run = [["rosrun", "rosoclingo", "request", text] for text in (self.errand(), "do(", self.errand("never"))]
+        run = [[executable("request"), text] for text in (self.errand(), "do(", self.errand("never"))]
         codes = [subprocess.run(command, stdout=subprocess.DEVNULL, timeout=PATIENCE).returncode for command in run]
         self.assertEqual(codes, [0, 3, 4])
         nobody = subprocess.run(

@@ -18,7 +18,7 @@ from actionlib_msgs.msg import GoalStatus
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates
-from interface_helpers import Process, wait_until
+from interface_helpers import Process, executable, wait_until
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
 
@@ -41,7 +41,7 @@ def core(namespace, **parameters):
         file.write(ERRANDS.read_text() + ENDLESS)
         file.flush()
         values = [f"_{name}:={value}" for name, value in dict(parameters, program_files=f"[{file.name}]").items()]
-        command = ["rosrun", "rosoclingo", "core", "__name:=rosoclingo", f"__ns:={namespace}", *values]
+        command = [executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values]
         with Process(*command, "_action_timeout:=1") as process:
             yield process
 

@@ -15,7 +15,7 @@ from rosoclingo.msg import TaskPlan
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates
-from interface_helpers import Process, wait_until
+from interface_helpers import Process, executable, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
@@ -23,7 +23,7 @@ ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 def core(namespace, **parameters):
     """A core in a process of its own; its topics are /NAMESPACE/..."""
     values = [f"_{name}:={value}" for name, value in parameters.items()]
-    return Process("rosrun", "rosoclingo", "core", "__name:=rosoclingo", f"__ns:={namespace}", *values)
+    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values)
 
 
 class CoreStart(unittest.TestCase):
@@ -118,7 +118,7 @@ class CoreStart(unittest.TestCase):
     def test_request_is_cancelled_on_ctrl_c(self):
         with core("asked", program_files=f"[{ERRANDS}]", action_timeout=2.0):
             updates = Updates("asked/rosoclingo")
-            command = ["rosrun", "rosoclingo", "request", "do(walk,1)", "--server", "asked/rosoclingo", "--wait", "30"]
+            command = [executable("request"), "do(walk,1)", "--server", "asked/rosoclingo", "--wait", "30"]
             with Process(*command) as request:
                 wait_until(lambda: updates.texts, "the request")
                 request.signal(signal.SIGINT)

@@ -20,7 +20,7 @@ from std_msgs.msg import UInt32
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import PATIENCE, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, executable, wait_to_hear, wait_until
 
 DATA = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data")
 
@@ -104,7 +104,7 @@ class LateFacts(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".txt") as stream:
             stream.write("".join(updates))
             stream.flush()
-            command = ["rosrun", "rosoclingo", "oclingo", os.path.join(DATA, "battery.lp"), "--shortest", "--json"]
+            command = [executable("oclingo"), os.path.join(DATA, "battery.lp"), "--shortest", "--json"]
             run = subprocess.run(
                 [*command, "--stream", stream.name], stdout=subprocess.PIPE, text=True, timeout=PATIENCE, check=True
             )

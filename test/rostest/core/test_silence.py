@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Log
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import Process, Server, wait_to_hear, wait_until
+from interface_helpers import Process, Server, executable, wait_to_hear, wait_until
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 NEEDS_TF2 = unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "tf2_ros is not there for this Python")
@@ -46,9 +46,7 @@ class Silence(unittest.TestCase):
         self.assertEqual(self.report.level, DiagnosticStatus.WARN)
         wait_until(lambda: any(MISSING in line for line in self.lines), "the log")
         command = (
-            "rosrun",
-            "rosoclingo",
-            "interface",
+            executable("interface"),
             "__name:=hand",
             "_interfaces:={hold: {type: actionlib/TestAction}}",
         )
@@ -66,7 +64,7 @@ class Misspelt(unittest.TestCase):
     """Each node tells once at its start which of its private parameters it does not read."""
 
     def told(self, script, *values):
-        command = ("rosrun", "rosoclingo", script, f"__name:=misspelt_{script}", "_zzz:=1", *values)
+        command = (executable(script), f"__name:=misspelt_{script}", "_zzz:=1", *values)
         with Process(*command) as process:
             lines = process.lines_until("parameters that it does not read")
         self.assertEqual(len([line for line in lines if "that it does not read" in line]), 1)
@@ -77,7 +75,7 @@ class Misspelt(unittest.TestCase):
         self.assertIn("~horizon_limt (is ~horizon_limit meant?), ~zzz", line)
 
     def test_an_interface_node_that_was_given_nothing(self):
-        with Process("rosrun", "rosoclingo", "interface", "__name:=given_nothing") as process:
+        with Process(executable("interface"), "__name:=given_nothing") as process:
             lines = process.lines_until("move_base asks for labels, but ~labels is empty: each of its actions will")
         self.assertIn("~interfaces is not set: the entries are those of ", "".join(lines))
 

@@ -36,7 +36,7 @@ from rosoclingo.interfaces.hosting import InterfacesNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, CoreSide, Process, Server, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, CoreSide, Process, Server, executable, wait_to_hear, wait_until
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -354,13 +354,13 @@ class InterfaceNode(unittest.TestCase):
         self.assertEqual(len(faults), len(beginnings), faults)
 
     def test_a_node_without_entries_does_not_start(self):
-        with Process("rosrun", "rosoclingo", "interface", "__name:=empty", "_interfaces:={}") as node:
+        with Process(executable("interface"), "__name:=empty", "_interfaces:={}") as node:
             code, error = node.wait()
         self.assertEqual(code, 1)
         self.assertIn("~interfaces: has no entries; write one for each action", error)
 
     def test_the_exit_code_tells(self):
-        with Process("rosrun", "rosoclingo", "interface", "__name:=broken", "_names:=[leg]") as node:
+        with Process(executable("interface"), "__name:=broken", "_names:=[leg]") as node:
             code, error = node.wait()
         self.assertEqual(code, 1)
         self.assertIn("no entry leg", error)
@@ -369,9 +369,7 @@ class InterfaceNode(unittest.TestCase):
         core = CoreSide()
         server = Server("elsewhere", TestAction)
         entry = "_interfaces:={arm: {type: actionlib/TestAction, goal: {goal: $parameter}}}"
-        with Process(
-            "rosrun", "rosoclingo", "interface", "__name:=mortal_interface", entry, "_server:=elsewhere"
-        ) as node:
+        with Process(executable("interface"), "__name:=mortal_interface", entry, "_server:=elsewhere") as node:
             core.wait_for("mortal_interface")
             core.send("arm", "_action_lib(arm,3,1)")
             server.accept()

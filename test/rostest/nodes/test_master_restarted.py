@@ -18,7 +18,7 @@ from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, wait_until
+from interface_helpers import PATIENCE, Process, executable, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 ERRANDS = ROOT / "test" / "data" / "errands.lp"
@@ -49,7 +49,7 @@ class MasterRestarted(unittest.TestCase):
             return api(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
 
     def run_node(self, script, *arguments):
-        self.stack.enter_context(Process("rosrun", "rosoclingo", script, *arguments))
+        self.stack.enter_context(Process(executable(script), *arguments))
 
     def known(self, *entries):
         """Whether the master lists each of these (0 publisher, 1 subscriber, 2 service; topic or service; node)."""
@@ -62,7 +62,7 @@ class MasterRestarted(unittest.TestCase):
         self.start_master()
 
     def request(self, goal):
-        command = ("rosrun", "rosoclingo", "request", goal)
+        command = (executable("request"), goal)
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
         self.stack.callback(process.communicate)
         self.stack.callback(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))

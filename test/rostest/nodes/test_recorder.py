@@ -23,7 +23,7 @@ from rosoclingo.nodes.recording.recorder import is_recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, full_disk, process_of, wait_for_diagnosis, wait_until
+from interface_helpers import PATIENCE, Process, executable, full_disk, process_of, wait_for_diagnosis, wait_until
 
 HERE = Path(__file__).resolve().parent
 NOTES = "/record/notes"
@@ -31,7 +31,7 @@ WORDS = 5000
 
 
 def recorder(bag, topics="[last_words]"):
-    return Process("rosrun", "rosoclingo", "record", f"_bag:={bag}", f"_topics:={topics}")
+    return Process(executable("record"), f"_bag:={bag}", f"_topics:={topics}")
 
 
 def speaker(words=WORDS):
@@ -154,7 +154,7 @@ class Recorder(unittest.TestCase):
             (("_topics:=[]",), "~topics: must be a list of topics, not []"),
             (("_topics:=[a]", "_bag:=/proc/no/run.bag"), "the bag /proc/no/run.bag cannot be written"),
         ):
-            with Process("rosrun", "rosoclingo", "record", *[one.replace("~", "_") for one in arguments]) as process:
+            with Process(executable("record"), *[one.replace("~", "_") for one in arguments]) as process:
                 code, error = process.wait()
             self.assertEqual(code, 1, error)
             self.assertIn(text, error)
@@ -177,7 +177,7 @@ class Recorder(unittest.TestCase):
         bag = ("record:=true", f"bag:={self.bag}")
         launch = self.start("roslaunch", "rosoclingo", "mailbot.launch", *nothing, *bag, stdout=subprocess.DEVNULL)
         wait_until(lambda: is_recording(["/rosoclingo/result", "/out_rosoclingo"]), "the recorder")
-        client = self.start(*("rosrun", "rosoclingo", "request", "goal(office3,office2,1)"), stdout=subprocess.PIPE)
+        client = self.start(executable("request"), "goal(office3,office2,1)", stdout=subprocess.PIPE)
         self.assertIn("active", client.stdout.readline())
         self.end(launch)
         told = client.communicate(timeout=PATIENCE)[0].splitlines()[-1]

@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 
 from carrying_stage import Stage
 from carrying_world import HOUSE, OFFICE
-from interface_helpers import Process, wait_until
+from interface_helpers import Process, executable, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
 GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "10"))
@@ -42,7 +42,7 @@ LIMIT = 1500  # seconds of wall time for a command, on the slowest machine
 def command(*words):
     """Run one of the package's commands without a master; its exit code and what it wrote."""
     environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1"}
-    words = ("rosrun", "rosoclingo", *map(str, words))
+    words = (executable(words[0]), *map(str, words[1:]))
     done = subprocess.run(words, env=environment, text=True, timeout=LIMIT, capture_output=True, check=False)
     return done.returncode, done.stdout, done.stderr
 
@@ -52,7 +52,7 @@ class ReplayBag(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.bag = Path(cls.folder.name, "run.bag")
-        with Process("rosrun", "rosoclingo", "record", f"_bag:={cls.bag}", f"_topics:=[{', '.join(TOPICS)}]") as record:
+        with Process(executable("record"), f"_bag:={cls.bag}", f"_topics:=[{', '.join(TOPICS)}]") as record:
             wait_until(lambda: is_recording(TOPICS), "the recorder to be connected")
             stages = [Stage(name, world, SEED, GOALS) for name, world in WORLDS.items()]
             threads = [threading.Thread(target=stage.run) for stage in stages]

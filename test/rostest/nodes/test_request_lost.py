@@ -20,23 +20,21 @@ from rosoclingo.nodes.server_watch import SILENCE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Hands
-from interface_helpers import PATIENCE, Process, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, Process, executable, wait_to_hear, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
 
 def core(namespace):
     """A core in a process of its own; its topics are /NAMESPACE/..."""
-    return Process(
-        "rosrun", "rosoclingo", "core", "__name:=rosoclingo", f"__ns:={namespace}", f"_program_files:=[{ERRANDS}]"
-    )
+    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", f"_program_files:=[{ERRANDS}]")
 
 
 class Request:
     """`rosrun rosoclingo request`, ended with the test."""
 
     def __init__(self, server, wait, **environment):
-        command = ["rosrun", "rosoclingo", "request", "do(walk,1)", "--server", server, "--wait", str(wait)]
+        command = [executable("request"), "do(walk,1)", "--server", server, "--wait", str(wait)]
         self._process = subprocess.Popen(
             command, stdout=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ, **environment)
         )

@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process
+from interface_helpers import PATIENCE, Process, executable
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = str(ROOT / "worlds" / "office.yaml")
@@ -190,7 +190,7 @@ class WrongParameters(unittest.TestCase):
         }
         with contextlib.ExitStack() as stack:
             processes = {
-                node: stack.enter_context(Process("rosrun", "rosoclingo", node, f"__name:=wrong_{node}", *arguments))
+                node: stack.enter_context(Process(executable(node), f"__name:=wrong_{node}", *arguments))
                 for node, (arguments, _) in wrong.items()
             }
             for node, process in processes.items():
@@ -220,7 +220,7 @@ class SimulatorParameters(unittest.TestCase):
             self.write(folder)
             values = ("_paused:=true", "_use_model_names:=true", "_base_watchdog_timeout:=1.0", "_speed:=0")
             files = (f"_world:={folder}/world.yaml", f"_map:={folder}/large.yaml")
-            with Process("rosrun", "rosoclingo", "simulator", "__name:=other", *values, *files):
+            with Process(executable("simulator"), "__name:=other", *values, *files):
                 rospy.wait_for_service("other/step", timeout=PATIENCE)
                 self.check()
                 self.check_lasers()

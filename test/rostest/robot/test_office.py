@@ -28,7 +28,7 @@ from rosoclingo.robot.nodes.office import OfficeNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import Process, wait_for_server, wait_until
+from interface_helpers import Process, executable, wait_for_server, wait_until
 
 
 class Robot:
@@ -177,14 +177,14 @@ class Office(unittest.TestCase):
                 rospy.delete_param("~" + name)
 
     def test_the_exit_code_tells(self):
-        with Process("rosrun", "rosoclingo", "office", "__ns:=broken") as node:
+        with Process(executable("office"), "__ns:=broken") as node:
             code, error = node.wait()
         self.assertEqual(code, 1)
         self.assertIn("/broken/office: ~labels: is missing", error)
 
     def test_packages_that_appear_and_capacity(self):
         parameters = ["_labels:={b: [0, 0]}", "_appear:=true", "_capacity:=1", "_duration:=0"]
-        with Process("rosrun", "rosoclingo", "office", "__ns:=other", *parameters):
+        with Process(executable("office"), "__ns:=other", *parameters):
             client = ActionClient("other/pickup", PickupAction)
             wait_for_server(client)
             pick = lambda package: self.end(client.send_goal(PickupGoal(package=package)))[1].outcome  # noqa: E731

@@ -17,7 +17,7 @@ from rosoclingo.msg import PackageStates, PickupAction, PickupGoal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, kill, wait_for_server
+from interface_helpers import PATIENCE, executable, kill, wait_for_server
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -77,7 +77,7 @@ class Killed(unittest.TestCase):
         self.driver.wait(lambda: self.driver.speed[0] > 0.3)
 
     def request(self, goal):
-        process = subprocess.Popen(["rosrun", "rosoclingo", "request", goal], start_new_session=True)
+        process = subprocess.Popen([executable("request"), goal], start_new_session=True)
         self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
         return process
 
