@@ -83,6 +83,7 @@ def recording_and_flying():
     """Whether the recorder is connected, as the last of all nodes; from then on time flies."""
     if not is_recording(RECORDED):
         return False
+    rospy.wait_for_service("simulator/set_speed", PATIENCE)
     return rospy.ServiceProxy("simulator/set_speed", SetSpeed)(SPEED).success
 
 
