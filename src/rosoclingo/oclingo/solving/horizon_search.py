@@ -8,7 +8,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.solving.grounding import Grounding, Search
 from rosoclingo.oclingo.solving.transaction import Transaction
 
-PIECE = 32
+PIECE = 64
 """Steps that are grounded between two looks at the stop request."""
 
 

@@ -3,7 +3,8 @@
 The shortest plan is found by refuting every shorter horizon, which may take for ever. A plan of some horizon is found
 soon: with more steps than are needed it is easy, the more so where ``#heuristic`` says what to do next. So the horizon
 grows by a quarter as long as a few conflicts do not tell (as in Rintanen's algorithms for planning as satisfiability,
-2006), and what is found bounds the horizons to look at from above, as what is refuted does from below.
+2006), by a half where it is refuted, and what is found bounds the horizons to look at from above, as what is refuted does
+from below.
 """
 
 import time
@@ -129,7 +130,7 @@ class PlanSearch(HorizonSearch):
             if self.permanent or not more:
                 return found
             conflicts *= 1 if found.satisfiable is False or transaction.program.advises else 2
-            for _ in self._grow(transaction):
+            for _ in self._grow(transaction, refuted=found.satisfiable is False):
                 if self._caller_halts():
                     return Search(None)
 
@@ -142,11 +143,11 @@ class PlanSearch(HorizonSearch):
                 return found
         return self._look(transaction, self._least, last, conflicts)
 
-    def _grow(self, transaction: Transaction) -> Iterator[None]:
-        """Ground a quarter more of the steps to come, piece by piece."""
+    def _grow(self, transaction: Transaction, refuted: bool) -> Iterator[None]:
+        """Ground a quarter more of the steps to come, half as many more where all are ``refuted``, piece by piece."""
         state = transaction.state
-        quarter = (state.horizon - state.step) // 4
-        last = transaction.last_horizon(state.horizon + (max(self._block, quarter) if self._block > 1 else 1))
+        more = (state.horizon - state.step) // (2 if refuted else 4)
+        last = transaction.last_horizon(state.horizon + (max(self._block, more) if self._block > 1 else 1))
         while state.horizon < last:
             yield
             transaction.grow_to(min(last, state.horizon + PIECE))

@@ -1,0 +1,79 @@
+"""The bound of delivery on how long a plan takes at least: it changes no answer, and rules out what is hopeless."""
+
+import clingo
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mailbot_world import ENCODINGS, fewest_steps, neighbours
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+
+EXAMPLES = settings(max_examples=max(1, settings.default.max_examples // 6))
+
+
+def mailbot(corridors, capacity, bounded=True, **constants):
+    """The mailbot on a floor, the robot in office 1; with the bound or without."""
+    offices = {number for pair in corridors for number in pair}
+    facts = [f"office(o{number})." for number in offices] + [f"corridor(o{a},o{b})." for a, b in corridors]
+    sources = [Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", "#program base. start(o1). " + " ".join(facts))]
+    program = ReactiveProgram(sources, {"capacity": str(capacity), **constants})
+    for part in program.parts:
+        part.statements = [one for one in part.statements if bounded or not is_of_bound(one)]
+    return program
+
+
+def is_of_bound(statement):
+    return statement.location.begin.filename.endswith("search.lp")
+
+
+def solve(program, requests, horizon, conflicts="umax", models=0):
+    """Search for plans that end at the horizon, with so many conflicts at most; return the result and the plans."""
+    control = clingo.Control(program.arguments(), logger=lambda code, text: None)
+    program.load_into(control)
+    told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
+    control.add("told", [], " ".join(told))
+    control.ground([("base", []), ("told", [])])
+    steps = [clingo.Number(step) for step in range(1, horizon + 1)]
+    control.ground([(part, [step]) for step in steps for part in ("cumulative", "volatile")])
+    control.assign_external(clingo.parse_term(f"__oclingo_volatile(1,{horizon})"), True)
+    control.configuration.solve.models = str(models)
+    control.configuration.solve.solve_limit = f"{conflicts},umax"
+    plans = set()
+    result = control.solve(on_model=lambda model: plans.add(frozenset(map(str, model.symbols(shown=True)))))
+    return result, plans
+
+
+@pytest.mark.slow
+@EXAMPLES
+@given(st.data())
+def test_it_changes_no_answer(data):
+    """All the shortest plans of small floors, with it and without it, looking back at as little as is drawn."""
+    count = data.draw(st.integers(2, 3))
+    corridors = {(data.draw(st.integers(1, number - 1)), number) for number in range(2, count + 1)}
+    corridors |= {(1, count)} if count > 2 and data.draw(st.booleans()) else set()
+    office = st.integers(1, count)
+    number, capacity = data.draw(st.sampled_from([(1, 1), (2, 1), (3, 1), (3, 2)]))
+    requests = data.draw(st.lists(st.tuples(office, office), min_size=number, max_size=number))
+    packages = tuple(("waits", f"o{a}", f"o{b}") for a, b in requests)
+    fewest = fewest_steps(neighbours([(f"o{a}", f"o{b}") for a, b in corridors]), capacity, "o1", packages)
+    window = str(data.draw(st.sampled_from([1, 3, 60])))
+    ours, plans = solve(mailbot(corridors, capacity, _window=window), requests, fewest)
+    assert ours.satisfiable
+    assert plans == solve(mailbot(corridors, capacity, bounded=False), requests, fewest)[1]
+
+
+@pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (8, 3), (60, 1)])
+def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopeless):
+    """Seven packages, three at a time, over one corridor: three times there and twice back, and thrice for the way back."""
+    there, back = [(1, 2)] * 7, [(2, 1)] * 7
+    program = mailbot([(1, 2)], 3, _window=str(window))
+    for requests, fewest in ((there, 14 + 5), (back, 14 + 6), (there + back, 28 + 6)):
+        assert solve(program, requests, fewest - hopeless, conflicts=1)[0].unsatisfiable
+        assert solve(program, requests, fewest, models=1)[0].satisfiable
+
+
+def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
+    """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
+    program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
+    assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
