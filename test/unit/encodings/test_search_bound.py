@@ -16,7 +16,8 @@ def mailbot(corridors, capacity, bounded=True, **constants):
     """The mailbot on a floor, the robot in office 1; with the bound or without."""
     offices = {number for pair in corridors for number in pair}
     facts = [f"office(o{number})." for number in offices] + [f"corridor(o{a},o{b})." for a, b in corridors]
-    sources = [Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", "#program base. start(o1). " + " ".join(facts))]
+    floor = Source("floor", "#program base. start(o1). " + " ".join(facts))
+    sources = [Source.from_file(ENCODINGS / "mailbot.lp"), floor]
     program = ReactiveProgram(sources, {"capacity": str(capacity), **constants})
     for part in program.parts:
         part.statements = [one for one in part.statements if bounded or not is_of_bound(one)]
@@ -65,7 +66,7 @@ def test_it_changes_no_answer(data):
 
 @pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (8, 3), (60, 1)])
 def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopeless):
-    """Seven packages, three at a time, over one corridor: three times there and twice back, and thrice for the way back."""
+    """Seven packages, three at a time, over one corridor: there in three loads, or back."""
     there, back = [(1, 2)] * 7, [(2, 1)] * 7
     program = mailbot([(1, 2)], 3, _window=str(window))
     for requests, fewest in ((there, 14 + 5), (back, 14 + 6), (there + back, 28 + 6)):

@@ -99,8 +99,9 @@ class CycleIndex(AtomIndex):
     def cycles(self) -> Collection[int]:
         """Return the cycles whose atoms, or some of them, have not been popped."""
         for atom, literal in self.fresh():
-            if atom.arguments[-1].type is clingo.SymbolType.Number:
-                self._cycles.setdefault(atom.arguments[-1].number, []).append((atom, literal))
+            cycle = atom.arguments[-1]
+            if cycle.type is clingo.SymbolType.Number:
+                self._cycles.setdefault(cycle.number, []).append((atom, literal))
         return self._cycles.keys()
 
     def pop_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:

@@ -8,9 +8,6 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.solving.grounding import Grounding, Search
 from rosoclingo.oclingo.solving.transaction import Transaction
 
-PIECE = 64
-"""Steps that are grounded between two looks at the stop request."""
-
 
 class HorizonSearch:
     """One update's search.

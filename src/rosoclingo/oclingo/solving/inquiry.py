@@ -10,9 +10,12 @@ from typing import Callable, FrozenSet, Iterator, NamedTuple, Optional, Set
 import clingo
 
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.solving.horizon_search import PIECE, first_horizon
+from rosoclingo.oclingo.solving.horizon_search import first_horizon
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
 from rosoclingo.oclingo.solving.transaction import Transaction
+
+PIECE = 32
+"""Steps that are grounded between two looks at the stop request, and at least before the next question."""
 
 
 class Verdict(NamedTuple):

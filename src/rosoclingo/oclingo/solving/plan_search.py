@@ -3,8 +3,8 @@
 The shortest plan is found by refuting every shorter horizon, which may take for ever. A plan of some horizon is found
 soon: with more steps than are needed it is easy, the more so where ``#heuristic`` says what to do next. So the horizon
 grows by a quarter as long as a few conflicts do not tell (as in Rintanen's algorithms for planning as satisfiability,
-2006), by a half where it is refuted, and what is found bounds the horizons to look at from above, as what is refuted does
-from below.
+2006), by a half where it is refuted, and what is found bounds the horizons to look at from above, as what is refuted
+does from below.
 """
 
 import time
@@ -13,7 +13,7 @@ from typing import Callable, Iterator, List, Optional, Tuple
 import clingo
 
 from rosoclingo.oclingo.solving.grounding import Search
-from rosoclingo.oclingo.solving.horizon_search import PIECE, HorizonSearch, first_horizon
+from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
 
@@ -21,6 +21,9 @@ Clock = Callable[[], float]
 """Seconds of processor time that this process has used: a loaded machine leaves the plans as they are."""
 
 CLOCK: Clock = time.process_time
+
+PIECE = 64
+"""Steps that are grounded between two looks at the stop request."""
 
 CONFLICTS = 100
 """Conflicts that a question may take, at first.
