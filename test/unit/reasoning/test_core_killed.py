@@ -29,14 +29,15 @@ class KilledError(BaseException):
 class Fate:
     """Says at which instants the core is killed: after so many more of them, in the midst of a line if in one.
 
-    ``kills`` are pairs: how many instants later, and how many thousandths of a line are written by then. Of all
-    ``instants`` those in ``writes`` are in the midst of a line.
+    ``kills`` are triples: how many instants later, how many thousandths of a line are written by then, and whether a
+    goal is cancelled before the next core does anything. Of all ``instants`` those in ``writes`` are in the midst of a
+    line.
     """
 
     def __init__(self, kills=()):
         self._kills, self.instants, self.writes = list(kills), 0, set()
         self._left = self._kills[0][0] if self._kills else 0
-        self.file = None
+        self.file, self.upset = None, False
 
     @contextlib.contextmanager
     def rules(self):
@@ -67,6 +68,7 @@ class Fate:
 
     def let_go(self):
         """What the system does after a kill: the file is closed."""
+        self.upset = self._kills[0][2]
         self._kills = self._kills[1:]
         self._left = self._kills[0][0] if self._kills else 0
         if self.file is not None:
@@ -99,7 +101,8 @@ class World:
     def command(self, action):
         """An action is to be done, if it is not known yet."""
         assert not self.done[str(action.parameter)] or action in self.answers, f"{action} is done already"
-        self.answers.setdefault(action, None)
+        if self.answers.setdefault(action, None) is None and str(action.interface) == "quick":
+            self.do(action, True)  # it is done as soon as it is heard of
 
     def do(self, action, good):
         """An action ends well or not; one that has ended stays as it is. Returns its answer."""
@@ -146,7 +149,6 @@ class Node:
                 self.core.add_goal(key, client.text)
             if client.ending is None and client.cancelled:
                 self.core.cancel_goal(key)
-        self.run()
 
     def _tell(self, event):
         self._fate.pass_instant()
@@ -193,6 +195,8 @@ class Play:
             try:
                 self._folder = JournalFolder(self._path)
                 self._node = Node(self._folder, self.world, self._fate, self._preempt)
+                if self._fate.upset:
+                    self._cancel_one()
                 for key, kind in self.world.goals.items():
                     if key not in self.world.ends and key not in self._node.keeper.clients:
                         self._node.goal(key, text_of(key, kind))
@@ -204,6 +208,11 @@ class Play:
                 self._kill()
             else:
                 return
+
+    def _cancel_one(self):
+        live = [key for key in self.world.goals if self._node.core.goal(key) is not None]
+        if live:
+            self.cancel(live[0])
 
     def _kill(self):
         self.kills += 1
@@ -292,7 +301,7 @@ def test_killed_at_every_instant():
     assert fate.writes
     for instant in range(1, fate.instants + 1):
         for cut in (0, 500, 1000) if instant in fate.writes else (0,):
-            play, _ = played(SCRIPT, [(instant, cut)])
+            play, _ = played(SCRIPT, [(instant, cut, cut < 1000)])
             assert play.kills == 1
 
 
@@ -305,7 +314,7 @@ HAPPENED = st.one_of(
     st.tuples(st.just("answer"), KEYS, st.booleans()),
     st.tuples(st.just("fact"), st.sampled_from(["_seen(ball)", "_seen(cup)", "_unheard(1)"])),
 )
-KILLS = st.lists(st.tuples(st.integers(1, 40), st.integers(0, 1000)), min_size=1, max_size=8)
+KILLS = st.lists(st.tuples(st.integers(1, 40), st.integers(0, 1000), st.booleans()), min_size=1, max_size=8)
 
 
 @pytest.mark.slow
