@@ -100,6 +100,22 @@ def test_the_mailbot_in_another_world():
     assert parameters(config, "/amcl/")["initial_pose_x"] == 3.0
 
 
+@pytest.mark.parametrize("file", ["mailbot.launch", "house.launch"])
+@pytest.mark.parametrize("again", [True, False])
+def test_the_core_goes_on_or_everything_ends_with_it(file, again):
+    config = load(file, **({"core_respawn": "true"} if again else {}))
+    core = node(config, "rosoclingo")
+    assert (core.respawn, core.required) == (again, not again)
+    found = parameters(config, "/rosoclingo/")
+    assert (found["journal"], found["resume"]) == ("auto" if again else "none", "ask")
+    assert node(config, "pickup_interface").respawn
+
+
+def test_a_journal_of_ones_own():
+    found = parameters(load("mailbot.launch", journal="/tmp/kept", resume="yes"), "/rosoclingo/")
+    assert (found["journal"], found["resume"]) == ("/tmp/kept", "yes")
+
+
 @pytest.mark.parametrize(
     ("file", "argument"),
     [

@@ -34,6 +34,10 @@ class JournalError(Exception):
     """A journal that cannot be used; the text says what is wrong with it and what to do."""
 
 
+class TakenError(JournalError):
+    """Another core has the journal."""
+
+
 class Header(NamedTuple):
     """What a journal is of: the ``run`` of a core, the ``program`` (a hash) and the ``launch`` that has started it."""
 
@@ -149,7 +153,7 @@ class JournalFolder:
     """
 
     def __init__(self, folder: Path) -> None:
-        """Take the folder, made where there is none; raises JournalError where another core has it, and OSError."""
+        """Take the folder, made where there is none; raises TakenError where another core has it, and OSError."""
         self.path = folder / "journal.jsonl"
         folder.mkdir(parents=True, exist_ok=True)
         self._lock: Optional[int] = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
@@ -161,7 +165,7 @@ class JournalFolder:
             self.close()
             if error.errno not in (errno.EACCES, errno.EAGAIN):
                 raise
-            raise JournalError(
+            raise TakenError(
                 f"another core has the journal in {folder}: end it, or give this one another folder by ~journal"
             ) from None
 

@@ -77,9 +77,9 @@ class CoreNode:
             goals to give up, and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit.
             The check under way still ends.
         ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
-        ~journal (str, default ""): the folder in which the core writes down all that it needs to go on after it was
+        ~journal (str, default none): the folder in which the core writes down all that it needs to go on after it was
             killed; ``auto`` for one below ``rosoclingo`` in ROS_HOME that is named after the node, its master and the
-            program; empty for none.
+            program; ``none`` for none.
         ~resume (str, default ask): whether to go on with what is in the journal. ``ask``: where the roslaunch that has
             started the core of the journal starts this one again; else it begins anew, the journal is set aside, and
             open goals in it are told. ``yes``: always, and it does not start where it can't. ``no``: never.

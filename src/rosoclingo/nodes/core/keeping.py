@@ -12,29 +12,44 @@ import rosgraph
 import rospkg
 import rospy
 
-from rosoclingo.nodes.core.loading import CoreParameters
+from rosoclingo.nodes.core.loading import AUTO, NONE, CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.journal import Header
+from rosoclingo.reasoning.journal import Header, TakenError
 from rosoclingo.reasoning.resuming import Found, open_journal
+
+
+#: Seconds of wall time for another core to leave the journal.
+TAKEN = 10.0
 
 
 def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> Found:
     """Take the journal of the parameters, and say what was found; raises JournalError."""
     header = Header(_new_run(), program.fingerprint, _launch())
-    found = open_journal(_folder(parameters.journal, header.program), parameters.resume, header)
+    found = take_journal(_folder(parameters.journal, header.program), parameters.resume, header)
     for remark in found.remarks:
         (rospy.logwarn if found.odd else rospy.loginfo)("%s: %s", rospy.get_name(), remark)
     return found
 
 
-#: In place of a folder: the usual one.
-AUTO = "auto"
+def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: float = TAKEN) -> Found:
+    """As :func:`open_journal`, but where another core has the journal wait for its end.
+
+    Of two nodes of the same name ROS ends the older one, which has it until then.
+    """
+    end = time.monotonic() + patience
+    while True:
+        try:
+            return open_journal(folder, resume, fresh)
+        except TakenError:
+            if time.monotonic() >= end or rospy.is_shutdown():
+                raise
+            time.sleep(0.1)
 
 
 def _folder(given: str, program: str) -> Optional[Path]:
     """The folder as given, or the usual one: of a core's name, its master and its program; None for none."""
     if given != AUTO:
-        return Path(given).expanduser() if given else None
+        return None if given in ("", NONE) else Path(given).expanduser()
     words = f"{rospy.get_name()}-{rosgraph.get_master_uri().partition('://')[2]}-{program[:8]}"
     return Path(rospkg.get_ros_home()) / "rosoclingo" / re.sub(r"[^\w.-]+", "_", words.strip("/"))
 

@@ -16,13 +16,16 @@ from rosoclingo.reasoning.resuming import RESUMES
 #: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
 PLANS = ("soon", "shortest")
 
+#: In place of a journal's folder: the usual one, and none; empty is none, too.
+AUTO, NONE = "auto", "none"
+
 
 @dataclass(frozen=True)
 class CoreParameters:
     """The parameters of the core node.
 
     ``places`` are the poses of labels in the map (x, y, yaw; m, rad), where they are given. ``recovery_timeout`` and
-    ``plan_time`` are in seconds of processor time. ``journal`` is empty for none.
+    ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or NONE.
     """
 
     program_files: Tuple[str, ...]
@@ -32,7 +35,7 @@ class CoreParameters:
     recovery_timeout: float = 5.0
     plan: str = PLANS[0]
     plan_time: float = 1.0
-    journal: str = ""
+    journal: str = NONE
     resume: str = RESUMES[0]
     places: Mapping[str, List[float]] = field(default_factory=dict)
 
@@ -69,7 +72,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         recovery_timeout=given.at("recovery_timeout").number(CoreParameters.recovery_timeout, low=0.0, wanted=limit),
         plan=given.at("plan").choice(PLANS, CoreParameters.plan),
         plan_time=given.at("plan_time").number(CoreParameters.plan_time, low=0.0, wanted="seconds"),
-        journal=given.at("journal").text(CoreParameters.journal, wanted="a folder, auto, or empty for none"),
+        journal=given.at("journal").text(CoreParameters.journal, empty=True, wanted="a folder, auto or none"),
         resume=_resume(given.at("resume")),
     )
     given.check()

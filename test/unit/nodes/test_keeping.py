@@ -1,0 +1,29 @@
+"""A core's node takes its journal."""
+
+import pytest
+
+from rosoclingo.nodes.core import keeping
+from rosoclingo.reasoning.journal import Header, JournalFolder, TakenError
+
+FRESH = Header("second", "program")
+
+
+def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
+    before, waits = JournalFolder(tmp_path), []
+
+    def wait(seconds):
+        waits.append(seconds)
+        if len(waits) == 3:
+            before.close()
+
+    monkeypatch.setattr(keeping.time, "sleep", wait)
+    found = keeping.take_journal(tmp_path, "ask", FRESH, patience=600.0)
+    found.journal.close()
+    assert (found.run, len(waits)) == ("second", 3)
+
+
+def test_it_does_not_wait_for_ever(tmp_path):
+    before = JournalFolder(tmp_path)
+    with pytest.raises(TakenError, match="another core has the journal"):
+        keeping.take_journal(tmp_path, "ask", FRESH, patience=0.0)
+    before.close()
