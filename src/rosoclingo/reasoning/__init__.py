@@ -14,6 +14,7 @@ from rosoclingo.reasoning.events import (
     PlanMade,
     Problem,
     ReturnTaken,
+    StateChanged,
     UpdateSent,
 )
 from rosoclingo.reasoning.goals import (
@@ -56,6 +57,7 @@ __all__ = [
     "Problem",
     "Return",
     "ReturnTaken",
+    "StateChanged",
     "TaskPlan",
     "TransitionError",
     "UpdateSent",

@@ -16,6 +16,7 @@ from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
+from rosoclingo.reasoning.present import Present
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
 from rosoclingo.reasoning.refusals import refusals
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
@@ -52,7 +53,7 @@ class Core:
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
     ) -> None:
-        self._tell, self._announce = observer, Announcer(observer, lambda: self.cycle)
+        self._tell, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
         self._problem = self._announce.problem
         self._settings = settings
         self._planner = Planner(make_solver, settings.horizon_limit, watch)

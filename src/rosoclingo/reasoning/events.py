@@ -1,13 +1,14 @@
 """What the core tells its observers: one frozen value per thing that happened, in the order it happened."""
 
 from dataclasses import dataclass
-from typing import Callable, Iterable, Optional, Tuple
+from typing import Callable, FrozenSet, Iterable, Optional, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveResult, StreamUpdate
 from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.present import Present
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,16 @@ class PlanMade(Event):
     actions: Tuple[Action, ...]
     ground: float = 0.0
     solve: float = 0.0
+
+
+@dataclass(frozen=True)
+class StateChanged(Event):
+    """What the latest answer shows of the present is another since this cycle.
+
+    ``atoms`` hold now: those without a time, and those of the cycle, in which the constant ``now`` stands for it.
+    """
+
+    atoms: FrozenSet[Symbol]
 
 
 @dataclass(frozen=True)
@@ -129,13 +140,16 @@ Observer = Callable[[Event], None]
 class Announcer:
     """Makes the events of a core's cycles, for an ``observer``. ``cycle`` gives the logical time point.
 
+    ``present`` reads what holds now out of answers.
+
     Attributes:
         told: the cycle whose update was told last.
 
     """
 
-    def __init__(self, observer: Observer, cycle: Callable[[], int]) -> None:
-        self._tell, self._cycle = observer, cycle
+    def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
+        self._tell, self._cycle, self._present = observer, cycle, present
+        self._state: Optional[FrozenSet[Symbol]] = None
         self.told = 0
 
     def update(self, step: int, update: StreamUpdate) -> None:
@@ -151,8 +165,12 @@ class Announcer:
 
     def plan(self, result: SolveResult, shown: Tuple[Action, ...]) -> None:
         """Tell what a search has given."""
-        seconds = result.statistics
-        self._tell(PlanMade(self._cycle(), result.horizon, shown, seconds["ground"], seconds["solve"]))
+        cycle, seconds = self._cycle(), result.statistics
+        self._tell(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
+        state = self._present.of(result.answers[0], cycle) if result.answers else self._state
+        if state is not None and state != self._state:
+            self._state = state
+            self._tell(StateChanged(cycle, state))
 
     def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
         """Tell how each of the goals stands."""

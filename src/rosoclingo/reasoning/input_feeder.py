@@ -8,15 +8,12 @@ from rosoclingo.oclingo import Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Item, Over, Withdraw
 from rosoclingo.oclingo.solving.state_text import symbols_from_text, symbols_to_text
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.keywords import Action, cancellation, request
+from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
 
 #: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
 PAUSE = 10.0
-
-#: In place of the cycle: as soon as can be.
-NOW = Function("now")
 
 
 class Batch(NamedTuple):

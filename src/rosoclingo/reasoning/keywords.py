@@ -26,6 +26,9 @@ RESERVED = frozenset(
     {(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (REFUSE, 3), (CANCEL_ACTION, 3)}
 )
 
+#: What stands for the present cycle in facts and in what is told of the state.
+NOW = Function("now")
+
 #: The return value of an action that did not answer in time.
 TIMEOUT = Function("timeout")
 

@@ -1,6 +1,7 @@
 """Facts that a program takes no heed of, in its own words: ``_refuse(Fact,Text,C)``."""
 
-from typing import FrozenSet, Iterable, Iterator, Tuple
+from functools import lru_cache
+from typing import Dict, FrozenSet, Iterable, Iterator, Tuple
 
 from clingo import Symbol
 
@@ -11,11 +12,17 @@ from rosoclingo.reasoning.observations import Observation
 
 def refusals(answer: FrozenSet[Symbol], facts: Iterable[Observation]) -> Iterator[Tuple[str, str]]:
     """Yield why no heed is taken of some of the ``facts`` of an update, and who told them, given its answer."""
-    refused = (atom.arguments for atom in answer if is_keyword(atom, REFUSE) and len(atom.arguments) == 3)
-    texts = {fact: text for fact, text, _ in refused}
+    texts = _read(answer)
     for fact in facts if texts else ():
         if fact.atom in texts:
             yield (
                 f"'{fact.told or fact.atom}' from '{fact.origin}' is ignored: {text_of(texts[fact.atom])}",
                 fact.origin,
             )
+
+
+@lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
+def _read(answer: FrozenSet[Symbol]) -> Dict[Symbol, Symbol]:
+    """The texts of what is refused."""
+    refused = (atom.arguments for atom in answer if is_keyword(atom, REFUSE) and len(atom.arguments) == 3)
+    return {fact: text for fact, text, _ in refused}

@@ -12,7 +12,7 @@ import rospy
 import rostest
 import yaml
 from actionlib_msgs.msg import GoalID, GoalStatus
-from rosoclingo.msg import InterfaceIO, ROSoClingoActionGoal, ROSoClingoResult, TaskPlan
+from rosoclingo.msg import GoalState, GoalStates, InterfaceIO, ROSoClingoActionGoal, ROSoClingoResult, State, TaskPlan
 from std_msgs.msg import UInt32
 
 from rosoclingo.oclingo import parse_update
@@ -225,6 +225,49 @@ class Core(unittest.TestCase):
         self.assertEqual(rospy.wait_for_message("rosoclingo/cycle", UInt32, PATIENCE).data, plan.cycle)
         self.assertGreaterEqual(plan.horizon, plan.cycle)
         self.assertEqual(plan.actions[-1], self.hands.seen[-1])
+
+    def test_state_is_latched(self):
+        goal = self.client.send(self.errand())
+        command = self.hands.take()
+        now = command[: command.rindex(",")] + ",now)"
+        state = self.latched("rosoclingo/state", State, lambda state: state.atoms == [now])
+        self.assertEqual(f",{state.cycle})", command[command.rindex(",") :])
+        self.hands.succeed(command)
+        goal.ends_as(SUCCEEDED)
+        self.latched("rosoclingo/state", State, lambda state: state.atoms == [])
+
+    def test_goals_are_latched_as_actionlib_has_them(self):
+        goal = self.client.send(self.errand())
+        command = self.hands.take()
+        one = self.told(self.latched("rosoclingo/goals", GoalStates, lambda told: self.told(told, goal).request), goal)
+        self.assertEqual((one.request, one.status, one.reason), (goal.text, GoalStatus.PENDING, ""))
+        self.assertEqual((one.since, one.ended), (rospy.Time(), rospy.Time()))
+        refused = self.client.send("do(")
+        message = refused.ends_as(REJECTED)
+        self.hands.succeed(command)
+        goal.ends_as(SUCCEEDED)
+        over = self.latched("rosoclingo/goals", GoalStates, lambda told: self.told(told, goal).status == SUCCEEDED)
+        met = self.told(over, goal)
+        self.assertEqual((met.id, met.came, met.reason), (one.id, one.came, goal.wait()[1].message))
+        self.assertTrue(rospy.Time() < met.came <= met.since <= met.ended)
+        lost = self.told(over, refused)
+        self.assertEqual((lost.status, lost.reason, lost.since), (REJECTED, message, rospy.Time()))
+        self.assertLess(over.goals.index(self.told(over, goal)), over.goals.index(lost))
+
+    @staticmethod
+    def latched(topic, kind, fit):
+        """What a topic has for those who come late, once that is fit: it is told soon after the goals' own news."""
+        found = []
+        wait_until(lambda: found.append(rospy.wait_for_message(topic, kind, PATIENCE)) or fit(found[-1]), topic)
+        return found[-1]
+
+    @staticmethod
+    def key_of(goal):
+        return goal.handle.comm_state_machine.action_goal.goal_id
+
+    def told(self, goals, goal):
+        """What is told of a goal."""
+        return next((one for one in goals.goals if one.id == self.key_of(goal)), GoalState())
 
     def test_request_from_the_command_line(self):
         self.hands.at_once = True

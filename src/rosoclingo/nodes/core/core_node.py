@@ -30,6 +30,7 @@ from rosoclingo.reasoning import (
     PlanMade,
     Problem,
     ReturnTaken,
+    StateChanged,
     UpdateSent,
 )
 from rosoclingo.reasoning.core_state import Health, Level, Report
@@ -93,6 +94,9 @@ class CoreNode:
             ``rosoclingo``, and the actions under way. With ``~preempt`` also ``_cancel(A,P,C)`` of actions that are to
             be ended.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
+        ~state (rosoclingo/State, latched): what the latest answer shows of the present: what the program believes.
+        ~goals (rosoclingo/GoalStates, latched): the goals with actionlib's statuses and texts: those that are open, and
+            the last 100 that have ended. Changes within a tenth of a second are told together.
         ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
             of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
             ``~plan`` is ``shortest``, else with plans that may be shorter.
@@ -139,6 +143,7 @@ class CoreNode:
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
             UpdateSent: self._topics.update_sent,
             PlanMade: self._plan_made,
+            StateChanged: self._topics.state_changed,
             ActionsDispatched: self._topics.actions_dispatched,
             ActionsPreempted: self._topics.actions_preempted,
             ReturnTaken: self._return_taken,
@@ -221,11 +226,12 @@ class CoreNode:
             self._register.announce(node, message.interface)
 
     def _settle(self) -> Optional[float]:
+        self._tick()
         improvable = self._go_on()
         self._keeper.send()
         self._keeper.forget(self._results.over())
         self._look_after_journal()
-        self._health.tick()
+        self._tick()
         return 0.0 if improvable else None
 
     def _go_on(self) -> bool:
@@ -246,6 +252,11 @@ class CoreNode:
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
 
+    def _tick(self) -> None:
+        """Tell what has changed; often, also while a search goes on."""
+        self._health.tick()
+        self._handles.tick()
+
     def _time(self) -> float:
         return self._clock.at(rospy.get_time(), time.monotonic())
 
@@ -255,7 +266,7 @@ class CoreNode:
 
         def look() -> bool:
             """Tell whether to end it now."""
-            self._health.tick()
+            self._tick()
             spent = max(time.monotonic() - start, abs(rospy.get_time() - now))
             return self._ending or self._worker.waiting or spent >= IMPROVING
 
@@ -267,7 +278,7 @@ class CoreNode:
 
         def look() -> Optional[Halt]:
             """Return why the search is to end now, None while it may go on."""
-            self._health.tick()
+            self._tick()
             if self._server.has_arrivals:
                 self._take_arrivals()
             if self._ending:
@@ -301,6 +312,7 @@ class CoreNode:
         self._ending = True
         self._worker.put(lambda: self._core.leave("is given up: the core shuts down"))
         self._worker.put(self._keeper.send)
+        self._worker.put(self._handles.close)
         self._worker.put(self._keeper.close)
         self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)

@@ -9,6 +9,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
+from rosoclingo.nodes.core.goal_board import GoalBoard
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
 from rosoclingo.reasoning.goals import TRANSITIONS
@@ -30,11 +31,13 @@ class GoalHandles:
 
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
+        self._board = GoalBoard()
         self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
         """Take a goal that arrived."""
         self._handles[key] = handle
+        self._board.add(key, handle)
 
     def changed(self, event: GoalChanged) -> None:
         """Tell the client of a transition; the one to a cancelling state the action server has made itself."""
@@ -42,10 +45,12 @@ class GoalHandles:
             self._handles[event.key].set_accepted(f"{event.term} is accepted")
         elif event.outcome is not None:
             self._end(event.key, event.event, event.outcome, event.message)
+        self._board.look(event.key)
 
     def refused(self, event: GoalRefused) -> None:
         """Tell the client that its goal is not taken."""
         self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
+        self._board.look(event.key)
 
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback."""
@@ -54,6 +59,15 @@ class GoalHandles:
         status = f"waiting: {event.waits}" if event.waits else event.state.value
         feedback = ROSoClingoFeedback(event.cycle, self._told[1], event.position, status)
         self._handles[event.key].publish_feedback(feedback)
+        self._board.waits(event.key, event.waits)
+
+    def tick(self) -> None:
+        """Publish how the goals stand, if that has changed; to be called often."""
+        self._board.tick()
+
+    def close(self) -> None:
+        """Publish what has changed, at the end."""
+        self._board.close()
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)

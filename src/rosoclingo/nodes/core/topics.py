@@ -6,8 +6,8 @@ import rospy
 from clingo import Symbol
 from std_msgs.msg import String, UInt32
 
-from rosoclingo.msg import InterfaceIO, TaskPlan
-from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, UpdateSent
+from rosoclingo.msg import InterfaceIO, State, TaskPlan
+from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.keywords import CORE, run_of
 
 
@@ -35,6 +35,7 @@ class CoreTopics:
         for message in self._greeting():  # to those who came before rospy had heard of the newcomers' greeting
             self._out.publish(message)
         self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
+        self._state = rospy.Publisher("~state", State, latch=True, queue_size=10)
         self._program = rospy.Publisher("~program", String, latch=True, queue_size=1)
         self._updates = rospy.Publisher("~updates", String, queue_size=100)
         self._cycle = rospy.Publisher("~cycle", UInt32, latch=True, queue_size=10)
@@ -69,6 +70,12 @@ class CoreTopics:
         message.ground_time, message.solve_time = event.ground, event.solve
         message.header.stamp = rospy.Time.now()
         self._task_plan.publish(message)
+
+    def state_changed(self, event: StateChanged) -> None:
+        """Publish what holds now."""
+        message = State(cycle=event.cycle, atoms=sorted(map(str, event.atoms)))
+        message.header.stamp = rospy.Time.now()
+        self._state.publish(message)
 
     def actions_dispatched(self, event: ActionsDispatched) -> None:
         """Publish the actions of a cycle."""

@@ -21,6 +21,7 @@ from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
+from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
 PathLike = Union[str, Path]
@@ -116,6 +117,17 @@ class ReactiveProgram:
         if signature not in self._known_delays:
             self._known_delays[signature] = self._delays.of(signature)
         return self._known_delays[signature]
+
+    def time_position(self, name: str, arity: int) -> Optional[int]:
+        """Return which argument of such an atom, or of such a term that is shown, is its cycle; None where none is."""
+        found = self._time_positions.get(Signature(name, arity))
+        if found is None and self.delay_of(name, arity) is not None:
+            return arity - 1
+        return found
+
+    @cached_property
+    def _time_positions(self) -> Dict[Signature, int]:
+        return time_positions(self.parts, self._values)
 
     def load_into(self, control: clingo.Control, foresees: bool = False) -> None:
         """Add all statements to ``control``, with those that tell what returns bear on where it ``foresees``.

@@ -1,0 +1,89 @@
+"""How the core's goals stand, for whoever is no actionlib client: the topic ``~goals``."""
+
+import time
+from typing import Dict
+
+import rospy
+from actionlib import ServerGoalHandle
+from actionlib_msgs.msg import GoalStatus
+
+from rosoclingo.msg import GoalState, GoalStates
+
+#: Goals that are told of after they have ended.
+ENDED = 100
+
+#: Seconds of wall time in which changes are told together, as each message has all goals.
+TOGETHER = 0.1
+
+_OPEN = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.RECALLING, GoalStatus.PREEMPTING)
+_ACCEPTED = (GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.PREEMPTED)
+
+
+class GoalBoard:
+    """The goals in the order in which they came. Used by the worker only, as a handle takes the action server's lock."""
+
+    def __init__(self) -> None:
+        self._handles: Dict[str, ServerGoalHandle] = {}  # of open goals
+        self._goals: Dict[str, GoalState] = {}  # by their order; a message in it is replaced, never changed
+        self._waits: Dict[str, str] = {}
+        self._changed = False
+        self._last = float("-inf")
+        self._topic = rospy.Publisher("~goals", GoalStates, latch=True, queue_size=10)
+        self._publish()
+
+    def add(self, key: str, handle: ServerGoalHandle) -> None:
+        """Take a goal that arrived."""
+        self._handles[key] = handle
+        self._goals.pop(key, None)
+        self._goals[key] = GoalState(id=handle.get_goal_id(), request=handle.get_goal().request, came=rospy.Time.now())
+        self._changed = True
+        self.look(key)
+
+    def waits(self, key: str, why: str) -> None:
+        """Take why a goal has to wait its turn, empty for one that need not."""
+        if why != self._waits.get(key, ""):
+            self._waits[key] = why
+            self.look(key)
+
+    def look(self, key: str) -> None:
+        """Take a goal's status, which may be another, from actionlib's server."""
+        before, found = self._goals[key], self._handles[key].get_goal_status()
+        status, now = found.status, rospy.Time.now()
+        accepted, ended = status in _ACCEPTED, status not in _OPEN
+        if ended:
+            del self._handles[key]
+            self._waits.pop(key, None)
+        self._goals[key] = GoalState(
+            id=before.id,
+            request=before.request,
+            status=status,
+            reason=self._waits.get(key) or found.text,
+            came=before.came,
+            since=before.since or (now if accepted else rospy.Time()),
+            ended=now if ended else rospy.Time(),
+        )
+        self._changed |= self._goals[key] != before
+        if ended:
+            self._forget()
+
+    def _forget(self) -> None:
+        """Let go of the oldest of too many goals that have ended."""
+        ended = [key for key in self._goals if key not in self._handles]
+        for key in ended[:-ENDED]:
+            del self._goals[key]
+
+    def tick(self) -> None:
+        """Publish what has changed, but not all the time; to be called often."""
+        if self._changed and time.monotonic() - self._last >= TOGETHER:
+            self._publish()
+
+    def close(self) -> None:
+        """Publish what has changed, at the end."""
+        if self._changed:
+            self._publish()
+
+    def _publish(self) -> None:
+        self._changed, self._last = False, time.monotonic()
+        message = GoalStates(goals=list(self._goals.values()))
+        message.header.stamp = rospy.Time.now()
+        self._topic.publish(message)

@@ -1,0 +1,67 @@
+"""Which argument of an atom is its time."""
+
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram
+
+RULES = """
+#program base.
+room(a). at(a,0). age(3). shift(early,7). later(1).
+#program cumulative(k).
+#external seen/2. #external mood/1.
+#external _return(go,X,k) : room(X).
+at(X,k) :- at(X,k-1), not gone(k,X).
+gone(k,X) :- _return(go,X,k), shift(_,S), later(k).
+{ plan(X,k+1) : room(X) }.
+-clean(X,k) :- gone(k,X).
+span(k,X,k+5) :- at(X,k).
+mixed(k,1) :- at(a,k).
+mixed(1,k) :- at(a,k).
+known(X) :- gone(k,X).
+door(X,(k)) :- at(X,k).
+now(X,k) :- seen(X,k), mood(X).
+since(T,k) :- plan(_,T), T <= k.
+#show (X,k) : at(X,k).
+#show here(X,k) : at(X,k).
+#show near(X;Y,k) : at(X,k), room(Y).
+#show k : at(a,k).
+#show "word" : at(a,k).
+#show X : at(X,k).
+#program volatile(last).
+late(X,last) :- at(X,last).
+"""
+
+
+@pytest.fixture(scope="module")
+def program():
+    return ReactiveProgram.from_text(RULES)
+
+
+@pytest.mark.parametrize(
+    ("name", "arity", "position"),
+    [
+        ("at", 2, 1),
+        ("gone", 2, 0),
+        ("plan", 2, 1),
+        ("clean", 2, 1),
+        ("span", 3, 2),
+        ("mixed", 2, 1),  # its heads disagree: then the last one, where rules use it as a time
+        ("known", 1, None),
+        ("door", 2, 1),
+        ("since", 2, 1),
+        ("late", 2, 1),
+        ("_return", 3, 2),
+        ("seen", 2, 1),
+        ("mood", 1, None),
+        ("later", 1, 0),
+        ("room", 1, None),
+        ("age", 1, None),
+        ("shift", 2, None),
+        ("", 2, 1),
+        ("here", 2, 1),
+        ("near", 2, 1),
+        ("nothing", 2, None),
+    ],
+)
+def test_the_argument_that_rules_write_as_the_step(program, name, arity, position):
+    assert program.time_position(name, arity) == position

@@ -1,0 +1,126 @@
+"""What holds now, out of answers: of small programs, and of the shipped ones in the core's cycles."""
+
+import pytest
+from clingo import Number, String, parse_term
+from core_driver import PLANS, Driver, soon
+from shipped import shipped
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import ActionsDispatched, StateChanged
+from rosoclingo.reasoning.present import Present
+
+LAMP = """
+#program base.
+lamp(hall). lamp(yard).
+#program cumulative(t).
+#external _request/2. #external _return/3. #external _seen/2.
+lit(L,t)  :- _seen(L,t).
+lit(L,t)  :- lit(L,t-1).
+-lit(L,t) :- lamp(L), not lit(L,t).
+#show lit/2. #show -lit/2. {show}
+"""
+
+
+def present(driver):
+    """What holds now by the last that was told."""
+    return sorted(map(str, driver.journal.of(StateChanged)[-1].atoms))
+
+
+def test_the_atoms_of_the_cycle_and_those_without_a_time():
+    position = {("at", 2): 1, ("first", 2): 0, ("", 2): 1, ("odd", 1): 0}
+    reader = Present(lambda name, arity: position.get((name, arity)))
+    answer = frozenset(
+        map(parse_term, ["at(a,1)", "at(b,2)", "-at(c,2)", "first(2,x)", "(y,2)", "room(2)", "odd(a)", "now"])
+    ) | {Number(2), String("two")}
+    timeless = {"room(2)", "odd(a)", "now", "2", '"two"'}
+    assert set(map(str, reader.of(answer, 1))) == {"at(a,now)", *timeless}
+    assert set(map(str, reader.of(answer, 2))) == {"at(b,now)", "-at(c,now)", "first(now,x)", "(y,now)", *timeless}
+    assert set(map(str, reader.of(answer, 3))) == timeless
+    assert reader.of(frozenset(), 3) == frozenset()
+
+
+def test_each_predicate_is_asked_for_once_and_an_answer_is_gone_through_once():
+    asked = []
+    reader = Present(lambda name, arity: asked.append((name, arity)))
+    answer = frozenset(map(parse_term, ["a(1)", "a(2)", "b"]))
+    for cycle in range(5):
+        reader.of(answer, cycle)
+    assert sorted(asked) == [("a", 1), ("b", 0)]
+
+
+@pytest.mark.parametrize(
+    ("show", "terms"),
+    [("", set()), ("#show lamp/1.", {"lamp(hall)", "lamp(yard)"}), ("#show on(L,(t)) : lit(L,t).", {"on(hall,now)"})],
+)
+def test_what_is_told_is_believed_from_its_cycle_on(show, terms):
+    driver = Driver(LAMP.format(show=show))
+    driver.facts("_seen(hall,now)")
+    assert set(present(driver)) == {"lit(hall,now)", "-lit(yard,now)", *terms}
+    told = len(driver.journal.of(StateChanged))
+    driver.facts("_seen(hall,now)")
+    assert len(driver.journal.of(StateChanged)) == told
+    driver.facts("_seen(yard,now)")
+    assert {"lit(hall,now)", "lit(yard,now)"} <= set(present(driver))
+
+
+@pytest.mark.parametrize("plan", PLANS)
+def test_the_papers_program_shows_its_actions(plan):
+    driver = Driver(program=shipped("paper.lp"), solver=PLANS[plan])
+    driver.goal("a", "goal(office2,office1,1)")
+    assert present(driver) == ["_action_lib(move_base,office2,now)"]
+    driver.succeed()
+    assert present(driver) == ["_action_lib(pickup,1,now)"]
+    driver.finish()
+    assert present(driver) == []
+
+
+@pytest.mark.parametrize("plan", PLANS)
+def test_delivery(plan):
+    driver = Driver(program=shipped("mailbot.lp", "office.lp"), solver=PLANS[plan])
+    assert present(driver) == ["robot_at(office1,now)"]
+    driver.goal("a", "goal(office2,office3,1)")
+    accepted = "_status(1,accepted,now)"
+    waits = "waits(1,office2,office3,now)"
+    moving = "_action_lib(move_base,office2,now)"
+    assert present(driver) == [moving, accepted, "robot_at(office1,now)", waits]
+    driver.succeed()
+    assert present(driver) == ["_action_lib(pickup,1,now)", accepted, "robot_at(office2,now)", waits]
+    driver.succeed()
+    has = "robot_has(1,office3,now)"
+    assert present(driver) == ["_action_lib(move_base,office3,now)", accepted, "robot_at(office2,now)", has]
+    driver.finish()
+    assert present(driver) == ["_status(1,succeeded,now)", "robot_at(office3,now)"]
+
+
+def test_a_way_that_is_shut():
+    driver = Driver.of_shipped("house.lp", "home.lp")
+    driver.facts("_blocked(hallway,study,now)")
+    driver.goal("a", "bring(hallway,book)")
+    assert "shut(hallway,study,now)" in present(driver)
+    driver.facts("_opened(hallway,study,now)").finish()
+    assert not [atom for atom in present(driver) if atom.startswith("shut")]
+
+
+def test_the_house_tells_where_things_are():
+    driver = Driver.of_shipped("house.lp", "home.lp")
+    assert {"robot_at(hallway,now)", "thing_at(book,study,now)"} <= set(present(driver))
+    driver.facts("_seen(book,bedroom,now)").goal("a", "bring(hallway,book)").finish()
+    assert "thing_at(book,hallway,now)" in present(driver)
+
+
+def test_what_was_foreseen_and_what_is_improved_is_told_as_well():
+    driver = Driver(program=shipped("mailbot.lp", "office.lp"), solver=lambda program: soon(program, 0.0))
+    driver.goal("a", "goal(office4,office1,1)").goal("b", "goal(office4,office2,2)")
+    while driver.core.awaited:
+        while driver.core.improve(lambda: False):
+            pass
+        actions = driver.journal.of(ActionsDispatched)[-1].actions
+        shown = [atom for atom in present(driver) if atom.startswith("_action_lib")]
+        assert shown == [f"_action_lib({one.interface},{one.parameter},now)" for one in actions]
+        driver.succeed()
+
+
+def test_a_program_that_shows_all():
+    program = ReactiveProgram.from_text("#program base. big(1..3). #program cumulative(t). step(t). twice(t,t+1).")
+    driver = Driver(program=program)
+    assert present(driver) == ["big(1)", "big(2)", "big(3)", "step(now)"]
