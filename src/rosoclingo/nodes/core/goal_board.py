@@ -20,7 +20,7 @@ _ACCEPTED = (GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.SUCCEEDED, Goa
 
 
 class GoalBoard:
-    """The goals in the order in which they came. Used by the worker only, as a handle takes the action server's lock."""
+    """The goals as they came. Used by the worker only, as a handle takes the action server's lock."""
 
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}  # of open goals

@@ -17,7 +17,6 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.journal import Header, TakenError
 from rosoclingo.reasoning.resuming import Found, open_journal
 
-
 #: Seconds of wall time for another core to leave the journal.
 TAKEN = 10.0
 
