@@ -78,3 +78,8 @@ def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
     assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
+
+
+@pytest.mark.parametrize("capacity", [0, -1])
+def test_a_robot_that_can_carry_nothing_has_a_bound_that_ends(capacity):
+    assert solve(mailbot([(1, 2)], capacity), [(1, 2), (2, 1)], 9)[0].unsatisfiable

@@ -17,6 +17,7 @@ def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
             before.close()
 
     monkeypatch.setattr(keeping.time, "sleep", wait)
+    monkeypatch.setattr(keeping.rospy, "is_shutdown", lambda: False)  # other tests may have ended this process's node
     found = keeping.take_journal(tmp_path, "ask", FRESH, patience=600.0)
     found.journal.close()
     assert (found.run, len(waits)) == ("second", 3)
