@@ -9,7 +9,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
-from rosoclingo.nodes.core.goal_board import GoalBoard
+from rosoclingo.nodes.core.board import GoalBoard
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
 from rosoclingo.reasoning.goals import TRANSITIONS
