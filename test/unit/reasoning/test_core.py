@@ -200,9 +200,10 @@ def test_what_is_told_of_a_goal_in_its_order():
     driver = Driver().goal("a", "do(walk,1)")
     driver.facts("_return(walk,1,1)")
     assert [(type(event).__name__, event.cycle) for event in driver.journal.events] == [
-        ("PlanMade", 1),
-        *[("UpdateSent", 1), ("ActionsDispatched", 1), ("PlanMade", 1), ("GoalProgress", 1)],
-        *[("ReturnTaken", 1), ("UpdateSent", 2), ("PlanMade", 2), ("GoalChanged", 2), ("GoalChanged", 2)],
+        *[("PlanMade", 1), ("StateChanged", 1)],
+        *[("UpdateSent", 1), ("ActionsDispatched", 1), ("PlanMade", 1), ("StateChanged", 1), ("GoalProgress", 1)],
+        *[("ReturnTaken", 1), ("UpdateSent", 2), ("PlanMade", 2), ("StateChanged", 2)],
+        *[("GoalChanged", 2), ("GoalChanged", 2)],
     ]
 
 

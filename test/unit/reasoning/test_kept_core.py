@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, PlanMade
+from rosoclingo.reasoning import CoreSettings, PlanMade, StateChanged
 from rosoclingo.reasoning.journal import changes, line_of, read
 from rosoclingo.reasoning.kept_core import KeptCore
 
@@ -43,10 +43,19 @@ class Play:
         self.program, self._make, self._settings = program, lambda: solver(program), settings
         self._restores, self._disk = restores, Disk()
         self.events, self.now, self._cuts, self._steps = [], 1.0, frozenset(), 0
+        self._believed = None
         self.core = self._new()
 
     def _new(self, record=None):
-        return KeptCore(self.program, self._make, self.events.append, self._settings, record=record)
+        return KeptCore(self.program, self._make, self._take, self._settings, record=record)
+
+    def _take(self, event):
+        """Take what the core tells; one that goes on tells anew what it believes."""
+        if isinstance(event, StateChanged):
+            if event.atoms == self._believed:
+                return
+            self._believed = event.atoms
+        self.events.append(event)
 
     def play(self, script, cuts):
         """Play a script with cuts after these steps; return all that was told."""
