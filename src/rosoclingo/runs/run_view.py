@@ -32,6 +32,9 @@ SHOWN = 2000
 #: Seconds between two ways to one place that are kept.
 PATHS_APART = 5.0
 
+#: Returns that may have overtaken their actions.
+EARLY = 20
+
 #: Statuses after which nothing comes; a goal that was given up as lost may yet be heard of.
 LOST = "lost"
 TERMINAL = frozenset({"canceled", "succeeded", "aborted", "rejected", LOST})
@@ -70,6 +73,7 @@ class RunView:
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of actions under way, by interface and cycle
+        self._early: List[Return] = []  # of no action that has been heard of: topics overtake each other
         self._run = ""
         self._start: Optional[float] = None
         self.seconds = 0.0
@@ -94,7 +98,7 @@ class RunView:
     def begin(self, run: str) -> None:
         """Take the name of the core's run; another one than before begins with cycle 1 again."""
         if self._run and run != self._run:
-            self._cycles, self._sent, self._open = {}, set(), {}
+            self._cycles, self._sent, self._open, self._early = {}, set(), {}, []
             self.tell(run=self.about["run"] + 1)
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was started again")
@@ -160,6 +164,7 @@ class RunView:
                 self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
         if fresh:
             self._account.dispatched(now, fresh)
+            self._early = [answer for answer in self._early if not self._answered(now, answer)]
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Record facts that came in."""
@@ -173,6 +178,7 @@ class RunView:
                 self.tables["facts"].add(
                     time=now, origin=shortened(origin), text=shortened(text, SHOWN), name=_name(text), labels=labels
                 )
+                self._early = [*self._early, *([] if answer is None else [answer])][-EARLY:]
         self._account.returned(now, origin, facts)
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:

@@ -124,6 +124,17 @@ def test_of_two_actions_of_an_interface_in_a_cycle_each_has_its_own_return():
     assert (first["ended"], first["value"], first["failed"]) == (3.0, "stuck", True)
 
 
+def test_a_return_may_overtake_its_action():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.returned(1.0, "go", ["_return(go,a,1)", "_return(go,late,0)"])
+    view.dispatched(1.5, ["_action_lib(go,a,1)"])
+    view.dispatched(2.0, ["_action_lib(go,a,2)"])
+    first, second = records(view.changes(), "actions")
+    assert (first["begun"], first["ended"], first["failed"]) == (1.5, 1.5, False)
+    assert second["ended"] is None
+
+
 def test_other_facts_have_the_labels_that_they_name():
     view = RunView({"labels": {"a": [0, 0, 0], "b": [1, 0, 0]}})
     view.returned(0.0, "eye", ["_blocked(a,b,now)", "_return(nothing,x,1)", "no atom ("])
