@@ -41,7 +41,7 @@ def test_cpu_time_is_that_of_all_that_a_command_starts(tmp_path):
     code = f"import subprocess, sys\nsubprocess.run([sys.executable, '-c', {BUSY!r}])"
     finished = run([sys.executable, "-c", code], tmp_path / "log", 60.0, os.environ)
     assert finished.code == 0, (tmp_path / "log").read_text()
-    assert finished.computed >= 0.6
+    assert finished.computed >= 0.5  # counted in ticks
 
 
 def test_what_does_not_end_in_time_is_ended(tmp_path):

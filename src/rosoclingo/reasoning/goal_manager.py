@@ -91,7 +91,7 @@ class GoalManager:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before it was planned for")
 
     def tick(self, now: float) -> None:
-        """Time passes: goals that have rested may be fed again, none rests for longer as time has jumped back."""
+        """Time passes: goals that have rested may be fed again; a rest begins now, also where time has jumped back."""
         self.queue.now = now
         for goal in self._book.live:
             goal.rests_until = min(goal.rests_until, now + _rest(goal))
@@ -162,7 +162,7 @@ class GoalManager:
             self.queue.window.shrink(others + len(goals) // 2)
         else:
             goals[0].tries += 1
-            goals[0].rests_until = self.queue.now + _rest(goals[0])
+            goals[0].rests_until = float("inf")  # the search has taken time: the rest begins when next it is told
         for goal in goals:
             goal.forget()
             self.queue.put(goal)

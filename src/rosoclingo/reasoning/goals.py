@@ -1,5 +1,6 @@
 """A client's goal, its life as actionlib draws it, and the list of all goals."""
 
+import math
 from enum import Enum, IntEnum
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
@@ -142,7 +143,7 @@ class Goal:
 
     def record(self) -> List[Any]:
         """Return what :meth:`restore` needs; for a live goal."""
-        rest = None if self.rests_until == float("-inf") else self.rests_until
+        rest = self.rests_until if math.isfinite(self.rests_until) else str(self.rests_until)
         state = [self.state.value, self.request_cycle, self.known, self.refused, self.overtaken, self.tries, rest]
         return [text_of(self.term), *state]
 
@@ -150,7 +151,7 @@ class Goal:
         """Go on from a record of this goal."""
         state, self.request_cycle, self.known, self.refused, self.overtaken, self.tries, rest = record[1:]
         self.state = GoalState(state)
-        self.rests_until = float("-inf") if rest is None else rest
+        self.rests_until = float(rest)
 
     def apply(self, event: GoalEvent) -> None:
         """Take a transition of the table; raises TransitionError."""

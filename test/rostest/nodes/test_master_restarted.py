@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A roscore that dies and comes back: what was under way goes on, and who comes anew finds the nodes."""
 
+import importlib.util
 import os
 import signal
 import socket
@@ -91,6 +92,7 @@ class MasterRestarted(unittest.TestCase):
         )
         self.assertIn("width: 348", found.stdout)
 
+    @unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "the office needs tf2_ros, which is compiled")
     def test_what_an_office_keeps_for_its_successor_is_kept_again(self):
         self.run_node("office", "_labels:={hall: [0, 0], attic: [9, 9]}", "_packages:={hall: ['1', '2']}")
         wait_until(lambda: self.known((2, "/office/put_package", "/office")), "the office")
