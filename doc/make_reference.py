@@ -79,6 +79,7 @@ COMMANDS = {  # with what they have of ROS
     "request": (("nodes/request.py", "request"),),
     "play_scenario": (("nodes/scenarios/player.py", "ScenarioPlayer"), ("nodes/account_node.py", "AccountNode")),
     "demo": (),
+    "watch": (("nodes/account_node.py", "AccountNode"),),
     "replay": (),
     "report": (),
     "oclingo": (),

@@ -1,6 +1,9 @@
 """What the tests of the core share: an interface layer by hand, and clients that note what becomes of their goals."""
 
+import os
 import queue
+import signal
+import subprocess
 import threading
 
 import rospy
@@ -142,3 +145,43 @@ class Updates:
         """The first update with ``words``; a message about a goal may come before the update that led to it."""
         wait_until(lambda: any(words in text for text in self.texts), f"an update with {words}")
         return next(text for text in self.texts if words in text)
+
+
+class Told:
+    """One of the package's commands, and what it writes to standard output; it is ended with the test."""
+
+    def __init__(self, *words):
+        command = ["rosrun", "rosoclingo", *words]
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=_unbuffered())
+        self._timer = threading.Timer(PATIENCE, self._process.kill)
+        self._timer.start()
+
+    def lines_until(self, words):
+        """The lines up to the one with these words."""
+        lines = []
+        for line in self._process.stdout:
+            lines.append(line.rstrip())
+            if words in line:
+                return lines
+        raise AssertionError(f"nothing of '{words}' in: {lines}")
+
+    def interrupt(self):
+        """Ctrl-C."""
+        self._process.send_signal(signal.SIGINT)
+
+    def rest(self):
+        """Exit code, and the lines that are left."""
+        lines = [line.rstrip() for line in self._process.stdout]
+        return self._process.wait(PATIENCE), lines
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._timer.cancel()
+        self._process.kill()
+        self._process.communicate()
+
+
+def _unbuffered():
+    return {**os.environ, "PYTHONUNBUFFERED": "1"}

@@ -10,12 +10,19 @@ from std_msgs.msg import String
 
 from rosoclingo.common.connections import comes_to
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.msg import InterfaceIO, PackageStates, ROSoClingoActionGoal, TaskPlan
+from rosoclingo.msg import GoalStates, InterfaceIO, PackageStates, ROSoClingoActionGoal, State, TaskPlan
+from rosoclingo.nodes.words import words_in
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
 
-#: Topics of an account and their types, relative to the core's namespace.
+#: The core's usual name.
+USUAL = "rosoclingo"
+
+#: Topics of an account and their types, in the core's namespace, for a core of the usual name.
 TOPICS = {
+    "rosoclingo/program": String,
+    "rosoclingo/goals": GoalStates,
+    "rosoclingo/state": State,
     "out_rosoclingo": InterfaceIO,
     "in_rosoclingo": InterfaceIO,
     "rosoclingo/goal": ROSoClingoActionGoal,
@@ -27,6 +34,12 @@ TOPICS = {
     "base_pose_ground_truth": Odometry,
 }
 
+#: Those of them that have the core's name in theirs; its action server has the usual one, whatever the core is called.
+_PRIVATE = ("program", "goals", "state", "updates", "task_plan")
+
+#: Metres from a label in which the robot is there.
+TOLERANCE = 0.5
+
 #: Statuses of goals that have ended.
 ENDS = ("succeeded", "canceled", "rejected", "aborted")
 
@@ -34,18 +47,31 @@ ENDS = ("succeeded", "canceled", "rejected", "aborted")
 CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "rosoclingo/updates", "rosoclingo/task_plan")
 
 
+def topic_of(topic: str, core: str) -> str:
+    """The name of one of TOPICS for a core of this name, which has its namespace where it is a full one."""
+    namespace, _, name = core.rpartition("/")
+    first, _, last = topic.rpartition("/")
+    private = first == USUAL and last in _PRIVATE
+    return ("" if "/" not in core else f"{namespace}/") + (f"{name}/{last}" if private else topic)
+
+
 class TopicAccount:
     """An Account that takes ROS messages.
 
-    ``labels`` names the robot's place when it is within ``tolerance`` metres of one.
+    ``labels`` names the robot's place when it is within TOLERANCE of one; ``with_state`` what the program believes is
+    told as well.
     """
 
-    def __init__(self, say: Callable[[str], None], labels: Optional[LabelTable] = None, tolerance: float = 0.5) -> None:
-        self.account = Account(say)
+    def __init__(
+        self, say: Callable[[str], None], labels: Optional[LabelTable] = None, with_state: bool = False
+    ) -> None:
+        self.account = Account(say, with_state=with_state)
         self._labels = labels
-        self._tolerance = tolerance
         self._lock = threading.Lock()
         self._readers: Dict[str, Callable[[float, Any], None]] = {
+            "rosoclingo/program": self._program,
+            "rosoclingo/goals": self._goals,
+            "rosoclingo/state": lambda time, message: self.account.state(time, message.atoms),
             "out_rosoclingo": self._dispatched,
             "in_rosoclingo": lambda time, message: self.account.returned(time, message.interface, message.facts),
             "rosoclingo/goal": lambda time, message: self.account.goal(time, message.goal_id.id, message.goal.request),
@@ -62,6 +88,11 @@ class TopicAccount:
         with self._lock:
             self._readers[topic](time, message)
 
+    def tick(self, time: float) -> None:
+        """Time passes: what waited for what belongs before it is told; callable from any thread."""
+        with self._lock:
+            self.account.pass_time(time)
+
     def ended(self, goals: int) -> bool:
         """Whether the account has heard of so many goals, and of the end of each."""
         with self._lock:
@@ -73,6 +104,12 @@ class TopicAccount:
         with self._lock:
             self.account.finish()
             return self.account.summary
+
+    def _program(self, _time: float, message: String) -> None:
+        self.account.sentences = words_in(message.data)
+
+    def _goals(self, time: float, message: GoalStates) -> None:
+        self.account.goals(time, [(one.id.id, one.request, one.status, one.reason) for one in message.goals])
 
     def _dispatched(self, time: float, message: InterfaceIO) -> None:
         if message.interface != CORE:  # else the core tells of itself
@@ -88,32 +125,39 @@ class TopicAccount:
     def _pose(self, _time: float, message: Odometry) -> None:
         if self._labels is not None:
             position = message.pose.pose.position
-            label = self._labels.nearest(position.x, position.y, self._tolerance)
+            label = self._labels.nearest(position.x, position.y, TOLERANCE)
             self.account.robot("away from every label" if label is None else label.name)
 
 
 class AccountNode(TopicAccount):
-    """Prints the account of what happens from now on.
+    """Prints the account of what happens from now on, around the core of some name.
 
     Subscribes:
-        out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), rosoclingo/task_plan (rosoclingo/TaskPlan)
+        CORE/program (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
+        out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), CORE/task_plan (rosoclingo/TaskPlan)
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
-        rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/updates (std_msgs/String)
+        rosoclingo/status (actionlib_msgs/GoalStatusArray), CORE/updates (std_msgs/String)
         packages (rosoclingo/PackageStates), base_pose_ground_truth (nav_msgs/Odometry)
     """
 
-    def __init__(self, say: Callable[[str], None], labels: Optional[LabelTable] = None) -> None:
-        super().__init__(say, labels)
-        self._subscribers = [
-            rospy.Subscriber(topic, kind, self._on_message, callback_args=topic, queue_size=None)
+    def __init__(
+        self,
+        say: Callable[[str], None],
+        labels: Optional[LabelTable] = None,
+        with_state: bool = False,
+        core: str = USUAL,
+    ) -> None:
+        super().__init__(say, labels, with_state)
+        self._subscribers = {
+            topic: rospy.Subscriber(topic_of(topic, core), kind, self._on_message, callback_args=topic, queue_size=None)
             for topic, kind in TOPICS.items()
-        ]
+        }
 
     @property
     def connected(self) -> bool:
         """Whether all that the core publishes comes to this node, and what others publish of the rest."""
-        names = [one.name for one in self._subscribers]
-        return all(comes_to(rospy.get_name(), one, none_will_do=not one.endswith(CORE_TOPICS)) for one in names)
+        found = self._subscribers.items()
+        return all(comes_to(rospy.get_name(), one.name, none_will_do=topic not in CORE_TOPICS) for topic, one in found)
 
     def _on_message(self, message: Any, topic: str) -> None:
         self.take(topic, message, rospy.get_time())

@@ -115,6 +115,11 @@ class CoreClient:
         subscribers = (self._client.feedback_sub, self._client.result_sub)
         return all(comes_to(rospy.get_name(), one.resolved_name, [server]) for one in subscribers)
 
+    @property
+    def node(self) -> str:
+        """The name of the server's node, empty before it was waited for."""
+        return "" if self._watch is None else self._watch.node
+
     def send(self, text: str) -> SentGoal:
         """Send a goal."""
         goal = SentGoal(text, self._client, self._notify)

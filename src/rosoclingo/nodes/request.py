@@ -4,7 +4,12 @@ from typing import Callable
 
 import rospy
 
+from rosoclingo.msg import ROSoClingoFeedback
 from rosoclingo.nodes.goal_client import CoreClient, SentGoal
+from rosoclingo.nodes.words import words_of
+from rosoclingo.runs.sentences import Sentences
+
+Line = Callable[[ROSoClingoFeedback], str]
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -13,11 +18,15 @@ EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost"
 _TURN = 0.2
 
 
-def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> int:
+def request(text: str, server: str, wait: float, say: Callable[[str], None], plain: bool = False) -> int:
     """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES.
+
+    Feedback is the plan, or ``plain`` what is done now in the program's words.
 
     A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost.
 
+    Subscribes:
+        CORE/program (std_msgs/String): the program, once, for its words.
     Actions called:
         SERVER (rosoclingo/ROSoClingoAction): that of ``server``.
     """
@@ -26,11 +35,12 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> 
         still = "" if rospy.get_time() else "; ROS time has not begun, and the core tells its status by it"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
+    line = _plain_line(words_of(client.node)) if plain else _line
     goal = client.send(text)
     cancelled = False
     while True:
         try:
-            _follow(client, goal, say)
+            _follow(client, goal, line, say)
             break
         except KeyboardInterrupt:
             if cancelled:
@@ -43,20 +53,23 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None]) -> 
     return EXIT_CODES[goal.outcome]
 
 
-def _follow(client: CoreClient, goal: SentGoal, say: Callable[[str], None]) -> None:
+def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str], None]) -> None:
     """Say feedback, each line once, until the goal has ended."""
     shown = ""
     while not goal.ended:
         if goal.feedback is not None:
-            line = _line(goal)
-            if line != shown:
-                say(line)
-            shown = line
+            text = line(goal.feedback)
+            if text != shown:
+                say(text)
+            shown = text
         client.wait(_TURN)
         client.check()
 
 
-def _line(goal: SentGoal) -> str:
-    feedback = goal.feedback
+def _plain_line(words: Sentences) -> Line:
+    return lambda feedback: words.now(feedback.cycle, feedback.status, feedback.task_plan[feedback.position :])
+
+
+def _line(feedback: ROSoClingoFeedback) -> str:
     plan = " ".join(feedback.task_plan[feedback.position :]) or "nothing to do"
     return f"cycle {feedback.cycle}, {feedback.status}: {plan}"

@@ -1,7 +1,7 @@
 """An account of a run for people: a line for each event, and a summary. Fed from public topics, live or from a bag."""
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from clingo import Symbol
 
@@ -11,6 +11,7 @@ from rosoclingo.reasoning.keywords import (
     CANCEL_ACTION,
     REQUEST,
     RETURN,
+    STATUS,
     KeywordError,
     Return,
     action_of,
@@ -18,6 +19,7 @@ from rosoclingo.reasoning.keywords import (
     name_of,
     return_of,
 )
+from rosoclingo.runs.sentences import Sentences
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus), as a summary uses them.
 STATUS_WORDS = (
@@ -35,6 +37,15 @@ STATUS_WORDS = (
 
 #: The words that end a goal.
 ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
+
+#: What the state has of plan and goals, which are told otherwise.
+_TOLD = (ACTION_LIB + "(", STATUS + "(")
+
+#: What the first plan gives: which cycle it is.
+_BEGUN = "begun"
+
+#: So many of the actions a summary names.
+_LATEST = 40
 
 #: Seconds of the run's clock for which a line waits for one that belongs before it: topics overtake each other.
 PATIENCE = 1.0
@@ -55,7 +66,8 @@ class GoalAccount:
 class Summary:
     """The totals of a run.
 
-    ``packages`` maps each package to its label or "carried"; ``seconds`` are of the run's clock.
+    ``packages`` maps each package to its label or "carried"; ``robot`` is empty where nobody has told its place;
+    ``seconds`` are of the run's clock.
     """
 
     goals: List[GoalAccount] = field(default_factory=list)
@@ -63,7 +75,7 @@ class Summary:
     returns: List[str] = field(default_factory=list)
     updates: List[str] = field(default_factory=list)
     packages: Dict[str, str] = field(default_factory=dict)
-    robot: str = "unknown"
+    robot: str = ""
     seconds: float = 0.0
 
     def differences(self, expect: Mapping[str, Any]) -> List[str]:
@@ -81,8 +93,14 @@ class Summary:
         goals = [f"{one.text}: {one.status}{_because(one)}" for one in self.goals]
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
-        actions = ", ".join(_action(text) for text in self.actions) or "none"
-        return [*goals, *packages, f"robot: {self.robot}", f"actions: {actions}"]
+        robot = [f"robot: {self.robot}"] if self.robot else []
+        return [*goals, *packages, *robot, f"actions: {self._done()}"]
+
+    def _done(self) -> str:
+        """The actions, or the latest of many."""
+        actions = ", ".join(_action(text) for text in self.actions[-_LATEST:]) or "none"
+        more = len(self.actions) > _LATEST
+        return f"{len(self.actions)}, the last {_LATEST} of them {actions}" if more else actions
 
     def _at(self, place: str) -> List[str]:
         return sorted(key for key in self.packages if self.packages[key] == place)
@@ -94,15 +112,28 @@ class _Line(NamedTuple):
     text: str
     after: Set[str]
     gives: str
+    cycle: int = 0  # which begins with it, 0 for none
 
 
 class Account:
-    """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line."""
+    """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line.
 
-    def __init__(self, say: Callable[[str], None], enter: Optional[Enter] = None) -> None:
+    It may begin in the midst of a run: then with what the latched topics have, in whatever order. ``with_state`` it
+    says what the program believes as well.
+
+    Attributes:
+        sentences: how actions are said.
+
+    """
+
+    def __init__(self, say: Callable[[str], None], enter: Optional[Enter] = None, with_state: bool = False) -> None:
         """``say`` gets each line, ``enter`` what is in it: seconds since the run began, cycle, kind and text."""
         self._say = say
         self._enter = enter
+        self.sentences = Sentences()
+        self._with_state = with_state
+        self._state: Optional[FrozenSet[str]] = None
+        self._planned = self._met = False  # whether a plan, and the goals, were told
         self._goals: Dict[str, GoalAccount] = {}
         self._start: Optional[float] = None
         self._cycle = 0
@@ -112,45 +143,75 @@ class Account:
         self.summary = Summary()
 
     def goal(self, time: float, key: str, text: str) -> None:
-        """Record a goal that a client sent."""
+        """Record a goal that a client sent; once, whoever tells of it."""
+        if key in self._goals:
+            return
         self._goals[key] = GoalAccount(text)
         self.summary.goals.append(self._goals[key])
         self._line(time, "request", text, gives=_as_fed(text))
+
+    def goals(self, time: float, told: Iterable[Tuple[str, str, int, str]]) -> None:
+        """Record how all goals stand: key, text, status and message of each.
+
+        What the account has not heard of itself is new, but at first: then it goes on already, or is history.
+        """
+        for key, text, number, message in told:
+            if self._met:
+                self.goal(time, key, text)
+            elif key not in self._goals:
+                self._goals[key] = GoalAccount(text)
+                if STATUS_WORDS[number] in ENDED:
+                    self._goals[key].status = STATUS_WORDS[number]
+                    continue
+                self.summary.goals.append(self._goals[key])
+                self._goals[key].status = ""
+            self.status(time, key, number, message, () if self._met else (_BEGUN,))
+        self._met = True
+
+    def state(self, time: float, atoms: Iterable[str]) -> None:
+        """Record what the program believes now, and say what has changed, plan and goals apart."""
+        before, self._state = self._state or frozenset(), frozenset(atoms)
+        come, gone = self._state - before, before - self._state
+        words = [sign + one for sign, found in (("+", come), ("-", gone)) for one in sorted(found) if _is_news(one)]
+        if words and self._with_state:
+            self._line(time, "state", " ".join(words), {_BEGUN})
 
     def cancel(self, time: float, key: str) -> None:
         """Record that a client cancelled a goal; an empty key stands for all of them."""
         self._line(time, "cancel", self._goals[key].text if key in self._goals else "every goal")
 
-    def status(self, time: float, key: str, number: int, message: str) -> None:
+    def status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
         """Record a goal's status, as often as it is published."""
         goal = self._goals.get(key)
         word = STATUS_WORDS[number]
         if goal is None or goal.status == word or goal.status in ENDED:
             return
         goal.status, goal.message = word, message
-        self._line(time, "goal", f"{goal.text}: {word}{_because(goal)}")
+        self._line(time, "goal", f"{goal.text}: {word}{_because(goal)}", after)
 
     def update(self, time: float, text: str) -> None:
         """Record a stream update that the core fed."""
         self.summary.updates.append(text)
         step, sources, plain = _read_update(text)
-        self._line(time, "update", " ".join(plain.split()), sources, f"update {step}")
+        self._line(time, "update", " ".join(plain.split()), sources, f"update {step}", step or self._cycle + 1)
 
     def plan(self, time: float, cycle: int, actions: Sequence[str]) -> None:
         """Record the plan of a cycle; what is past is left out of the line."""
         ahead = ", ".join(_action(text) for text in actions if _cycle_of(text) >= cycle) or "nothing to do"
         first = not self.summary.updates and not actions
-        after = set() if first else {f"update {cycle}"}
-        self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}")
+        late = not self._planned and (cycle > 1 or bool(actions)) and not self.summary.updates
+        self._planned = True
+        after = set() if first or late else {f"update {cycle}"}
+        self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}", cycle if late else 0)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Record actions on out_rosoclingo, and what ends them early."""
         for text in facts:
             if text.startswith(CANCEL_ACTION):
-                self._line(time, "preempt", _action(ACTION_LIB + text[len(CANCEL_ACTION) :]))
+                self._line(time, "preempt", self._sentence(ACTION_LIB + text[len(CANCEL_ACTION) :]))
             else:
                 self.summary.actions.append(text)
-                self._line(time, "action", _action(text), {f"plan {_cycle_of(text)}"})
+                self._line(time, "action", self._sentence(text), {f"plan {_cycle_of(text)}"})
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Record facts on in_rosoclingo."""
@@ -186,26 +247,32 @@ class Account:
             self._print(line)
         self._held = []
 
-    def _line(self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "") -> None:
+    def _sentence(self, text: str) -> str:
+        try:
+            return self.sentences.of(action_of(parse_atom(text)))
+        except (ProgressionError, KeywordError):
+            return text
+
+    def _line(
+        self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "", cycle: int = 0
+    ) -> None:
         self._start = time if self._start is None else self._start
         now = time - self._start
         self.summary.seconds = max(self.summary.seconds, now)
-        self._held.append(_Line(now, kind, text, set(after), gives))
-        while self._release(now):
-            pass
+        self._held.append(_Line(now, kind, text, set(after), gives, cycle))
+        self.pass_time(time)
 
     def _release(self, now: float) -> bool:
         for line in self._held:
             if line.after <= self._said or now - line.time > PATIENCE:
                 self._held.remove(line)
-                self._said.add(line.gives)
+                self._said.update({line.gives, _BEGUN} if line.kind == "plan" else {line.gives})
                 self._print(line)
                 return True
         return False
 
     def _print(self, line: _Line) -> None:
-        if line.kind == "update":
-            self._cycle += 1
+        self._cycle = line.cycle or self._cycle
         self._now = max(self._now, line.time)
         cycle = max(1, self._cycle)
         self._say(f"{self._now:7.1f} s  cycle {cycle:<3d} {line.kind:8s} {line.text}")
@@ -219,6 +286,10 @@ def _because(goal: GoalAccount) -> str:
         return ""
     text = goal.message[len(goal.text) :] if goal.message.startswith(goal.text) else goal.message
     return f" ({text.strip()})" if text else ""
+
+
+def _is_news(atom: str) -> bool:
+    return not atom.startswith(_TOLD)
 
 
 def _read_update(text: str) -> Tuple[Optional[int], Set[str], str]:

@@ -20,7 +20,7 @@ from rosoclingo.reasoning import Outcome
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, SentGoal, Updates
+from core_helpers import Client, Hands, SentGoal, Told, Updates
 from interface_helpers import PATIENCE, executable, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
@@ -278,6 +278,37 @@ class Core(unittest.TestCase):
             [*run[0], "--server", "nobody", "--wait", "0.2"], stdout=subprocess.DEVNULL, timeout=PATIENCE
         )
         self.assertEqual(nobody.returncode, 5)
+
+    def test_request_in_plain_words(self):
+        text = self.errand()
+        with Told("request", "--plain", text) as client:
+            command = self.hands.take()
+            number = command.split(",")[1]
+            client.lines_until(f"walks {number}")
+            self.hands.succeed(command)
+            self.assertEqual(client.rest(), (0, [f"succeeded: {text} is met"]))
+
+    def test_watch_joins_a_run_and_ends_with_a_summary(self):
+        before = self.client.send(self.errand())
+        self.hands.succeed(self.hands.take())
+        before.ends_as(SUCCEEDED)
+        goal = self.client.send(self.errand())
+        command = self.hands.take()
+        _, number, cycle = command[:-1].split(",")
+        with Told("watch", "--state") as watch:
+            lines = watch.lines_until("action   walks")
+            self.assertTrue(all(f"cycle {cycle} " in line for line in lines), lines)
+            self.assertTrue(lines[0].endswith(f"plan     walk {number}"), lines)
+            self.assertNotIn(before.text, "".join(lines))
+            if goal.text not in "".join(lines):
+                watch.lines_until(f"goal     {goal.text}: ")
+            self.hands.succeed(command)
+            watch.lines_until(f"goal     {goal.text}: succeeded")
+            watch.interrupt()
+            code, rest = watch.rest()
+        self.assertEqual(code, 0)
+        summary = rest[rest.index("") + 1 :]
+        self.assertEqual(summary[:2], [f"{goal.text}: succeeded", f"actions: walk {number}"])
 
     def test_many_goals_of_many_clients(self):
         self.hands.at_once = True

@@ -1,6 +1,7 @@
 import pytest
 
 from rosoclingo.runs.account import PATIENCE, Account
+from rosoclingo.runs.sentences import Sentences
 
 
 @pytest.fixture
@@ -139,7 +140,7 @@ def test_summary(account):
 
 
 def test_summary_of_a_run_in_which_nothing_happened(account):
-    assert account.summary.lines() == ["robot: unknown", "actions: none"]
+    assert account.summary.lines() == ["actions: none"]
 
 
 def test_differences(account):
@@ -160,3 +161,66 @@ def test_an_action_that_is_ended_early_is_no_further_action():
     account.finish()
     assert account.summary.actions == ["_action_lib(go,x,1)"]
     assert any(line.split()[-3:] == ["preempt", "go", "x"] for line in lines)
+
+
+def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
+    told = [
+        ("a", "g(1)", 3, "g(1) is met"),
+        ("b", "g(2)", 1, "g(2) is accepted"),
+        ("c", "g(3)", 0, "8 goals at a time are planned for"),
+    ]
+    account.goals(5000.0, told)
+    account.plan(5000.0, 412, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
+    account.dispatched(5000.1, ["_action_lib(go,y,412)"])
+    account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
+    account.status(5001.0, "a", 3, "g(1) is met")
+    account.goals(5002.0, [*told, ("d", "g(4)", 0, "")])
+    account.goal(5002.0, "d", "g(4)")
+    account.status(5003.0, "b", 3, "g(2) is met")
+    assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [
+        ["412", "plan", "go y"],
+        ["412", "goal", "g(2): active"],
+        ["412", "goal", "g(3): pending"],
+        ["412", "action", "go y"],
+        ["413", "update", "#step 413. :- not _action_lib(go,y,412). #end step."],
+        ["413", "request", "g(4)"],
+        ["413", "goal", "g(2): succeeded"],
+    ]
+    assert [goal.text for goal in account.summary.goals] == ["g(2)", "g(3)", "g(4)"]
+    assert account.summary.lines()[-1] == "actions: go y"
+
+
+def test_what_waits_is_told_as_time_passes(account, lines):
+    account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
+    account.pass_time(PATIENCE)
+    assert lines == []
+    account.pass_time(PATIENCE + 0.1)
+    assert kinds(lines) == ["update"]
+
+
+def test_the_state_is_told_where_that_is_wanted(lines):
+    account = Account(lines.append, with_state=True)
+    account.plan(0.0, 1, [])
+    account.state(0.0, ["_status(1,accepted,now)", "at(a,now)", "lit(now)"])
+    account.state(1.0, ["_action_lib(go,b,now)", "at(a,now)", "lit(now)"])
+    account.state(2.0, ["at(b,now)", "lit(now)"])
+    assert [line.split("state")[1].strip() for line in lines[1:]] == ["+at(a,now) +lit(now)", "+at(b,now) -at(a,now)"]
+    silent = Account(lines.append)
+    silent.state(0.0, ["at(a,now)"])
+    silent.finish()
+    assert len(lines) == 3
+
+
+def test_actions_are_told_in_the_program_s_words(account, lines):
+    account.sentences = Sentences({"go": "goes to {}"})
+    run(account)
+    account.dispatched(12.2, ["_action_lib(go,x,2)", "_action_lib(wave,y,2)", "_cancel(go,x,2)"])
+    account.finish()
+    assert [line.split(None, 5)[-1] for line in lines[-3:]] == ["goes to x", "wave y", "goes to x"]
+
+
+def test_a_summary_of_many_actions_names_the_latest(account):
+    account.dispatched(0.0, [f"_action_lib(go,{number},{number})" for number in range(1, 101)])
+    last = account.summary.lines()[-1]
+    assert last.startswith("actions: 100, the last 40 of them go 61, go 62")
+    assert last.endswith("go 100")

@@ -1,0 +1,80 @@
+"""The command ``watch``: the account of a system that runs, or of a bag."""
+
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Callable, Iterable, Optional, Sequence
+
+import rospy
+
+from rosoclingo.common.labels import LabelError, LabelTable
+from rosoclingo.nodes.account_node import TOPICS, USUAL, AccountNode, TopicAccount, topic_of
+from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.nodes.words import words_of
+from rosoclingo.runs.recorded_run import RecordingError
+
+Say = Callable[[str], None]
+
+#: The type of a topic that each core has.
+_PLAN = "rosoclingo/TaskPlan"
+
+#: Seconds of wall time between two looks at whether something has waited long enough.
+_TURN = 0.2
+
+
+def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> None:
+    """Tell the account of a bag, and the summary; raises RecordingError."""
+    account = TopicAccount(say, with_state=with_state)
+    try:
+        with opened(path) as bag:
+            found = set(bag.get_type_and_topic_info().topics)
+            names = {topic_of(topic, core_in(found, core)): topic for topic in TOPICS}
+            for topic, message, moment in bag.read_messages(sorted(found & names.keys())):
+                account.take(names[topic], message, moment.to_sec())
+    except KeyboardInterrupt:
+        pass
+    _conclude(account, say)
+
+
+def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
+    """Tell the account of the system around a core, until Ctrl-C or the master's end, then the summary."""
+    name = rospy.resolve_name(core) if core else _find_core()
+    words = words_of(name)  # first, as the first line may be of an action
+    account = AccountNode(say, _labels(), with_state, name)
+    account.account.sentences = words
+    try:
+        while not rospy.is_shutdown():
+            time.sleep(_TURN)
+            account.tick(rospy.get_time())
+    except KeyboardInterrupt:
+        pass
+    _conclude(account, say)
+
+
+def _conclude(account: TopicAccount, say: Say) -> None:
+    summary = account.finish()
+    for line in ("", *summary.lines(), f"time: {summary.seconds:.1f} s"):
+        say(line)
+
+
+def _find_core() -> str:
+    """The full name of the core to watch: that of the usual name, here, where it is there, or the only one."""
+    return chosen_core(rospy.get_published_topics(), rospy.resolve_name(USUAL))
+
+
+def chosen_core(published: Iterable[Sequence[str]], usual: str) -> str:
+    """The core of these topics (name, type): the ``usual`` one unless there is but one other; raises RecordingError."""
+    cores = sorted(name.rpartition("/")[0] for name, kind in published if kind == _PLAN)
+    if usual in cores or not cores:
+        return usual
+    if len(cores) > 1:
+        raise RecordingError(f"there are {len(cores)} cores: name one of {', '.join(cores)} by --core")
+    return cores[0]
+
+
+def _labels() -> Optional[LabelTable]:
+    """The labels of the simulated office, if there is one."""
+    with suppress(LabelError):
+        found = rospy.get_param("office/labels", None)
+        return LabelTable.from_mapping(found) if found else None
+    return None

@@ -1,0 +1,73 @@
+"""Actions in plain words, as a program has them for people: ``_says(move_base,"drives to {}").`` among its facts."""
+
+from contextlib import suppress
+from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
+
+from clingo import Symbol, SymbolType
+from clingo.ast import ASTType
+
+from rosoclingo.oclingo import ProgramError, ProgressionError, parse_atom
+from rosoclingo.oclingo.program.directives import Directives
+from rosoclingo.oclingo.program.sources import Source, read_sources
+from rosoclingo.reasoning.keywords import Action, KeywordError, action_of, name_of
+from rosoclingo.runs.recorded_run import RunProgram
+
+#: ``_says(A,Text)``: what an action A does, with ``{}`` where its parameter is to be, which else comes last.
+SAYS = "_says"
+
+_PLACE = "{}"
+
+_CANCELLING = ("recalling", "preempting")
+
+
+class Sentences:
+    """Says what actions do: by interface a text each, the interface and the parameter where there is none."""
+
+    def __init__(self, texts: Optional[Mapping[str, str]] = None) -> None:
+        self._texts: Dict[str, str] = dict(texts or {})
+
+    def of(self, action: Action) -> str:
+        """What an action does, "drives to office2"."""
+        text = self._texts.get(action.interface_name, action.interface_name)
+        parameter = name_of(action.parameter)
+        return text.replace(_PLACE, parameter) if _PLACE in text else f"{text} {parameter}"
+
+    def now(self, cycle: int, state: str, plan: Iterable[str]) -> str:
+        """What is done in a cycle of a plan for a goal in this state (its feedback), in one line."""
+        if state.startswith("waiting"):
+            return state
+        actions = filter(None, map(_action, plan))
+        doing = ", ".join(self.of(one) for one in actions if one.cycle == cycle) or "nothing to do now"
+        return f"is cancelled: {doing}" if state in _CANCELLING else doing
+
+
+def sentences_of(program: RunProgram) -> Sentences:
+    """Return what the facts of a program's texts say; what cannot be read says nothing."""
+    sources = [Source(one.name, one.text) for one in program.files if SAYS in one.text]
+    try:
+        return Sentences(dict(_facts(sources)))
+    except ProgramError:
+        return Sentences()
+
+
+def _facts(sources: List[Source]) -> Iterator[Tuple[str, str]]:
+    for parsed in read_sources(sources, Directives(), [], whole=True):
+        for statement in parsed.statements:
+            fact = _atom(str(statement.head)) if statement.ast_type == ASTType.Rule and not statement.body else None
+            if fact is not None and fact.match(SAYS, 2) and fact.arguments[1].type is SymbolType.String:
+                yield name_of(fact.arguments[0]), fact.arguments[1].string
+
+
+def _action(text: str) -> Optional[Action]:
+    atom = _atom(text)
+    with suppress(KeywordError):
+        return None if atom is None else action_of(atom)
+    return None
+
+
+def _atom(text: str) -> Optional[Symbol]:
+    """An atom, None for what is none or not ground."""
+    try:
+        return parse_atom(text)
+    except ProgressionError:
+        return None

@@ -1,0 +1,104 @@
+"""The command ``watch``: which core it is about, and the account of a bag."""
+
+from pkgutil import extend_path
+
+import pytest
+
+import rosoclingo
+from rosoclingo.runs.recorded_run import RecordingError
+
+PLAN = "rosoclingo/TaskPlan"
+
+
+@pytest.fixture
+def messages(monkeypatch):
+    """The messages that the build has made."""
+    pytest.importorskip("rosbag")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    return pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+
+
+@pytest.mark.parametrize(
+    ("cores", "usual", "expected"),
+    [
+        ([], "/rosoclingo", "/rosoclingo"),
+        (["/brain"], "/rosoclingo", "/brain"),
+        (["/a/rosoclingo", "/b/rosoclingo"], "/b/rosoclingo", "/b/rosoclingo"),
+    ],
+)
+def test_the_core_to_watch(messages, cores, usual, expected):
+    from rosoclingo.nodes.watch import chosen_core
+
+    published = [[f"{core}/task_plan", PLAN] for core in cores] + [["/x/task_plan", "other/Plan"]]
+    assert chosen_core(published, usual) == expected
+
+
+def test_several_cores_have_to_be_told_apart(messages):
+    from rosoclingo.nodes.watch import chosen_core
+
+    with pytest.raises(RecordingError, match=r"/a/brain, /b/brain by --core"):
+        chosen_core([["/b/brain/task_plan", PLAN], ["/a/brain/task_plan", PLAN]], "/rosoclingo")
+
+
+@pytest.mark.parametrize(
+    ("core", "plan", "status", "outlet"),
+    [
+        ("rosoclingo", "rosoclingo/task_plan", "rosoclingo/status", "out_rosoclingo"),
+        ("/rosoclingo", "/rosoclingo/task_plan", "/rosoclingo/status", "/out_rosoclingo"),
+        ("/a/b/brain", "/a/b/brain/task_plan", "/a/b/rosoclingo/status", "/a/b/out_rosoclingo"),
+        ("brain", "brain/task_plan", "rosoclingo/status", "out_rosoclingo"),
+    ],
+)
+def test_a_core_s_topics(messages, core, plan, status, outlet):
+    from rosoclingo.nodes.account_node import TOPICS, topic_of
+
+    names = [topic_of(topic, core) for topic in ("rosoclingo/task_plan", "rosoclingo/status", "out_rosoclingo")]
+    assert names == [plan, status, outlet]
+    assert len({topic_of(topic, core) for topic in TOPICS}) == len(TOPICS)
+
+
+def test_the_account_of_a_bag(messages, tmp_path):
+    import rosbag
+    import rospy
+    from actionlib_msgs.msg import GoalID
+    from std_msgs.msg import String
+
+    from rosoclingo.nodes.watch import watch_bag
+
+    go = ["_action_lib(go,x,2)"]
+    goal = messages.GoalState(id=GoalID(id="a"), request="g(1)", status=1)
+    said = [
+        ("/lab/brain/goals", messages.GoalStates(goals=[goal])),
+        ("/lab/brain/state", messages.State(cycle=2, atoms=["at(a,now)"])),
+        ("/lab/brain/task_plan", messages.TaskPlan(cycle=2, horizon=2, actions=go)),
+        ("/lab/out_rosoclingo", messages.InterfaceIO("go", go)),
+        ("/lab/in_rosoclingo", messages.InterfaceIO("go", ["_return(go,x,2)"])),
+        ("/lab/brain/updates", String("#step 3.\n_return(go,x,2).\n#end step.\n")),
+    ]
+    path = tmp_path / "run.bag"
+    with rosbag.Bag(str(path), "w") as bag:
+        for number, (topic, message) in enumerate(said):
+            bag.write(topic, message, rospy.Time(100.0 + 0.2 * number))
+    lines = []
+    watch_bag(path, None, True, lines.append)
+    assert [line.split("cycle ")[1].split(None, 2) for line in lines[: lines.index("")]] == [
+        ["2", "plan", "go x"],
+        ["2", "goal", "g(1): active"],
+        ["2", "state", "+at(a,now)"],
+        ["2", "action", "go x"],
+        ["2", "return", "go x"],
+        ["3", "update", "#step 3. _return(go,x,2). #end step."],
+    ]
+    assert lines[lines.index("") :] == ["", "g(1): active", "actions: go x", "time: 1.0 s"]
+    with pytest.raises(RecordingError, match="the core other is not in it"):
+        watch_bag(path, "other", True, lines.append)
+
+
+def test_what_is_no_bag(messages, tmp_path):
+    from rosoclingo.nodes.watch import watch_bag
+
+    path = tmp_path / "run.bag"
+    path.write_text("no bag", encoding="utf-8")
+    for one in (path, tmp_path / "missing.bag"):
+        with pytest.raises(RecordingError, match=str(one)):
+            watch_bag(one, None, False, print)

@@ -1,0 +1,63 @@
+"""Actions in a program's own words."""
+
+import pytest
+from shipped import shipped
+
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
+from rosoclingo.runs.sentences import Sentences, sentences_of
+
+WORDS = """
+#program base.
+_says(drive,"drives to {}"). _says(wait,"waits {} minutes, {} at the most"). _says("tidy up","tidies up").
+_says(X,"does {}") :- odd(X).
+_says(plain,no_text). _says(one). _says(X,Y) :- known(X,Y). known(1,2).
+#program cumulative(t).
+#external _request/2.
+"""
+
+
+def words(text, *actions):
+    program = RunProgram.of("run", ReactiveProgram.from_text(text), {})
+    return [sentences_of(program).of(action_of(parse_atom(one))) for one in actions]
+
+
+def test_facts_of_a_program_say_what_actions_do():
+    assert words(WORDS, "_action_lib(drive,tap,1)", '_action_lib(wait,"3",1)', '_action_lib("tidy up",f(x),1)') == [
+        "drives to tap",
+        "waits 3 minutes, 3 at the most",
+        "tidies up f(x)",
+    ]
+
+
+@pytest.mark.parametrize("interface", ["plain", "one", "odd", "unheard"])
+def test_all_others_are_said_plainly(interface):
+    assert words(WORDS, f"_action_lib({interface},tap,1)") == [f"{interface} tap"]
+
+
+def test_what_cannot_be_read_says_nothing():
+    program = RunProgram("run", (ProgramFile("broken.lp", '_says(go,"goes to {}"). ((', False),), {}, "")
+    assert sentences_of(program).of(action_of(parse_atom("_action_lib(go,x,1)"))) == "go x"
+
+
+@pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")])
+def test_the_shipped_rules_of_delivery(files):
+    sentences = sentences_of(RunProgram.of("run", shipped(*files), {}))
+    said = [sentences.of(action_of(parse_atom(f"_action_lib({one},1)"))) for one in ("move_base,tap", "pickup,cup")]
+    assert said == ["drives to tap", "picks up cup"]
+
+
+@pytest.mark.parametrize(
+    ("state", "expected"),
+    [
+        ("active", "goes to x, wave y"),
+        ("preempting", "is cancelled: goes to x, wave y"),
+        ("waiting: 8 goals at a time are planned for", "waiting: 8 goals at a time are planned for"),
+    ],
+)
+def test_what_is_done_now(state, expected):
+    sentences = Sentences({"go": "goes to"})
+    plan = ["_action_lib(go,x,3)", "_action_lib(wave,y,3)", "_action_lib(go,z,4)", "((", "_seen(3)"]
+    assert sentences.now(3, state, plan) == expected
+    assert sentences.now(5, "active", plan) == "nothing to do now"
