@@ -137,6 +137,8 @@ class GoalManager:
     def put_off(self, goals: Sequence[Goal], why: str, told: int) -> None:
         """Goals that were taken out of the program wait for their turn; updates were told up to that of ``told``."""
         self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
+        for goal in goals:
+            self._feeder.withdraw(goal)
         alone = len(goals) == len(self.queue.served)
         for goal in goals:
             goal.forget()

@@ -17,8 +17,8 @@ def put_off(
     """Take those of the ``chosen`` goals that are not in hand out of the program; what was too much: ``why``.
 
     Where they all are, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up
-    to that of this cycle. Returns the planner that goes on, and in words what was done. May raise DisturbedError, with
-    nothing done.
+    to that of this cycle. Those of an update that is not in force can always wait. Returns the planner that goes on,
+    and in words what was done. May raise DisturbedError, with nothing done.
     """
     fed = manager.fed
     others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
@@ -27,8 +27,9 @@ def put_off(
         manager.queue.stay(chosen)
         return planner, f"{why}: the search goes on"
     planner = planner.restarted(requests_of(gone))
-    manager.put_off(gone, f"{len(fed)} goals were too much: {why}", told)
-    return planner, f"{why}: {len(gone)} of {len(fed)} goals wait"
+    number = len({*fed, *gone})
+    manager.put_off(gone, f"{number} goals were too much: {why}", told)
+    return planner, f"{why}: {len(gone)} of {number} goals wait"
 
 
 def _postponable(planner: Planner, chosen: Sequence[Goal], fed: Sequence[Goal], fresh: Sequence[Goal]) -> List[Goal]:
@@ -38,8 +39,8 @@ def _postponable(planner: Planner, chosen: Sequence[Goal], fed: Sequence[Goal], 
     with all other goals cancelled there is a plan of the same length. What was picked up for a goal has to be
     brought back when that is cancelled; and without its request it could never have been picked up.
     """
-    new = [goal for goal in chosen if goal in fresh]
-    old = [goal for goal in chosen if goal not in fresh and (goal.request_cycle or 0) > planner.log.over]
+    new = [goal for goal in chosen if goal in fresh or not goal.fed]
+    old = [goal for goal in chosen if goal not in new and (goal.request_cycle or 0) > planner.log.over]
     gone = [*new, *_Trial(planner, fed, fresh).untouched(old)] if old else new
     return [goal for goal in chosen if goal in gone]
 

@@ -209,6 +209,20 @@ def test_a_goal_that_alone_is_dropped_rests_ever_longer():
     assert driver.run().finish().states("a")[-1] == "succeeded"
 
 
+def test_one_that_comes_while_such_a_goal_is_tried_again_is_served_first():
+    driver = Interrupted()
+    driver.drops = lambda update: "run" in str(update)
+    driver.goal("a", "do(run,1)")
+    driver.now += 10.0
+    driver.core.poll(driver.now)
+    driver.once()
+    assert driver.goal("b", "do(walk,2)").awaited == ["_action_lib(walk,2,2)"]
+    assert driver.finish().states("b")[-1] == "succeeded"
+    driver.drops = lambda update: False
+    driver.now += 20.0
+    assert driver.run().finish().states("a")[-1] == "succeeded"
+
+
 def test_an_update_whose_look_ahead_is_dropped_is_fed_without():
     driver = Interrupted()
     driver.drops = lambda update: update.bound and "_request(do(" in str(update)
