@@ -1,7 +1,9 @@
-"""Profiles for hypothesis: the standing run looks at the same examples each time, random and thorough at new ones."""
+"""Profiles for hypothesis, and a browser: the standing run looks at the same examples each time, others at new ones."""
 
 import os
 
+import browser
+import pytest
 from hypothesis import HealthCheck, settings
 
 _slow = [HealthCheck.too_slow, HealthCheck.data_too_large]  # no test depends on the machine's speed
@@ -10,3 +12,14 @@ settings.register_profile("thorough", parent=settings.get_profile("random"), max
 settings.register_profile("standing", parent=settings.get_profile("random"), derandomize=True)
 settings.register_profile("brief", parent=settings.get_profile("standing"), max_examples=20)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "standing"))
+
+
+@pytest.fixture(scope="module")
+def page():
+    """A page of a browser, as large as a desktop's."""
+    path = browser.found()
+    if path is None:
+        pytest.skip("there is no browser: install chromium")
+    with browser.Browser(path) as one:
+        one.size(1280, 900)
+        yield one

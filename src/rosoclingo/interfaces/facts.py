@@ -1,15 +1,14 @@
 """Facts on the two topics between the core and the interface layer: reading commands, writing returns.  No ROS."""
 
 import enum
-from typing import NamedTuple, Optional
+from typing import NamedTuple
 
-from clingo import Function, Symbol, SymbolType
+from clingo import Function, Symbol
 
 from rosoclingo.interfaces.values import TermError, read_atom
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
-    RUN,
     Action,
     KeywordError,
     Return,
@@ -47,16 +46,6 @@ def parse_command(text: str, interface: str) -> Command:
     if action.interface_name != interface:
         raise FactError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
     return Command(verb, action)
-
-
-def read_run(text: str) -> Optional[str]:
-    """The run that the core announces, ID of `_run("ID")`; None for any other text."""
-    try:
-        atom = read_atom(text)
-    except TermError:
-        return None
-    named = is_keyword(atom, RUN) and len(atom.arguments) == 1 and atom.arguments[0].type is SymbolType.String
-    return atom.arguments[0].string if named else None
 
 
 def return_text(action: Action, value: Symbol) -> str:

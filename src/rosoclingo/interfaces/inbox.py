@@ -7,9 +7,9 @@ import rospy
 
 from rosoclingo.common.connections import is_connected
 from rosoclingo.common.worker import Worker
-from rosoclingo.interfaces.facts import read_run
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.reasoning.keywords import CORE
+from rosoclingo.runs.topic_atoms import run_in
 
 OUT_TOPIC = "out_rosoclingo"
 
@@ -69,7 +69,7 @@ class Inbox:
         header = message._connection_header
         node = header["callerid"]
         if message.interface == CORE:
-            for run in filter(None, map(read_run, message.facts)):
+            for run in filter(None, map(run_in, message.facts)):
                 self._announced[node] = _Announced(run, header)
                 for follow in self._followers:
                     follow(run)

@@ -5,21 +5,18 @@ from typing import Any, Callable, Dict, FrozenSet, Iterable, List, Mapping, Name
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_term, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
     REQUEST,
     RETURN,
     STATUS,
-    KeywordError,
-    Return,
-    action_of,
     is_keyword,
     name_of,
-    return_of,
 )
 from rosoclingo.runs.sentences import Sentences
+from rosoclingo.runs.topic_atoms import action_in, return_in
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus), as a summary uses them.
 STATUS_WORDS = (
@@ -216,7 +213,7 @@ class Account:
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Record facts on in_rosoclingo."""
         for text in facts:
-            answer = _return(text)
+            answer = return_in(text)
             if answer is None:
                 self._line(time, "fact", f"{text} from {origin}")
             else:
@@ -248,10 +245,8 @@ class Account:
         self._held = []
 
     def _sentence(self, text: str) -> str:
-        try:
-            return self.sentences.of(action_of(parse_atom(text)))
-        except (ProgressionError, KeywordError):
-            return text
+        action = action_in(text)
+        return text if action is None else self.sentences.of(action)
 
     def _line(
         self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "", cycle: int = 0
@@ -318,22 +313,10 @@ def _as_fed(text: str) -> str:
 
 
 def _action(text: str) -> str:
-    try:
-        action = action_of(parse_atom(text))
-    except (ProgressionError, KeywordError):
-        return text
-    return f"{action.interface_name} {name_of(action.parameter)}"
+    action = action_in(text)
+    return text if action is None else f"{action.interface_name} {name_of(action.parameter)}"
 
 
 def _cycle_of(text: str) -> int:
-    try:
-        return action_of(parse_atom(text)).cycle
-    except (ProgressionError, KeywordError):
-        return 0
-
-
-def _return(text: str) -> Optional[Return]:
-    try:
-        return return_of(parse_atom(text))
-    except (ProgressionError, KeywordError):
-        return None
+    action = action_in(text)
+    return 0 if action is None else action.cycle

@@ -11,10 +11,10 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 import clingo
 
-from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_atom, parse_update
+from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.reasoning.keywords import ACTION_LIB, KeywordError, action_of, is_keyword
+from rosoclingo.runs.topic_atoms import action_in
 
 #: The form of what :meth:`RunProgram.text` writes.
 FORMAT = 1
@@ -247,9 +247,9 @@ class RunCollector:
 
     def problem(self, text: str) -> None:
         """Take a line of the core's log."""
-        found = _CYCLE.match(text)
-        if found is not None and self._runs:
-            self._run.at(int(found.group(1))).problems.append(text[found.end() :])
+        cycle, problem = problem_in(text)
+        if cycle is not None and self._runs:
+            self._run.at(cycle).problems.append(problem)
 
     def runs(self) -> List[RecordedRun]:
         """Return the runs with updates, in order; raises RecordingError where there is none."""
@@ -274,10 +274,13 @@ class RunCollector:
         return self._runs[-1]
 
 
+def problem_in(text: str) -> Tuple[Optional[int], str]:
+    """Return the cycle with which a line of the core's log begins, None where it does not, and the rest."""
+    found = _CYCLE.match(text)
+    return (None, text) if found is None else (int(found.group(1)), text[found.end() :])
+
+
 def _cycle_of(text: str) -> int:
     """Return the cycle of an action, 0 for anything else."""
-    try:
-        atom = parse_atom(text)
-        return action_of(atom).cycle if is_keyword(atom, ACTION_LIB) else 0
-    except (OclingoError, KeywordError):
-        return 0
+    action = action_in(text)
+    return 0 if action is None else action.cycle

@@ -8,20 +8,18 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.common.labels import LabelError, LabelTable
-from rosoclingo.oclingo import OclingoError, ProgressionError, parse_atom, parse_update
+from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
-    KeywordError,
     Return,
-    action_of,
     name_of,
-    return_of,
     shortened,
 )
-from rosoclingo.runs.account import STATUS_WORDS, Account
+from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import Record, Revision, Table, Track, Words, simplified
+from rosoclingo.runs.topic_atoms import action_in, atom_in, return_in
 
 #: The form of what :meth:`RunView.changes` returns.
 FORMAT = 1
@@ -37,7 +35,6 @@ EARLY = 20
 
 #: Statuses after which nothing comes; a goal that was given up as lost may yet be heard of.
 LOST = "lost"
-TERMINAL = frozenset({"canceled", "succeeded", "aborted", "rejected", LOST})
 
 #: Records of all tables together after which a page that goes on begins anew.
 MOST = 50000
@@ -48,9 +45,8 @@ class ActionWords(Words):
 
     def entry(self, text: str) -> Record:
         """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
-        try:
-            action = action_of(parse_atom(text))
-        except (ProgressionError, KeywordError):
+        action = action_in(text)
+        if action is None:
             return {"interface": shortened(text), "parameter": "", "cycle": 0}
         return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
 
@@ -172,7 +168,7 @@ class RunView:
             return
         now = self._now(time, begins=True)
         for text in facts:
-            answer = _return(text)
+            answer = return_in(text)
             if answer is None or not self._answered(now, answer):
                 labels = [name for name in _arguments(text) if name in self.about["labels"]]
                 self.tables["facts"].add(
@@ -313,7 +309,7 @@ class RunView:
         now = self._now(time)
         goal = self.tables["goals"].change(number)
         goal["states"].append([now, word, reason])
-        goal["ended"] = now if word in TERMINAL else None
+        goal["ended"] = now if word in ENDED else None
         return True
 
     def _answered(self, now: float, answer: Return) -> bool:
@@ -340,22 +336,11 @@ def _reason(request: str, message: str) -> str:
     return (message[len(request) :] if message.startswith(request) else message).strip()
 
 
-def _return(text: str) -> Optional[Return]:
-    try:
-        return return_of(parse_atom(text))
-    except (ProgressionError, KeywordError):
-        return None
-
-
 def _arguments(text: str) -> List[str]:
-    try:
-        return [str(one) for one in parse_atom(text).arguments]
-    except ProgressionError:
-        return []
+    atom = atom_in(text)
+    return [] if atom is None else [str(one) for one in atom.arguments]
 
 
 def _name(text: str) -> str:
-    try:
-        return parse_atom(text).name
-    except ProgressionError:
-        return ""
+    atom = atom_in(text)
+    return "" if atom is None else atom.name

@@ -1,16 +1,16 @@
 """Actions in plain words, as a program has them for people: ``_says(move_base,"drives to {}").`` among its facts."""
 
-from contextlib import suppress
 from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
-from clingo import Symbol, SymbolType
+from clingo import SymbolType
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo import ProgramError, ProgressionError, parse_atom
+from rosoclingo.oclingo import ProgramError
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.sources import Source, read_sources
-from rosoclingo.reasoning.keywords import Action, KeywordError, action_of, name_of
+from rosoclingo.reasoning.keywords import Action, name_of
 from rosoclingo.runs.recorded_run import RunProgram
+from rosoclingo.runs.topic_atoms import action_in, atom_in
 
 #: ``_says(A,Text)``: what an action A does, with ``{}`` where its parameter is to be, which else comes last.
 SAYS = "_says"
@@ -36,7 +36,7 @@ class Sentences:
         """What is done in a cycle of a plan for a goal in this state (its feedback), in one line."""
         if state.startswith("waiting"):
             return state
-        actions = filter(None, map(_action, plan))
+        actions = filter(None, map(action_in, plan))
         doing = ", ".join(self.of(one) for one in actions if one.cycle == cycle) or "nothing to do now"
         return f"is cancelled: {doing}" if state in _CANCELLING else doing
 
@@ -53,21 +53,6 @@ def sentences_of(program: RunProgram) -> Sentences:
 def _facts(sources: List[Source]) -> Iterator[Tuple[str, str]]:
     for parsed in read_sources(sources, Directives(), [], whole=True):
         for statement in parsed.statements:
-            fact = _atom(str(statement.head)) if statement.ast_type == ASTType.Rule and not statement.body else None
+            fact = atom_in(str(statement.head)) if statement.ast_type == ASTType.Rule and not statement.body else None
             if fact is not None and fact.match(SAYS, 2) and fact.arguments[1].type is SymbolType.String:
                 yield name_of(fact.arguments[0]), fact.arguments[1].string
-
-
-def _action(text: str) -> Optional[Action]:
-    atom = _atom(text)
-    with suppress(KeywordError):
-        return None if atom is None else action_of(atom)
-    return None
-
-
-def _atom(text: str) -> Optional[Symbol]:
-    """An atom, None for what is none or not ground."""
-    try:
-        return parse_atom(text)
-    except ProgressionError:
-        return None

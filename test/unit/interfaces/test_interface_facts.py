@@ -7,9 +7,10 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import FactError, Verb, parse_command, read_run, return_text
+from rosoclingo.interfaces.facts import FactError, Verb, parse_command, return_text
 from rosoclingo.interfaces.values import TermError, as_boolean, as_integer, as_real, as_term, as_text
 from rosoclingo.reasoning.keywords import Action
+from rosoclingo.runs.topic_atoms import run_in
 
 OFFICE2 = Function("office2")
 
@@ -22,8 +23,8 @@ def test_an_action_is_read_and_answered():
 
 
 def test_the_run_is_read():
-    assert read_run('_run("4f-2 a")') == "4f-2 a"
-    assert [read_run(text) for text in ("_run(4)", "_run(a)", '_run("a","b")', '_rum("a")', "_run(", "")] == [None] * 6
+    assert run_in('_run("4f-2 a")') == "4f-2 a"
+    assert [run_in(text) for text in ("_run(4)", "_run(a)", '_run("a","b")', '_rum("a")', "_run(", "")] == [None] * 6
 
 
 def test_a_cancellation_names_the_same_action():

@@ -265,16 +265,6 @@ def test_another_view_is_told_whole(served):
 # ---- in a browser ---------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def page():
-    path = browser.found()
-    if path is None:
-        pytest.skip("there is no browser: install chromium")
-    with browser.Browser(path) as one:
-        one.size(1280, 900)
-        yield one
-
-
 @pytest.mark.slow
 @pytest.mark.once
 def test_the_page_shows_what_happens(page, served):

@@ -4,7 +4,6 @@ import json
 import re
 from pathlib import Path
 
-import browser
 import pytest
 from told_runs import GOAL, delivery, long_run
 
@@ -28,16 +27,6 @@ def write(folder, view):
     path = folder / "run.html"
     path.write_text(page, encoding="utf-8")
     return path
-
-
-@pytest.fixture(scope="module")
-def page():
-    path = browser.found()
-    if path is None:
-        pytest.skip("there is no browser: install chromium")
-    with browser.Browser(path) as one:
-        one.size(1280, 900)
-        yield one
 
 
 @pytest.fixture

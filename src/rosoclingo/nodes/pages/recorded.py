@@ -5,14 +5,11 @@ from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
 import rosbag
 
-from rosoclingo.nodes.pages.run_topics import PATHS, POSES, RunTopics
+from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
 from rosoclingo.runs.run_view import RunView
 
 __all__ = ["read_view"]
-
-#: Seconds between two poses that are read: more often than that they are not drawn.
-OFTEN = 0.1
 
 #: Bytes of a std_msgs/Header before its frame's name: number and time, which differ in each message.
 STAMP = 12
@@ -33,7 +30,7 @@ def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[st
         topics = set(bag.get_type_and_topic_info().topics)
         reader = RunTopics(RunView(about), core_in(topics, core))
         names = {_found(name, reader.full(name), topics): name for name in reader.takes}
-        for name, kind, data, time in _fresh(bag, names):
+        for name, kind, data, time in _fresh(bag, names, reader):
             message = kind()
             message.deserialize(data)
             reader.takes[name](time, message)
@@ -46,7 +43,7 @@ def _found(name: str, topic: str, topics: "set[str]") -> str:
     return f"/{name}" if name in SHARED and topic not in topics else topic
 
 
-def _fresh(bag: rosbag.Bag, names: Mapping[str, str]) -> Iterator[Tuple[str, Any, bytes, float]]:
+def _fresh(bag: rosbag.Bag, names: Mapping[str, str], reader: RunTopics) -> Iterator[Tuple[str, Any, bytes, float]]:
     """Yield the messages that say something new: name, class, bytes and time."""
     last: Dict[str, Any] = {}
     for topic, raw, moment in bag.read_messages(list(names), raw=True):
@@ -56,8 +53,6 @@ def _fresh(bag: rosbag.Bag, names: Mapping[str, str]) -> Iterator[Tuple[str, Any
             if mark == old:
                 continue
             last[name] = mark
-        elif name in POSES and name != "/tf":  # a message of tf has the one or the other frame
-            if 0.0 <= time - last.get(name, -OFTEN) < OFTEN:
-                continue
-            last[name] = time
+        elif reader.is_too_soon(name, time):
+            continue
         yield name, raw[-1], data, time

@@ -1,14 +1,14 @@
 """From the messages of a run's topics, live or out of a bag, to what pages show."""
 
-import re
 from typing import Any, Callable, Dict, Optional
 
 from rosoclingo.common.labels import DEFAULT_FRAME
-from rosoclingo.oclingo import ProgressionError, parse_atom
-from rosoclingo.reasoning.keywords import CORE, RUN, is_keyword, name_of
+from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+from rosoclingo.runs.recorded_run import problem_in
 from rosoclingo.runs.run_view import RunView
+from rosoclingo.runs.topic_atoms import run_in
 
 __all__ = ["PATHS", "POSES", "RunTopics"]
 
@@ -18,13 +18,14 @@ BASES = ("base_link", "base_footprint")
 #: Topics that tell where the robot is, the most exact first.
 POSES = ("base_pose_ground_truth", "/tf", "amcl_pose")
 
+#: Seconds between two messages of a pose's topic that are read: more often than that it is not drawn.
+OFTEN = 0.1
+
 #: Topics of the way that the robot is to drive.
 PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
 
 #: Seconds after which a less exact one of them is taken.
 SILENT = 2.0
-
-_CYCLE = re.compile(r"cycle (\d+): ")
 
 
 class RunTopics:
@@ -39,6 +40,7 @@ class RunTopics:
         self._core = core
         self._frames = PlanarFrames()
         self._exact, self._heard = len(POSES), 0.0
+        self._read: Dict[str, float] = {}  # when each pose's topic was read last
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda _time, message: self.view.program(message.data),
             "~goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
@@ -69,6 +71,15 @@ class RunTopics:
             return f"{self._core}/{name[1:]}"
         return name if name.startswith("/") else f"{self._core.rpartition('/')[0]}/{name}"
 
+    def is_too_soon(self, name: str, time: float) -> bool:
+        """Tell whether a message of a topic need not be read, as one of the same pose has just been."""
+        if name not in POSES or name == "/tf":  # a message of tf has the one or the other frame
+            return False
+        if 0.0 <= time - self._read.get(name, -OFTEN) < OFTEN:
+            return True
+        self._read[name] = time
+        return False
+
     def _statuses(self, time: float, message: Any) -> None:
         for one in message.status_list:
             self._status(time, one)
@@ -84,10 +95,8 @@ class RunTopics:
         if message.interface != CORE:
             self.view.dispatched(time, message.facts)
             return
-        for text in message.facts:  # the core tells of itself
-            run = _run(text)
-            if run is not None:
-                self.view.begin(run)
+        for run in filter(None, map(run_in, message.facts)):  # the core tells of itself
+            self.view.begin(run)
 
     def _packages(self, time: float, message: Any) -> None:
         self.view.packages(time, ((one.id, "" if one.carried else one.location) for one in message.packages))
@@ -117,18 +126,9 @@ class RunTopics:
             self.view.pose(time, *pose)
 
     def _log(self, time: float, message: Any) -> None:
-        found = _CYCLE.match(message.msg)
-        if found is not None and message.name == self._core:
-            self.view.problem(time, int(found.group(1)), message.msg[found.end() :])
-
-
-def _run(text: str) -> Optional[str]:
-    """Return the run's name in ``_run(Name)``, None for anything else."""
-    try:
-        atom = parse_atom(text)
-    except ProgressionError:
-        return None
-    return name_of(atom.arguments[0]) if is_keyword(atom, RUN) and len(atom.arguments) == 1 else None
+        cycle, problem = problem_in(message.msg)
+        if cycle is not None and message.name == self._core:
+            self.view.problem(time, cycle, problem)
 
 
 def _image(message: Any) -> Optional[Dict[str, Any]]:

@@ -24,11 +24,8 @@ from rosoclingo.msg import (
 from rosoclingo.nodes.pages.access import LOCAL, Access
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
-from rosoclingo.nodes.pages.run_topics import PATHS, POSES, RunTopics
+from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
 from rosoclingo.runs.run_view import RunView
-
-#: Seconds of wall time between two messages of a pose's topic that are read.
-OFTEN = 0.1
 
 TYPES: Dict[str, Any] = {
     "~program": String,
@@ -93,7 +90,6 @@ class WebNode:
             mend = "choose another ~port or ~host"
             raise ParameterError(f"the page cannot be served on {host}:{port}: {error.strerror}; {mend}") from None
         self._topics = RunTopics(RunView({"title": title}), rospy.resolve_name("rosoclingo"))
-        self._heard: Dict[str, float] = {}
         self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._server = PageServer(lambda: self._topics.view, self._look, web(), Access(token), sockets)
         self._server.start()
@@ -112,11 +108,8 @@ class WebNode:
 
     def _on_message(self, message: Any, name: str) -> None:
         now = rospy.get_time()
-        if name in POSES and name != "/tf":
-            if 0.0 <= now - self._heard.get(name, -OFTEN) < OFTEN:
-                return
-            self._heard[name] = now
-        self._server.put(lambda: self._topics.takes[name](now, message))
+        if not self._topics.is_too_soon(name, now):
+            self._server.put(lambda: self._topics.takes[name](now, message))
 
     def _look(self) -> Dict[str, Any]:
         """Keep the view in bounds, and tell what else the page shows: whether the core is there."""

@@ -1,0 +1,44 @@
+"""Atoms in the texts of topics: what is none, or not the one that is asked for, is None."""
+
+from typing import Callable, Optional, TypeVar
+
+from clingo import Symbol, SymbolType
+
+from rosoclingo.oclingo import ProgressionError, parse_atom
+from rosoclingo.reasoning.keywords import RUN, Action, KeywordError, Return, action_of, is_keyword, return_of
+
+T = TypeVar("T")
+
+
+def atom_in(text: str) -> Optional[Symbol]:
+    """Return a ground atom."""
+    try:
+        return parse_atom(text)
+    except ProgressionError:
+        return None
+
+
+def action_in(text: str) -> Optional[Action]:
+    """Return the action of ``_action_lib(A,P,C)``."""
+    return _read(text, action_of)
+
+
+def return_in(text: str) -> Optional[Return]:
+    """Return that of ``_return(A,V,C)``."""
+    return _read(text, return_of)
+
+
+def run_in(text: str) -> Optional[str]:
+    """Return the run that the core announces, ID of ``_run("ID")``."""
+    atom = atom_in(text)
+    if atom is None or not is_keyword(atom, RUN) or len(atom.arguments) != 1:
+        return None
+    return atom.arguments[0].string if atom.arguments[0].type is SymbolType.String else None
+
+
+def _read(text: str, read: Callable[[Symbol], T]) -> Optional[T]:
+    atom = atom_in(text)
+    try:
+        return None if atom is None else read(atom)
+    except KeywordError:
+        return None
