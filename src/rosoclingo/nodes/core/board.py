@@ -23,7 +23,6 @@ class GoalBoard:
     """The goals as they came. Used by the worker only, as a handle takes the action server's lock."""
 
     def __init__(self) -> None:
-        self._handles: Dict[str, ServerGoalHandle] = {}  # of open goals
         self._goals: Dict[str, GoalState] = {}  # by their order; a message in it is replaced, never changed
         self._waits: Dict[str, str] = {}
         self._changed = False
@@ -33,25 +32,23 @@ class GoalBoard:
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
         """Take a goal that arrived."""
-        self._handles[key] = handle
         self._goals.pop(key, None)
         self._goals[key] = GoalState(id=handle.get_goal_id(), request=handle.get_goal().request, came=rospy.Time.now())
         self._changed = True
-        self.look(key)
+        self.look(key, handle)
 
-    def waits(self, key: str, why: str) -> None:
+    def waits(self, key: str, handle: ServerGoalHandle, why: str) -> None:
         """Take why a goal has to wait its turn, empty for one that need not."""
         if why != self._waits.get(key, ""):
             self._waits[key] = why
-            self.look(key)
+            self.look(key, handle)
 
-    def look(self, key: str) -> None:
+    def look(self, key: str, handle: ServerGoalHandle) -> None:
         """Take a goal's status, which may be another, from actionlib's server."""
-        before, found = self._goals[key], self._handles[key].get_goal_status()
+        before, found = self._goals[key], handle.get_goal_status()
         status, now = found.status, rospy.Time.now()
         accepted, ended = status in _ACCEPTED, status not in _OPEN
         if ended:
-            del self._handles[key]
             self._waits.pop(key, None)
         self._goals[key] = GoalState(
             id=before.id,
@@ -68,7 +65,7 @@ class GoalBoard:
 
     def _forget(self) -> None:
         """Let go of the oldest of too many goals that have ended."""
-        ended = [key for key in self._goals if key not in self._handles]
+        ended = [key for key, goal in self._goals.items() if goal.status not in _OPEN]
         for key in ended[:-ENDED]:
             del self._goals[key]
 

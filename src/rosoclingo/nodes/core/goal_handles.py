@@ -41,16 +41,18 @@ class GoalHandles:
 
     def changed(self, event: GoalChanged) -> None:
         """Tell the client of a transition; the one to a cancelling state the action server has made itself."""
+        handle = self._handles[event.key]
         if event.event is GoalEvent.ACCEPT:
-            self._handles[event.key].set_accepted(f"{event.term} is accepted")
+            handle.set_accepted(f"{event.term} is accepted")
         elif event.outcome is not None:
             self._end(event.key, event.event, event.outcome, event.message)
-        self._board.look(event.key)
+        self._board.look(event.key, handle)
 
     def refused(self, event: GoalRefused) -> None:
         """Tell the client that its goal is not taken."""
+        handle = self._handles[event.key]
         self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
-        self._board.look(event.key)
+        self._board.look(event.key, handle)
 
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback."""
@@ -58,8 +60,9 @@ class GoalHandles:
             self._told = event.actions, [str(action.atom) for action in event.actions]
         status = f"waiting: {event.waits}" if event.waits else event.state.value
         feedback = ROSoClingoFeedback(event.cycle, self._told[1], event.position, status)
-        self._handles[event.key].publish_feedback(feedback)
-        self._board.waits(event.key, event.waits)
+        handle = self._handles[event.key]
+        handle.publish_feedback(feedback)
+        self._board.waits(event.key, handle, event.waits)
 
     def tick(self) -> None:
         """Publish how the goals stand, if that has changed; to be called often."""
