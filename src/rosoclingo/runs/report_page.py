@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any, Mapping
 
-__all__ = ["LIVE_PAGE", "LIVE_SCRIPTS", "SCRIPTS", "STYLE", "report_page"]
+__all__ = ["LIVE_SCRIPTS", "SCRIPTS", "STYLE", "live_page", "report_page"]
 
 #: The scripts of a report and of the live page, in order.
 _VIEWS = (
@@ -21,7 +21,7 @@ _VIEWS = (
 SCRIPTS = (*_VIEWS, "report.js")
 LIVE_SCRIPTS = (*_VIEWS, "live.js")
 STYLE = "page.css"
-PAGE, LIVE_PAGE = "report.html", "live.html"
+PAGE, LIVE_PAGE, VIEWS = "report.html", "live.html", "views.html"
 
 
 def report_page(run: Mapping[str, Any], web: Path) -> str:
@@ -38,9 +38,20 @@ def report_page(run: Mapping[str, Any], web: Path) -> str:
         "run": f'<script type="application/json" id="run">{_json(run)}</script>',
         "script": f"<script>{script}</script>",
     }
-    page = (web / PAGE).read_text(encoding="utf-8")
-    for name, text in parts.items():
-        before, _, after = page.partition(f"<!-- {name} -->")
+    return _page(web, PAGE, parts)
+
+
+def live_page(web: Path) -> str:
+    """Return the page of a system that runs, which asks for its scripts and for the run."""
+    return _page(web, LIVE_PAGE, {})
+
+
+def _page(web: Path, name: str, parts: Mapping[str, str]) -> str:
+    """Return a page with its parts, and with what all pages show."""
+    page = (web / name).read_text(encoding="utf-8")
+    views = (web / VIEWS).read_text(encoding="utf-8").rstrip("\n")
+    for place, text in {"views": views, **parts}.items():
+        before, _, after = page.partition(f"<!-- {place} -->")
         page = before + text + after
     return page
 

@@ -14,7 +14,7 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from rosoclingo.nodes.pages.access import Access
-from rosoclingo.runs.report_page import LIVE_PAGE, LIVE_SCRIPTS, STYLE
+from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page
 from rosoclingo.runs.run_view import RunView
 
 __all__ = ["PageServer"]
@@ -58,7 +58,7 @@ class PageServer:
         self._shown: Optional[RunView] = None
         self._extra: Dict[str, Any] = {}
         self._files = {f"/{name}": (web / name).read_bytes() for name in (*LIVE_SCRIPTS, STYLE)}
-        self._files["/"] = (web / LIVE_PAGE).read_bytes()
+        self._files["/"] = live_page(web).encode("utf-8")
         self._sockets = list(sockets)
         self._loop: Optional[IOLoop] = None
         self._ready = threading.Event()
