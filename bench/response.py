@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Times the core's response: from the last return on in_rosoclingo to the next action on out_rosoclingo.
 
-A real master and a real core node with the mailbot program; this process is the client and the interface layer, which
-answers each action at once, so that the figures are the core's and ROS's own. To be run in the built workspace:
+A real master and two real core nodes with the mailbot program, one of them with a journal, in turns; this process is
+the client and the interface layer, which answers each action at once, so that the figures are the cores' and ROS's own.
+The disk is that of the folder for temporary files (TMPDIR). To be run in the built workspace:
 ./dev exec python3 bench/response.py
 """
 
 import argparse
+import contextlib
 import os
 import queue
 import random
@@ -14,9 +16,11 @@ import signal
 import socket
 import statistics
 import subprocess
+import tempfile
 import time
 
 import actionlib
+import rosgraph
 import rospy
 from figures import Figure, parse, write
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal, TaskPlan
@@ -26,15 +30,17 @@ from rosoclingo.reasoning.keywords import CORE
 
 
 class Responder:
-    """Answers each action at once and notes when the next one comes."""
+    """Answers each action of the core in a namespace at once and notes when the next one comes."""
 
-    def __init__(self):
-        self.answered = None
+    def __init__(self, space):
+        self.space, self.answered = space, None
         self.responses, self.clingo = {}, {}  # cycle -> seconds; the plan is told after its actions
         self.messages = queue.Queue()
-        self.out = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=10)
-        rospy.Subscriber("out_rosoclingo", InterfaceIO, self.on_action, tcp_nodelay=True)
-        rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self.on_plan)
+        self.out = rospy.Publisher(f"/{space}/in_rosoclingo", InterfaceIO, queue_size=10)
+        rospy.Subscriber(f"/{space}/out_rosoclingo", InterfaceIO, self.on_action, tcp_nodelay=True)
+        rospy.Subscriber(f"/{space}/rosoclingo/task_plan", TaskPlan, self.on_plan)
+        self.client, self._goals = actionlib.ActionClient(f"/{space}/rosoclingo", ROSoClingoAction), 0
+        self._source = random.Random(1)
 
     def on_action(self, message):
         if message.interface != CORE:
@@ -42,6 +48,31 @@ class Responder:
 
     def on_plan(self, message):
         self.clingo[message.cycle] = message.ground_time + message.solve_time
+
+    def wait(self):
+        """Wait for the core."""
+        if not self.client.wait_for_server(rospy.Duration(60)):
+            raise SystemExit("the core did not start")
+        while self.out.get_num_connections() == 0:
+            rospy.sleep(0.05)
+
+    @property
+    def processor_time(self):
+        """Seconds of processor time of the core's process, without its solver's."""
+        master = rosgraph.Master(rospy.get_name())
+        pid = rosgraph.Master(rospy.get_name(), master.lookupNode(f"/{self.space}/rosoclingo")).getPid()
+        with open(f"/proc/{pid}/stat") as file:
+            return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+
+    def batch(self, count):
+        """Send goals at once and answer until they have ended."""
+        goals = []
+        for _ in range(count):
+            self._goals += 1
+            start, end = self._source.sample(range(1, 5), 2)
+            goals.append(self.client.send_goal(ROSoClingoGoal(f"goal(office{start},office{end},{self._goals})")))
+        self.answered = None
+        self.run(lambda: all(goal.get_comm_state() == actionlib.CommState.DONE for goal in goals))
 
     def run(self, done):
         """Answer until ``done`` says so."""
@@ -63,33 +94,35 @@ def _cycle(message):
     return parse_atom(message.facts[0]).arguments[2].number
 
 
-def play(batches, batch):
-    responder = Responder()
-    client = actionlib.ActionClient("rosoclingo", ROSoClingoAction)
-    if not client.wait_for_server(rospy.Duration(30)):
-        raise SystemExit("the core did not start")
-    while responder.out.get_num_connections() == 0:
-        rospy.sleep(0.05)
-    source, number = random.Random(1), 0
+def play(responders, batches, count):
+    """Let the cores work in turns; return the processor time of a cycle of each, in ms."""
+    for responder in responders:
+        responder.wait()
+        responder.batch(count)  # the first plans load libraries
+        responder.responses.clear()
+    before = [responder.processor_time for responder in responders]
     for _ in range(batches):
-        goals = []
-        for _ in range(batch):
-            number += 1
-            start, end = source.sample(range(1, 5), 2)
-            goals.append(client.send_goal(ROSoClingoGoal(f"goal(office{start},office{end},{number})")))
-        responder.answered = None
-        responder.run(lambda goals=goals: all(g.get_comm_state() == actionlib.CommState.DONE for g in goals))
-    return responder
+        for responder in responders:
+            responder.batch(count)
+    spent = [responder.processor_time - start for responder, start in zip(responders, before)]
+    return [1000 * seconds / len(responder.responses) for responder, seconds in zip(responders, spent)]
 
 
-def report(responder):
-    """Print the figures and return them."""
+def report(responder, cycle, words=""):
+    """Print the figures of a core and return them."""
     times = sorted(1000 * one for one in responder.responses.values())
-    share = sum(responder.clingo.get(cycle, 0.0) for cycle in responder.responses) / sum(responder.responses.values())
+    share = sum(responder.clingo.get(one, 0.0) for one in responder.responses) / sum(responder.responses.values())
     p99 = times[min(len(times) - 1, int(0.99 * len(times)))]
     median = statistics.median(times)
-    print(f"{len(times)} responses: median {median:.1f} ms, p99 {p99:.1f} ms, {share:.0%} in clingo")
-    return [Figure("response, median", median, "ms"), Figure("response, 99 %", p99, "ms")]
+    print(
+        f"{len(times)} responses{words}: median {median:.1f} ms, p99 {p99:.1f} ms, {share:.0%} in clingo; "
+        f"{cycle:.1f} ms of processor time a cycle, without the solver"
+    )
+    return [
+        Figure(f"response{words}, median", median, "ms"),
+        Figure(f"response{words}, 99 %", p99, "ms"),
+        Figure(f"a cycle of the core{words}", cycle, "ms of processor"),
+    ]
 
 
 def main():
@@ -101,11 +134,24 @@ def main():
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
-    command = ["roslaunch", "-p", str(port), "rosoclingo", "core.launch"]
-    launch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        for space, journal, wait in (("without", "none", []), ("with", folder, ["--wait"])):
+            command = ["roslaunch", *wait, "-p", str(port), "rosoclingo", "core.launch", f"journal:={journal}"]
+            environment = {**os.environ, "ROS_NAMESPACE": space}
+            stack.enter_context(launched(command, environment))
         rospy.init_node("bench_response", disable_signals=True)
-        write(options.json, report(play(options.batches, options.requests)))
+        responders = [Responder("without"), Responder("with")]
+        cycles = play(responders, options.batches, options.requests)
+        found = [*report(responders[0], cycles[0]), *report(responders[1], cycles[1], " with a journal")]
+        write(options.json, found)
+
+
+@contextlib.contextmanager
+def launched(command, environment):
+    """A launch file that runs."""
+    launch = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield
     finally:
         launch.send_signal(signal.SIGINT)
         launch.wait(30)

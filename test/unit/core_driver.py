@@ -13,6 +13,18 @@ from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 #: One errand per goal ``do(What,Id)``; see the file.
 ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()
 
+#: Goals ``do(Id)``. What is done is over: nothing but what is open goes from step to step, as in the shipped programs.
+FORGETFUL = """
+#external _request/2. #external _return/3.
+#program cumulative(t).
+open(I,t) :- _request(do(I),t).
+open(I,t) :- open(I,t-1), not done(I,t-1).
+{ _action_lib(quick,I,t) : open(I,t) }.
+done(I,t) :- _action_lib(quick,I,t).
+#program volatile(t).
+:- open(I,t), not done(I,t).
+"""
+
 
 def shortest(program: ReactiveProgram, kind: Callable[..., ReactiveSolver] = ReactiveSolver) -> ReactiveSolver:
     """A solver as the core's node makes it with ``~plan: shortest``, or one of another ``kind``."""

@@ -144,12 +144,13 @@ class Announcer:
 
     Attributes:
         told: the cycle whose update was told last.
+        state: what holds now, None where that was never told.
 
     """
 
     def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
         self._tell, self._cycle, self._present = observer, cycle, present
-        self._state: Optional[FrozenSet[Symbol]] = None
+        self.state: Optional[FrozenSet[Symbol]] = None
         self.told = 0
 
     def update(self, step: int, update: StreamUpdate) -> None:
@@ -167,10 +168,15 @@ class Announcer:
         """Tell what a search has given."""
         cycle, seconds = self._cycle(), result.statistics
         self._tell(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
-        state = self._present.of(result.answers[0], cycle) if result.answers else self._state
-        if state is not None and state != self._state:
-            self._state = state
-            self._tell(StateChanged(cycle, state))
+        state = self._present.of(result.answers[0], cycle) if result.answers else self.state
+        if state != self.state:
+            self.state = state
+            self.present()
+
+    def present(self) -> None:
+        """Tell what holds now, if that is known."""
+        if self.state is not None:
+            self._tell(StateChanged(self._cycle(), self.state))
 
     def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
         """Tell how each of the goals stands."""

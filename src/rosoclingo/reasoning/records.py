@@ -7,7 +7,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo.remote.wire import plan_from_message, plan_to_message
 from rosoclingo.oclingo.solving.state_text import symbol_list, symbols_to_text
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_from_message, entry_to_message
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, Plan, StreamLog, entry_from_message, entry_to_message
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import Action, action_of
 
@@ -24,6 +24,12 @@ def text_of(symbol: Symbol) -> str:
 def symbol_of(text: str) -> Symbol:
     """Return the symbol of :func:`text_of`."""
     return symbol_list(text)[0]
+
+
+@lru_cache(maxsize=1024)  # those that were done stay for long
+def action_to_text(action: Action) -> str:
+    """Return an action as text for :func:`symbol_of`."""
+    return text_of(action.atom)
 
 
 def actions_to_text(actions: Iterable[Action]) -> str:
@@ -58,6 +64,11 @@ def keys_of(record: Record, name: str) -> List[str]:
     return list(group(record, name))
 
 
+@lru_cache(maxsize=4)  # it stays from step to step while actions run
+def _plan_message(plan: Optional[Plan]) -> Dict[str, Any]:
+    return plan_to_message(plan)
+
+
 class LogRecorder:
     """The entries of a solver's log as sections: each has a name of its own, as long as it is part of the log.
 
@@ -77,9 +88,9 @@ class LogRecorder:
         self._sections = sections
         before = _before(log)
         found = dict(sections.values())
-        found["plan_now"] = plan_to_message(log.plan)
+        found["plan_now"] = _plan_message(log.plan)
         if before is not None and before.plan is not log.plan:
-            found["plan_before"] = plan_to_message(before.plan)
+            found["plan_before"] = _plan_message(before.plan)
         return found
 
     def _section(self, log: StreamLog) -> Tuple[str, Any]:

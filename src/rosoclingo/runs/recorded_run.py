@@ -14,6 +14,7 @@ import clingo
 from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Anew
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, Taken
 from rosoclingo.runs.topic_atoms import action_in
 
 #: The form of what :meth:`RunProgram.text` writes.
@@ -150,15 +151,28 @@ class RecordedCycle:
 
 @dataclass
 class RecordedRun:
-    """A run: its program, None where that was not recorded, and its cycles in order."""
+    """A run: its program, None where that was not recorded, and its cycles in order.
+
+    ``start`` is what the solver had taken before the first of them, None where the run begins with it.
+    """
 
     program: Optional[RunProgram] = None
     cycles: List[RecordedCycle] = field(default_factory=list)
+    start: Optional[StreamLog] = None
 
     @property
     def stream(self) -> str:
-        """The online progression, for ``oclingo --shortest --stream``."""
-        return "\n".join(str(update) for one in self.cycles for update in one.updates)
+        """The online progression, for ``oclingo --shortest --stream``; raises RecordingError where it is not whole."""
+        before = [] if self.start is None else self.start.entries
+        if any(isinstance(entry, Checkpoint) for entry in before):
+            raise RecordingError(
+                f"what came before cycle {self.cycles[0].cycle} is in it as a state alone, of which there is no stream:"
+                " take a bag of the run (record:=true)"
+            )
+        taken = [entry.update for entry in before if isinstance(entry, Taken) and entry.update is not None]
+        updates = [update for one in self.cycles for update in one.updates]
+        first = {one.step: one for one in taken if (one.step or 1) < (updates[0].step or 1)}  # in force is the last
+        return "\n".join(map(str, [*first.values(), *updates]))
 
 
 class _Open:

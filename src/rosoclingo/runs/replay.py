@@ -109,6 +109,8 @@ class Replay:
         """
         self._run, self._plan_time, self._search_time = run, plan_time, search_time
         self._solver = ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=plan_time)
+        if run.start is not None:
+            self._solver.restore(run.start)
 
     def reports(self) -> Iterator[CycleReport]:
         """Yield what became of each cycle, in order; after an update that is refused there is no more."""

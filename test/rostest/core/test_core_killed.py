@@ -15,7 +15,7 @@ import rospy
 import rostest
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
-from rosoclingo.msg import InterfaceIO
+from rosoclingo.msg import GoalStates, InterfaceIO, State
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import CORE
@@ -41,6 +41,12 @@ class World:
         self._publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
         self._subscriber = rospy.Subscriber("out_rosoclingo", InterfaceIO, self._note)
         self._timer = rospy.Timer(rospy.Duration(0.1), lambda _: self._tell_again())
+
+    def close(self):
+        """Answer no more."""
+        self._timer.shutdown()
+        self._subscriber.unregister()
+        self._publisher.unregister()
 
     @property
     def under_way(self):
@@ -86,6 +92,7 @@ class CoreKilled(unittest.TestCase):
         self.source = random.Random(int(os.environ.get("ROSOCLINGO_SEED", "1")))
         self.world, self.client, self.goals = World(self.source), Client(), []
         self.cancelled, self.killed = set(), set()
+        self.addCleanup(self.world.close)
 
     @staticmethod
     def pid():
@@ -131,6 +138,29 @@ class CoreKilled(unittest.TestCase):
             self.cancelled.add(goal.text)
             goal.cancel()
 
+    def test_a_core_that_goes_on_tells_at_once_what_it_believes(self):
+        self.world.waits, text = True, "do(walk,2000)"
+        self.client.raw.wait_for_server()
+        self.goals.append(self.client.send(text))
+        wait_until(lambda: self.world.under_way, "an action")
+        before = rospy.wait_for_message("rosoclingo/state", State, PATIENCE)
+        self.kill()
+        wait_until(lambda: self.pid() not in {None, *self.killed}, "the next core")
+        states, goals = [], []
+        subscribers = [
+            rospy.Subscriber("rosoclingo/state", State, states.append),
+            rospy.Subscriber("rosoclingo/goals", GoalStates, lambda message: goals.extend(message.goals)),
+        ]
+        wait_until(lambda: states and goals, "state and goals of the core that goes on")
+        self.assertEqual((states[0].cycle, states[0].atoms), (before.cycle, before.atoms))
+        self.assertEqual(goals[0].request, text)
+        self.assertIn(goals[0].status, (GoalStatus.PENDING, GoalStatus.ACTIVE))
+        for one in subscribers:
+            one.unregister()
+        self.world.waits = False
+        self.world.answer()
+        self.check(self.goals[0])
+
     def test_killed_again_and_again(self):
         self.client.raw.wait_for_server()
         for number in range(KILLS):
@@ -145,6 +175,22 @@ class CoreKilled(unittest.TestCase):
         for goal in self.goals:
             self.check(goal)
         self.assertEqual(len(self.world.runs), 1, "a core that goes on is of the same run")
+
+    def test_a_client_that_connects_late_has_the_result_too(self):
+        """A core that goes on may have met a goal before the client's connection for results is there again."""
+        raw = self.client.raw
+        self.world.waits = True
+        goal = self.client.send("do(quick,1000)")
+        self.goals.append(goal)
+        wait_until(lambda: self.world.under_way, "an action")
+        raw.result_sub.unregister()
+        self.kill()
+        self.wait_for_core()
+        self.world.waits = False
+        self.world.answer()
+        wait_until(lambda: goal.handle.get_goal_status() == SUCCEEDED, "the goal to be met")
+        raw.result_sub = rospy.Subscriber(raw.ns + "/result", raw.ActionResult, raw._result_cb)
+        self.assertEqual(goal.wait()[0], SUCCEEDED)
 
     def instant(self, number):
         """Wait for one of the instants at which the core is killed."""

@@ -3,7 +3,8 @@
 import pytest
 
 from rosoclingo.nodes.core import keeping
-from rosoclingo.reasoning.journal import Header, JournalFolder, TakenError
+from rosoclingo.reasoning.journal.folder import JournalFolder, TakenError
+from rosoclingo.reasoning.journal.lines import Header
 
 FRESH = Header("second", "program")
 

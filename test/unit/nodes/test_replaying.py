@@ -10,6 +10,10 @@ from shipped import shipped
 
 import rosoclingo
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
+from rosoclingo.reasoning.journal.folder import NAME, Journal, JournalFolder
+from rosoclingo.reasoning.journal.keeper import Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header
 from rosoclingo.runs.recorded_run import RunProgram
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
@@ -202,6 +206,59 @@ def test_a_bag_that_is_none(replay, write, capsys, tmp_path):
     shutil.copy(__file__, tmp_path / "test.bag")
     assert replay(tmp_path / "test.bag")[0] == 2
     assert "is no bag, or damaged" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def journal(tmp_path_factory):
+    """The folder of a core's journal with a goal of the mailbot."""
+    program, path = shipped("mailbot.lp", "office.lp"), tmp_path_factory.mktemp("journal")
+    description = RunProgram.of("run", program, {"plan": "soon"}).text()
+    keeper = Keeper(
+        lambda event: None, Journal(JournalFolder(path), Header("run", "hash", "", description)), lambda: 0.0
+    )
+    core = KeptCore(program, lambda: soon(program), keeper, CoreSettings())
+    keeper.attach(core)
+    core.start()
+    core.add_goal("a", GOALS[0])
+    while core.live_goals:
+        while core.advance(0.0):
+            keeper.send()
+        keeper.send()
+        for one in core.awaited:
+            core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
+    keeper.close()
+    return path
+
+
+def test_a_journal_replays(replay, journal, tmp_path):
+    code, text = replay(journal)
+    assert code == 0
+    assert text.endswith("no unexplained difference")
+    assert replay(journal / NAME) == (code, text)
+    code, text = replay(journal, "--to", 3, "--all")
+    assert code == 0
+    assert "cycle 4" not in text
+    assert "Answer, horizon" in text
+    code, text = replay(journal, "--stream", "-", "--program-to", tmp_path)
+    assert code == 0
+    assert "_request(goal(office3,office2,1),2)." in text
+    assert (tmp_path / "mailbot.lp").exists()
+
+
+def test_a_journal_that_was_changed_is_refused_at_the_line(replay, journal, tmp_path, capsys):
+    data = (journal / NAME).read_bytes()
+    (tmp_path / "changed.jsonl").write_bytes(data.replace(b"office3,office2", b"office3,office1"))
+    line = 1 + next(number for number, one in enumerate(data.splitlines()) if b"office3,office2" in one)
+    assert replay(tmp_path / "changed.jsonl")[0] == 2
+    error = capsys.readouterr().err
+    assert error.startswith(
+        f"replay: {tmp_path}/changed.jsonl: line {line} is not as it was written; take another copy"
+    )
+
+
+def test_a_folder_without_a_journal(replay, tmp_path, capsys):
+    assert replay(tmp_path)[0] == 2
+    assert f"{tmp_path}/{NAME}: No such file" in capsys.readouterr().err
 
 
 def test_a_wrong_command_line(replay):

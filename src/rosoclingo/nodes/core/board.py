@@ -74,8 +74,8 @@ class GoalBoard:
         if self._changed and time.monotonic() - self._last >= TOGETHER:
             self._publish()
 
-    def close(self) -> None:
-        """Publish what has changed, at the end."""
+    def flush(self) -> None:
+        """Publish what has changed, at once."""
         if self._changed:
             self._publish()
 

@@ -10,7 +10,7 @@ from actionlib import ServerGoalHandle
 from rosoclingo.common.action_servers import forget_cancels, start_server
 from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
-from rosoclingo.msg import InterfaceIO
+from rosoclingo.msg import InterfaceIO, ROSoClingoResult
 from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, status_of
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
@@ -35,8 +35,8 @@ from rosoclingo.reasoning import (
 )
 from rosoclingo.reasoning.core_state import Health, Level, Report
 from rosoclingo.reasoning.interface_register import InterfaceRegister
-from rosoclingo.reasoning.keeper import Client, Keeper
-from rosoclingo.reasoning.kept_core import KeptCore
+from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.runs.recorded_run import RunProgram
 
@@ -135,6 +135,7 @@ class CoreNode:
             record=found.state,
         )
         self._keeper.attach(self._core, found.state)
+        self._results = Results("rosoclingo", resumed=found.state is not None)
         self._worker = Worker(self._settle)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
@@ -156,8 +157,9 @@ class CoreNode:
 
     def _connect(self) -> None:
         self._worker.put(self._start)
-        self._server = GoalServer("rosoclingo", self._goal_arrived, self._cancel_arrived, self._on_arrival)
-        self._results = Results(self._server)
+        self._server = GoalServer(
+            "rosoclingo", self._goal_arrived, self._cancel_arrived, self._on_arrival, self._results.add
+        )
         self._go_on_with_clients()
         self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
         rospy.on_shutdown(self._shut_down)
@@ -176,14 +178,16 @@ class CoreNode:
     # -- the worker's side
 
     def _start(self) -> None:
-        """Wait for the solver's process, which is no part of the first search's time."""
+        """Tell what is known, then wait for the solver's process, which is no part of the first search's time."""
+        self._core.remind()
+        if self._core.plan.actions:
+            self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
+        self._send()
         try:
             self._solvers.start(lambda: self._ending)
         except DroppedError as error:
             rospy.logwarn("%s", error)
         self._core.start()
-        if self._core.plan.actions:
-            self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
 
     def _go_on_with_clients(self) -> None:
         """Have the goals of a core that was killed, before the server tells of any."""
@@ -191,13 +195,15 @@ class CoreNode:
             status = status_of(client, self._core.goal(key))
             handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status)
             if client.ending is not None:
-                self._results.add(handle, client.ending)
+                result = ROSoClingoResult(int(client.ending.outcome), client.ending.message)
+                self._results.add(handle.get_goal_status(), result)
                 continue
             self._handles.add(key, handle)
             if self._core.goal(key) is None:
                 self._worker.put(partial(self._core.add_goal, key, client.text))
             if client.cancelled:
                 self._worker.put(partial(self._core.cancel_goal, key))
+        self._handles.flush()
 
     def _take_arrivals(self) -> None:
         """Take goals and cancels, at any time: clients hear that they have come once that is written down."""
@@ -228,7 +234,7 @@ class CoreNode:
     def _settle(self) -> Optional[float]:
         self._tick()
         improvable = self._go_on()
-        self._keeper.send()
+        self._send()
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()
@@ -245,12 +251,15 @@ class CoreNode:
             rospy.logwarn_throttle(10.0, "waiting for /clock")
             return False
         self._core.poll(self._time())
-        self._keeper.send()
+        self._send()
         while not self._ending and not self._worker.waiting and self._core.advance(self._time()):
-            self._keeper.send()
-        self._keeper.send()
+            self._send()
+        self._send()
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
+
+    def _send(self) -> None:
+        self._keeper.send(keep_ends=self._results.awaited)
 
     def _tick(self) -> None:
         """Tell what has changed; often, also while a search goes on."""
@@ -311,8 +320,8 @@ class CoreNode:
     def _shut_down(self) -> None:
         self._ending = True
         self._worker.put(lambda: self._core.leave("is given up: the core shuts down"))
-        self._worker.put(self._keeper.send)
-        self._worker.put(self._handles.close)
+        self._worker.put(self._send)
+        self._worker.put(self._handles.flush)
         self._worker.put(self._keeper.close)
         self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)

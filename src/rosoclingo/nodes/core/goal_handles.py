@@ -10,10 +10,9 @@ from actionlib_msgs.msg import GoalStatus
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.nodes.core.board import GoalBoard
-from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
 from rosoclingo.reasoning.goals import TRANSITIONS
-from rosoclingo.reasoning.keeper import Client, Ending
+from rosoclingo.reasoning.journal.keeper import Client
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
     GoalEvent.SUCCEED: ServerGoalHandle.set_succeeded,
@@ -22,7 +21,7 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
     GoalEvent.ABORT: ServerGoalHandle.set_aborted,
 }
 
-#: Seconds of wall time for which results that may not have reached their clients are sent to whoever connects.
+#: Seconds of wall time for which a core that goes on sends results to whoever connects.
 RESENT = 60.0
 
 
@@ -68,9 +67,9 @@ class GoalHandles:
         """Publish how the goals stand, if that has changed; to be called often."""
         self._board.tick()
 
-    def close(self) -> None:
-        """Publish what has changed, at the end."""
-        self._board.close()
+    def flush(self) -> None:
+        """Publish how the goals stand, if that has changed, at once."""
+        self._board.flush()
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
@@ -79,31 +78,37 @@ class GoalHandles:
 
 
 class Results(rospy.SubscribeListener):  # type: ignore[misc]
-    """Results that may not have reached their clients before the core was killed: for each that connects now."""
+    """Results that may not reach their clients, which connect one by one to a core that goes on: for each that does.
 
-    def __init__(self, server: GoalServer) -> None:
+    They are of goals that ended before the core was killed, and of those that end before all clients are there again.
+    """
+
+    def __init__(self, name: str, resumed: bool) -> None:
         super().__init__()
         self._messages: List[ROSoClingoActionResult] = []
-        self._until = time.monotonic() + RESENT
-        prompt_publisher(
-            rospy.remap_name(server.ns) + "/result", ROSoClingoActionResult, queue_size=1000, subscriber_listener=self
-        )
+        self._until = time.monotonic() + (RESENT if resumed else 0.0)
+        topic = rospy.remap_name(name) + "/result"
+        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, subscriber_listener=self)
 
-    def add(self, handle: ServerGoalHandle, ending: Ending) -> None:
-        """Take the result of a goal that has ended."""
-        result = ROSoClingoResult(int(ending.outcome), ending.message)
-        self._messages.append(ROSoClingoActionResult(status=handle.get_goal_status(), result=result))
+    @property
+    def awaited(self) -> bool:
+        """Whether clients may have to connect yet."""
+        return time.monotonic() < self._until
+
+    def add(self, status: GoalStatus, result: ROSoClingoResult) -> None:
+        """Take a result, before it is published: who connects meanwhile has it twice rather than not at all."""
+        self._messages.append(ROSoClingoActionResult(status=status, result=result))
 
     def over(self) -> List[str]:
         """The keys of goals whose results need not be sent any more."""
-        if not self._messages or time.monotonic() < self._until:
+        if not self._messages or self.awaited:
             return []
         messages, self._messages = self._messages, []
         return [one.status.goal_id.id for one in messages]
 
     def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
         """Called by rospy when a client has connected."""
-        for message in self._messages:
+        for message in list(self._messages):
             publish(message)
 
 

@@ -18,12 +18,14 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     """actionlib's server, in which goals and cancels wait until the worker takes them.
 
     Until then no status tells of them: ``arrived`` is called from rospy's threads and is to have the worker call
-    :meth:`take`.
+    :meth:`take`. ``ending`` is called with each result before it goes out.
     """
 
-    def __init__(self, name: str, on_goal: Taker, on_cancel: Taker, arrived: Callable[[], None]) -> None:
+    def __init__(
+        self, name: str, on_goal: Taker, on_cancel: Taker, arrived: Callable[[], None], ending: Callable[..., None]
+    ) -> None:
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
-        self._arrived = arrived
+        self._arrived, self._ending = arrived, ending
         self._arrivals: Deque[Callable[[], None]] = deque()
 
     @property
@@ -42,6 +44,11 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         take = super().internal_cancel_callback
         self._arrivals.append(lambda: take(goal_id))
         self._arrived()
+
+    def publish_result(self, status: GoalStatus, result: Any) -> None:
+        """Called by actionlib's goal handles."""
+        self._ending(status, result)
+        super().publish_result(status, result)
 
     def take(self, keep: Callable[[], None]) -> None:
         """Take what has arrived; called by the worker. It is shown to clients after ``keep``."""

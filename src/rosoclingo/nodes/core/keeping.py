@@ -14,8 +14,10 @@ import rospy
 
 from rosoclingo.nodes.core.loading import AUTO, NONE, CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.journal import Header, TakenError
-from rosoclingo.reasoning.resuming import Found, open_journal
+from rosoclingo.reasoning.journal.folder import TakenError
+from rosoclingo.reasoning.journal.lines import Header
+from rosoclingo.reasoning.journal.resuming import Found, open_journal
+from rosoclingo.runs.recorded_run import RunProgram
 
 #: Seconds of wall time for another core to leave the journal.
 TAKEN = 10.0
@@ -23,7 +25,9 @@ TAKEN = 10.0
 
 def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> Found:
     """Take the journal of the parameters, and say what was found; raises JournalError."""
-    header = Header(_new_run(), program.fingerprint, _launch())
+    run = _new_run()
+    description = RunProgram.of(run, program, parameters.deciding).text()
+    header = Header(run, program.fingerprint, _launch(), description)
     found = take_journal(_folder(parameters.journal, header.program), parameters.resume, header)
     for remark in found.remarks:
         (rospy.logwarn if found.odd else rospy.loginfo)("%s: %s", rospy.get_name(), remark)

@@ -10,8 +10,8 @@ from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.journal.resuming import RESUMES
 from rosoclingo.reasoning.program_fitness import constant_remarks, program_warnings
-from rosoclingo.reasoning.resuming import RESUMES
 
 #: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
 PLANS = ("soon", "shortest")

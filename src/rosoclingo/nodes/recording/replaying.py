@@ -10,6 +10,8 @@ from rosoclingo.nodes.recording.bag_reader import bag_runs
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.oclingo.service.arguments import duration, positive
 from rosoclingo.oclingo.service.table import format_answer
+from rosoclingo.reasoning.journal.folder import NAME, file_of
+from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunProgram
 from rosoclingo.runs.replay import AGREEING, CycleReport, Replay, Shown, Verdict, summary
 
@@ -21,7 +23,8 @@ short is no difference; a longer one is told. No ROS master is needed."""
 
 _EPILOG = """\
 Exit code: 0, 1 where a difference is not explained, 2 for a wrong command line or a recording that cannot be replayed.
-A bag is made by the launch files' record:=true."""
+A bag is made by the launch files' record:=true. JOURNAL is the folder of a core's ~journal or
+a file of it, which goes back some hundred cycles at most."""
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -29,7 +32,9 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="replay", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("recording", metavar="RUN.bag", type=Path, help="the recording")
+    parser.add_argument(
+        "recording", metavar="RUN.bag|JOURNAL", type=Path, help="the recording: a bag, or a core's journal"
+    )
     parser.add_argument("--to", type=positive, metavar="N", help="stop at cycle N and show its answer as a table")
     parser.add_argument(
         "--stream",
@@ -71,7 +76,7 @@ def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
     if options.const and not options.program:
         parser.error("--const needs --program; a recording has its own constants")
     try:
-        runs = _chosen(bag_runs(options.recording, options.core), options)
+        runs = _chosen(_read(options.recording, options.core), options)
         if options.stream is not None or options.program_to is not None:
             _write(runs[-1], options, say)
             return 0
@@ -82,6 +87,25 @@ def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
         return _fail(f"{error.filename}: {error.strerror}")
     except KeyboardInterrupt:
         return 130
+
+
+def _read(path: Path, core: Optional[str]) -> List[RecordedRun]:
+    """Return the runs in a bag or a journal; raises RecordingError, OSError."""
+    file = file_of(path)
+    if not _is_journal(file):
+        return bag_runs(path, core)
+    try:
+        return [journal_run(file.read_bytes())]
+    except RecordingError as error:
+        raise RecordingError(f"{file}: {error}") from None
+
+
+def _is_journal(file: Path) -> bool:
+    try:
+        with file.open("rb") as stream:
+            return stream.read(1) == b"{" or file.name == NAME
+    except OSError:  # whoever reads it tells
+        return file.name == NAME
 
 
 def _fail(text: str) -> int:
@@ -139,9 +163,11 @@ def _load(run: RecordedRun, options: argparse.Namespace, say: Say) -> Tuple[Reac
 def _replay(run: RecordedRun, options: argparse.Namespace, say: Say) -> int:
     """Replay a run and tell of it; return the exit code."""
     program, plan_time, search_time = _load(run, options, say)
-    last = run.cycles[-1].cycle
+    first, last = run.cycles[0].cycle, run.cycles[-1].cycle
     if options.to is not None and options.to > last:
         raise RecordingError(f"the run has {last} cycles, --to {options.to} is beyond them")
+    if options.to is not None and options.to < first:
+        raise RecordingError(f"the recording begins with cycle {first}, --to {options.to} is before it")
     reports: List[CycleReport] = []
     for report in Replay(run, program, plan_time, search_time).reports():
         reports.append(report)

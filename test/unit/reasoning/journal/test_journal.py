@@ -10,17 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.reasoning import journal as module
-from rosoclingo.reasoning.journal import (
-    Header,
-    Journal,
-    JournalError,
-    JournalFolder,
-    changes,
-    line_of,
-    lines_of,
-    read,
-)
+from rosoclingo.reasoning.journal import folder as module
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.lines import Header, JournalError, changes, line_of, lines_of, read
 
 HEADER = Header("run", "program", "launch")
 NAMES = st.sampled_from(["core", "goal:1", "goal:2", "goal:3", "fact:a", "fact:b"])
@@ -92,9 +84,31 @@ def test_a_line_that_is_missing_is_refused():
         read(b"".join(lines[:2] + lines[3:]))
 
 
+def test_a_last_line_without_its_end_is_cut_off_and_one_with_another_is_refused():
+    data = b"".join(lines_for([{"core": 1}, {"core": 2}]))
+    assert [read(data).state, read(data[:-1]).state] == [{"core": 2}, {"core": 1}]
+    with pytest.raises(JournalError, match="line 3 does not end as it was written"):
+        read(data[:-1] + b" ")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "written"),
+    [
+        ("goal:1 goal:2", "goal:2 goal:1", "goal:1"),
+        ("goal:1 goal:2 goal:3", "goal:3 goal:1 goal:2", "goal:1 goal:2"),
+        ("core goal:1 goal:2", "goal:1 goal:2 core", ""),
+        ("core fact:1 goal:1 fact:2 goal:2", "goal:1 core goal:2 fact:1 fact:2", ""),
+    ],
+)
+def test_what_stands_elsewhere_in_its_group_is_written_anew(before, after, written):
+    old, new = ({name: [name] for name in names.split()} for names in (before, after))
+    moved = written.split()
+    assert changes(old, new) == ({"drop": moved, "set": {name: [name] for name in moved}} if moved else {})
+
+
 def test_another_format_is_refused():
     lines = [line_of(0, {**HEADER.record, "format": 99}), line_of(1, {"set": {}})]
-    with pytest.raises(JournalError, match="line 1: it is of format 99, this version reads 1"):
+    with pytest.raises(JournalError, match="line 1: it is of format 99, this version reads 2"):
         read(b"".join(lines))
 
 
@@ -155,7 +169,8 @@ def test_two_cores_on_one_journal(folder):
 
 def test_a_core_that_was_killed_leaves_the_journal_to_others(tmp_path):
     code = (
-        "import sys; from pathlib import Path; from rosoclingo.reasoning.journal import *;"
+        "import sys; from pathlib import Path;"
+        "from rosoclingo.reasoning.journal.folder import *; from rosoclingo.reasoning.journal.lines import *;"
         "folder = JournalFolder(Path(sys.argv[1])); folder.begin(Header('a', 'b'), {'core': 1});"
         "print('ready', flush=True); input()"
     )

@@ -1,22 +1,21 @@
-"""The core is killed at any instant: each goal ends once, as it should, and nothing is done twice."""
+"""A core over a journal, its clients and its interfaces, for tests in which processes are killed at any instant."""
 
 import contextlib
 import os
-import tempfile
 from collections import Counter
-from pathlib import Path
 
 import pytest
 from core_driver import ERRANDS, shortest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common import durable
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState, journal
-from rosoclingo.reasoning.journal import Header, Journal, JournalFolder
-from rosoclingo.reasoning.keeper import Client, Keeper
-from rosoclingo.reasoning.kept_core import KeptCore
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState
+from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
 KINDS = ("walk", "run", "quick", "never", "nonsense")
@@ -45,7 +44,7 @@ class Fate:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(durable, "write", self._write)
             patch.setattr(durable, "sync_folder", lambda folder: self.pass_instant())
-            patch.setattr(journal, "LONG", 3000)
+            patch.setattr(folder, "LONG", 3000)
             yield
 
     def pass_instant(self):
@@ -65,6 +64,15 @@ class Fate:
             os.write(file, data[: len(data) * self._kills[0][1] // 1000])
             raise KilledError
         os.write(file, data)
+
+    @contextlib.contextmanager
+    def other_process(self):
+        """What another process does, whose files are others."""
+        file, self.file = self.file, None
+        try:
+            yield
+        finally:
+            self.file = file
 
     def let_go(self):
         """What the system does after a kill: the file is closed."""
@@ -183,14 +191,14 @@ class Node:
 class Play:
     """A core that is made anew whenever it was killed, and what comes to it."""
 
-    def __init__(self, path, fate, preempt):
+    def __init__(self, path, fate, preempt, world=None):
         self._path, self._fate, self._preempt = path, fate, preempt
-        self.world, self._folder, self._node = World(), None, None
+        self.world, self._folder, self._node = world or World(), None, None
         self.kills = 0
         self._begin_again()
 
     def _begin_again(self):
-        """Whoever has not heard of his goal sends it again; interfaces answer again."""
+        """Another core begins; whoever has not heard of his goal sends it again."""
         while True:
             try:
                 self._folder = JournalFolder(self._path)
@@ -200,14 +208,18 @@ class Play:
                 for key, kind in self.world.goals.items():
                     if key not in self.world.ends and key not in self._node.keeper.clients:
                         self._node.goal(key, text_of(key, kind))
-                for action in self._node.core.awaited:
-                    if self.world.answers[action] is not None:
-                        self._node.core.receive("hand", [self.world.answers[action]])
+                self._greet()
                 self._node.run()
             except KilledError:
                 self._kill()
             else:
                 return
+
+    def _greet(self):
+        """The interfaces answer again what they have answered."""
+        for action in self._node.core.awaited:
+            if self.world.answers[action] is not None:
+                self._node.core.receive("hand", [self.world.answers[action]])
 
     def _cancel_one(self):
         live = [key for key in self.world.goals if self._node.core.goal(key) is not None]
@@ -269,42 +281,7 @@ def text_of(key, kind):
     return "do(" if kind == "nonsense" else f"do({kind},{key})"
 
 
-def played(script, kills=(), preempt=False):
-    """Play a script with kills."""
-    fate = Fate(kills)
-    with tempfile.TemporaryDirectory() as name, fate.rules():
-        return Play(Path(name), fate, preempt).play(script), fate
-
-
-#: Goals that are met, refused, cancelled and given up, a failure, a fact, several at once and one after the other.
-SCRIPT = [
-    ("goal", "walk"),
-    ("goal", "quick"),
-    ("goal", "nonsense"),
-    ("answer", 0, False),
-    ("goal", "run"),
-    ("cancel", 4),
-    ("fact", "_seen(ball)"),
-    ("answer", 1, True),
-    ("goal", "never"),
-    ("answer", 0, True),
-    ("goal", "walk"),
-    ("cancel", 6),
-    ("goal", "run"),
-    ("answer", 0, False),
-]
-
-
-@pytest.mark.slow
-def test_killed_at_every_instant():
-    _, fate = played(SCRIPT)
-    assert fate.writes
-    for instant in range(1, fate.instants + 1):
-        for cut in (0, 500, 1000) if instant in fate.writes else (0,):
-            play, _ = played(SCRIPT, [(instant, cut, cut < 1000)])
-            assert play.kills == 1
-
-
+#: What happens in a play, and the kills of a fate.
 KEYS = st.integers(1, 8)
 HAPPENED = st.one_of(
     st.tuples(st.just("goal"), st.sampled_from(KINDS)),
@@ -315,9 +292,3 @@ HAPPENED = st.one_of(
     st.tuples(st.just("fact"), st.sampled_from(["_seen(ball)", "_seen(cup)", "_unheard(1)"])),
 )
 KILLS = st.lists(st.tuples(st.integers(1, 40), st.integers(0, 1000), st.booleans()), min_size=1, max_size=8)
-
-
-@pytest.mark.slow
-@given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS, preempt=st.booleans())
-def test_killed_again_and_again(script, kills, preempt):
-    played(script, kills, preempt)

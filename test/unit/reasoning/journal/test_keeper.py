@@ -1,15 +1,19 @@
 """What the core tells goes out once it is written, and each client's goal is kept until its end is told."""
 
+import errno
 import json
+import os
 
 import pytest
-from core_driver import ERRANDS, shortest
+from core_driver import ERRANDS, FORGETFUL, shortest
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState, Outcome, journal
-from rosoclingo.reasoning.journal import Header, Journal, JournalFolder
-from rosoclingo.reasoning.keeper import Client, Ending, Keeper
-from rosoclingo.reasoning.kept_core import KeptCore
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState, Outcome
+from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
 
@@ -17,14 +21,14 @@ PROGRAM = ReactiveProgram.from_text(ERRANDS)
 class Node:
     """What a node does with a core, a keeper and a journal; ``told`` are the events that went out."""
 
-    def __init__(self, path):
+    def __init__(self, path, program=PROGRAM):
         self.folder = JournalFolder(path)
         kept = self.folder.read()
         self.told, self.at_event = [], lambda event: None
         self.keeper = Keeper(self._tell, Journal(self.folder, Header("run", "program")), lambda: 0.0)
         record = None if kept is None else kept.state
         settings = CoreSettings(horizon_limit=8, search_timeout=0.0)
-        self.core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), self.keeper, settings, record=record)
+        self.core = KeptCore(program, lambda: shortest(program), self.keeper, settings, record=record)
         self.keeper.attach(self.core, record)
         self.core.start()
         self.keeper.send()
@@ -68,10 +72,10 @@ class KilledError(Exception):
 def start(tmp_path):
     nodes = []
 
-    def make():
+    def make(program=PROGRAM):
         for node in nodes:
             node.folder.close()
-        nodes.append(Node(tmp_path))
+        nodes.append(Node(tmp_path, program))
         return nodes[-1]
 
     yield make
@@ -130,6 +134,21 @@ def test_an_end_that_was_not_told_is_told_by_the_next_core(start):
     assert list(start().keeper.clients) == ["b"]
 
 
+def test_an_end_that_its_client_may_not_have_heard_stays_until_it_is_forgotten(start):
+    node = start()
+    node.goal("a", "do(walk,1)")
+    (action,) = node.core.awaited
+    node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+    while node.core.advance(1.0):
+        node.keeper.send(keep_ends=True)
+    assert any(isinstance(event, GoalChanged) and event.outcome is not None for event in node.told)
+    again = start()
+    assert again.keeper.clients["a"].ending == Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
+    again.keeper.forget(["a"])
+    again.goal("b", "do(walk,2)")
+    assert list(start().keeper.clients) == ["b"]
+
+
 def test_an_action_that_may_not_have_gone_out_is_still_awaited(start):
     node = start()
 
@@ -159,11 +178,79 @@ def test_a_core_that_was_shut_down_in_order_cancels_what_its_program_knows(start
     assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
 
 
+@pytest.mark.slow
+@pytest.mark.once
+def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
+    monkeypatch.setattr(folder, "LONG", 20_000)
+    node, sizes, states = start(ReactiveProgram.from_text(FORGETFUL)), [], []
+    for number in range(240):
+        node.goal(str(number), f"do({number})").succeed()
+        sizes.append(node.folder.path.stat().st_size)
+        states.append(len(json.dumps(node.core.record())))
+    assert [event.outcome for event in node.told if isinstance(event, GoalChanged)].count(Outcome.SUCCEEDED) == 240
+    half = len(sizes) // 2
+    assert max(states[half:]) < 1.25 * max(states[:half])
+    assert max(sizes[half:]) < 1.25 * max(sizes[:half])
+    assert max(sizes) < 3 * max(states)
+
+
 def test_the_journal_stays_small(start, monkeypatch):
-    monkeypatch.setattr(journal, "LONG", 10_000)
+    monkeypatch.setattr(folder, "LONG", 10_000)
     node, sizes = start(), []
     for number in range(30):
         node.goal(str(number), f"do(quick,{number})").succeed()
         sizes.append(node.folder.path.stat().st_size)
     assert any(after < before for before, after in zip(sizes, sizes[1:])), "it was written anew"
     assert max(sizes) < 4 * len(json.dumps(node.on_disk)) + 20_000
+
+
+def kept(journal):
+    """A core that has not begun, its keeper, and what that lets out."""
+    told = []
+    keeper = Keeper(told.append, journal, lambda: 0.0)
+    core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
+    keeper.attach(core)
+    return core, keeper, told
+
+
+def test_a_core_is_on_disk_before_it_begins_and_no_more_once_the_journal_is_closed(tmp_path):
+    place = JournalFolder(tmp_path)
+    core, keeper, told = kept(Journal(place, Header("run", "program")))
+    assert place.read().state["core"][0] is False
+    keeper.close()
+    core.start()
+    keeper.send()
+    assert told != []
+    assert keeper.fault == ""
+    other = JournalFolder(tmp_path)
+    assert other.read().state["core"][0] is False
+    other.close()
+
+
+def test_without_a_journal_all_goes_out(tmp_path):
+    core, keeper, told = kept(None)
+    core.start()
+    keeper.add("a", Client("do(", (1, 2)))
+    keeper.keep()
+    core.add_goal("a", "do(")
+    assert told == []
+    keeper.send()
+    assert [one.key for one in told if isinstance(one, GoalRefused)] == ["a"]
+    assert (keeper.clients, keeper.fault) == ({}, "")
+    keeper.close()
+
+
+def test_what_is_wrong_with_the_journal_is_told(tmp_path, monkeypatch):
+    place = JournalFolder(tmp_path)
+    _, keeper, _ = kept(Journal(place, Header("run", "program")))
+    assert keeper.fault == ""
+
+    def refuse(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "write", refuse)
+        keeper.add("a", Client("do(walk,1)", (1, 2)))
+        keeper.keep()
+        assert os.strerror(errno.ENOSPC) in keeper.fault
+    keeper.close()

@@ -1,11 +1,22 @@
 """A core whose state can be written down, and that can go on from what was written."""
 
-from typing import Any, Optional, Tuple
+from typing import Any, FrozenSet, Optional, Tuple
+
+from clingo import Symbol
 
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.records import LogRecorder, Record, log_of, plan_of, plan_to_value
+from rosoclingo.reasoning.records import (
+    LogRecorder,
+    Record,
+    keys_of,
+    log_of,
+    plan_of,
+    plan_to_value,
+    symbol_of,
+    text_of,
+)
 
 
 class KeptCore(Core):
@@ -19,15 +30,20 @@ class KeptCore(Core):
         """Begin, or go on from a ``record`` of a core with the same program; the rest is as :class:`Core` has it."""
         super().__init__(*arguments, **more)
         self._log = LogRecorder()
+        self._believed: Tuple[Optional[FrozenSet[Symbol]], Record] = (None, {})  # what is, and its sections
         self._started = False
         if record is not None:
             self._restore(record)
 
     def start(self) -> None:
-        """Begin, or tell the plan with which it goes on."""
+        """Begin; one that goes on has begun."""
         if not self._started:
             super().start()
             self._started = True
+
+    def remind(self) -> None:
+        """Tell what is believed, where that is known before anything is solved: by a core that goes on."""
+        self._announce.present()
 
     @property
     def preempted(self) -> Tuple[Action, ...]:
@@ -65,8 +81,17 @@ class KeptCore(Core):
             **self._feeder.record(),
             **self._execution.record(),
             "preemption": self._preemption.record(),
+            **self._record_beliefs(),
             **self._log.record(self._planner.log),
         }
+
+    def _record_beliefs(self) -> Record:
+        """Return what is believed, what is new behind the rest: so little of it is other than before."""
+        state, (known, sections) = self._announce.state, self._believed
+        if state is not known:
+            names = dict.fromkeys((f"believed:{text_of(symbol)}" for symbol in state or ()), 1)
+            self._believed = state, {**{name: 1 for name in sections if name in names}, **names}
+        return self._believed[1]
 
     def _restore(self, record: Record) -> None:
         numbers = record["core"]
@@ -80,3 +105,4 @@ class KeptCore(Core):
         self._feeder.restore(record, self._goals.by_key)
         self._execution.restore(record)
         self._preemption.restore(record["preemption"])
+        self._announce.state = frozenset(map(symbol_of, keys_of(record, "believed"))) or None

@@ -5,9 +5,10 @@ import os
 
 import pytest
 
-from rosoclingo.reasoning import journal_command
-from rosoclingo.reasoning.journal import Header, JournalError, JournalFolder, line_of
-from rosoclingo.reasoning.resuming import open_journal
+from rosoclingo.reasoning.journal import journal_command
+from rosoclingo.reasoning.journal.folder import JournalFolder
+from rosoclingo.reasoning.journal.lines import Header, JournalError, line_of
+from rosoclingo.reasoning.journal.resuming import open_journal
 
 BEFORE = Header("first", "program", "launch 1")
 AGAIN = Header("second", "program", "launch 1")
@@ -94,8 +95,8 @@ def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume):
     left.write_bytes(whole.replace(b"goal(2)", b"goal(3)"))
     with pytest.raises(JournalError, match="line 2 is not as it was written: start without it"):
         opened(folder, resume, AGAIN)
-    left.write_bytes(line_of(0, {**BEFORE.record, "format": 2}))
-    with pytest.raises(JournalError, match=r"line 1: it is of format 2, this version reads 1: .*journal clear"):
+    left.write_bytes(line_of(0, {**BEFORE.record, "format": 1}))
+    with pytest.raises(JournalError, match=r"line 1: it is of format 1, this version reads 2: .*journal clear"):
         opened(folder, resume, AGAIN)
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert found.odd, "another launch begins anew, and tells it"
@@ -106,6 +107,23 @@ def test_two_cores(folder):
     with pytest.raises(JournalError, match="another core has the journal"):
         open_journal(folder, "ask", AGAIN)
     first.journal.close()
+
+
+def test_a_journal_that_cannot_be_read(folder):
+    """It is told, and the folder is free again."""
+    (folder / "journal.jsonl").mkdir(parents=True)
+    for _ in range(2):
+        found = open_journal(folder, "ask", AGAIN)
+        assert found[:3] == (None, "second", None)
+        assert found.odd
+        assert found.remarks == [f"no journal is kept in {folder}: Is a directory"]
+
+
+def test_one_goal_of_a_core_that_had_hardly_begun(folder):
+    place = JournalFolder(folder)
+    place.begin(BEFORE, {"core": [False, 0], "goal:a": ["goal(1)"]})
+    place.close()
+    assert opened(folder, "yes", AGAIN).remarks == [f"goes on with {place.path}: run first, cycle 1, 1 open goal"]
 
 
 def test_a_folder_that_cannot_be_written(folder, monkeypatch):

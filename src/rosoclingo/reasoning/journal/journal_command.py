@@ -3,7 +3,8 @@
 import sys
 from pathlib import Path
 
-from rosoclingo.reasoning.journal import JournalError, JournalFolder, lines_of, read
+from rosoclingo.reasoning.journal.folder import NAME, JournalFolder, file_of
+from rosoclingo.reasoning.journal.lines import JournalError, lines_of, read
 
 #: What can be done with a journal.
 VERBS = ("show", "clear")
@@ -23,7 +24,7 @@ def main(verb: str, name: str) -> int:
 
 
 def _show(path: Path) -> int:
-    file = path / "journal.jsonl" if path.is_dir() else path
+    file = file_of(path)
     try:
         kept = read(file.read_bytes())
     except JournalError as error:
@@ -37,7 +38,7 @@ def _clear(path: Path) -> int:
         return _failed(f"{path} is no folder with a journal")
     folder = JournalFolder(path)
     try:
-        found = sorted(path.glob("journal.jsonl*"))
+        found = sorted(path.glob(f"{NAME}*"))
         for one in found:
             one.unlink()
     finally:

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import CoreSettings, PlanMade, StateChanged
-from rosoclingo.reasoning.journal import changes, line_of, read
-from rosoclingo.reasoning.kept_core import KeptCore
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header, changes, line_of, read
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
 
@@ -21,7 +21,7 @@ class Disk:
     """A journal in memory."""
 
     def __init__(self):
-        self._lines, self._before = [line_of(0, {"format": 1, "run": "", "program": "", "launch": ""})], {}
+        self._lines, self._before = [line_of(0, Header("", "").record)], {}
 
     def write(self, state):
         """Write what has changed."""
@@ -143,3 +143,35 @@ SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 @given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
 def test_errands_go_on_as_they_would_have(solver, script, cuts):
     compare(ReactiveProgram.from_text(ERRANDS), solver, script, cuts)
+
+
+def test_what_is_believed_is_told_before_anything_is_solved():
+    program = ReactiveProgram.from_text(ERRANDS + 'at(1,t) :- t=1. #show at/2. at(2,0). #show "a,b". #show 7.')
+    told, again, disk = [], [], Disk()
+    first = KeptCore(program, lambda: shortest(program), told.append, SETTINGS)
+    first.remind()
+    assert not told
+    first.start()
+    disk.write(first.record())
+    believed = told[-1]
+    assert isinstance(believed, StateChanged)
+    assert believed.atoms
+    next_one = KeptCore(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
+    next_one.remind()
+    assert again == [believed]
+
+
+def test_what_is_believed_is_written_as_far_as_it_is_new():
+    program = ReactiveProgram.from_text(ERRANDS + "#show done/2.")
+    core = KeptCore(program, lambda: shortest(program), lambda event: None, SETTINGS)
+    core.start()
+    before, written = core.record(), []
+    for number in (2, 1, 3):
+        core.add_goal(str(number), f"do(quick,{number})")
+        assert core.advance(0.0)
+        change = changes(before, core.record())
+        written.append([name for name in (*change.get("drop", ()), *change["set"]) if name.startswith("believed:done")])
+        before = core.record()
+        for one in core.awaited:
+            core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
+    assert written == [["believed:done(2,now)"], ["believed:done(1,now)"], ["believed:done(3,now)"]]

@@ -4,8 +4,8 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Se
 
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, Observer
 from rosoclingo.reasoning.goals import GoalState, Outcome
-from rosoclingo.reasoning.journal import Journal
-from rosoclingo.reasoning.kept_core import KeptCore
+from rosoclingo.reasoning.journal.folder import Journal
+from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.records import Record, group
 
 
@@ -99,8 +99,11 @@ class Keeper:
         if self._journal is not None:
             self._write()
 
-    def send(self) -> None:
-        """Write down the state after a step of the core, and let out what it told."""
+    def send(self, keep_ends: bool = False) -> None:
+        """Write down the state after a step of the core, and let out what it told.
+
+        With ``keep_ends`` goals that have ended stay written down until :meth:`forget`: their clients may not hear yet.
+        """
         if not self._events:
             return
         events, self._events = self._events, []
@@ -110,7 +113,8 @@ class Keeper:
             self._write()
         for event in events:
             self._tell(event)
-        self.forget(ends)
+        if not keep_ends:
+            self.forget(ends)
 
     def close(self) -> None:
         """Write no more, and leave the journal to others."""

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
 
-from rosoclingo.reasoning.journal import Header, Journal, JournalError, JournalFolder, Kept, State, launch_of
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, launch_of
 from rosoclingo.reasoning.records import group
 
 #: ``yes``: go on with what is there; ``no``: begin anew; ``ask``: go on where the same launch has begun it.

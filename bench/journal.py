@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Measures the core's journal when a run has got long: the file to read on start, and processor time to go on from it.
+
+The pure core with the program of a row of offices or of a house, its solver in the same process; each action is
+answered at once, with success or, now and then, a failure. Every so many goals a second core is made of the file as if
+the first one had been killed, and is given one more goal; beside it stands what a core that begins anew takes for that
+goal. To be run in the built workspace: ./dev exec python3 bench/journal.py
+"""
+
+import argparse
+import random
+import tempfile
+import time
+from pathlib import Path
+
+from figures import Figure, parse, write
+from long_run import PROGRAMS, answer, load
+
+from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, file_of
+from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header, read
+
+
+class Run:
+    """A core that is given goals and writes a journal, if it has one; it may go on from a ``record``."""
+
+    def __init__(self, program, journal=None, record=None):
+        self._writing = journal and Timed(journal)
+        self.keeper = Keeper(lambda event: None, self._writing, time.monotonic)
+
+        def solver():
+            return ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=1.0)
+
+        self.core = KeptCore(program, solver, self.keeper, CoreSettings(), record=record)
+        self.keeper.attach(self.core, record)
+        self.core.start()
+        self.keeper.send()
+
+    @property
+    def written(self):
+        """Seconds of processor time in the journal, and how often it was asked to write."""
+        return self._writing.spent, self._writing.count
+
+    def goal(self, key, text):
+        """A client's goal comes, and its first actions go out."""
+        self.keeper.add(key, Client(text, (0, 0)))
+        self.keeper.keep()
+        self.core.add_goal(key, text)
+        self.advance()
+
+    def advance(self):
+        """Go on until something is awaited."""
+        while self.core.advance(0.0):
+            self.keeper.send()
+        self.keeper.send()
+
+    def finish(self, answer):
+        """Answer all actions until all goals have ended."""
+        while self.core.live_goals:
+            for action in self.core.awaited:
+                self.core.receive("bench", [answer(action)])
+            self.advance()
+
+
+class Timed:
+    """A journal that tells what it has cost."""
+
+    def __init__(self, journal):
+        self._journal, self.spent, self.count, self.fault = journal, 0.0, 0, ""
+
+    def write(self, state, now):
+        """Have the state on disk."""
+        start = time.process_time()
+        self._journal.write(state, now)
+        self.spent += time.process_time() - start
+        self.count += 1
+        if self._journal.fault:
+            raise SystemExit(self._journal.fault)
+
+
+def first_answer(program, path, number, text):
+    """Seconds of processor time from a journal's bytes, None for none, to the first actions of one more goal."""
+    start = time.process_time()
+    record = None if path is None else read(path.read_bytes()).state
+    Run(program, record=record).goal(f"extra {number}", text)
+    return time.process_time() - start
+
+
+def play(program, goal, options, path):
+    """Play all goals and print how the journal stands on the way; return the figures of the end."""
+    run = Run(program, Journal(JournalFolder(path), Header("bench", program.fingerprint)))
+    file, source, largest = file_of(path), random.Random(1), 0
+    mark, times = 0, (0.0, 0.0)
+
+    for number in range(1, options.goals + 1):
+        run.goal(str(number), goal(source, number))
+        if number % options.batch == 0 or number == options.goals:
+            run.finish(lambda action: answer(action, source, options.failures))
+        largest = max(largest, file.stat().st_size)
+        if number >= mark + options.every or number == options.goals:
+            mark, text = number, goal(random.Random(number), 10 * options.goals)
+            times = first_answer(program, file, number, text), first_answer(program, None, number, text)
+            spent, count = run.written
+            print(
+                f"goal {number:6d}, cycle {run.core.cycle:6d}: {file.stat().st_size / 1000:6.1f} kB, "
+                f"largest {largest / 1000:6.1f} kB, to the first answer {times[0]:.3f} s, "
+                f"anew {times[1]:.3f} s, {1000 * spent / count:.2f} ms for each of {count} writes",
+                flush=True,
+            )
+    spent, count = run.written
+    return [
+        Figure("largest file", largest / 1000, "kB"),
+        Figure("resumed, to the first answer", times[0], "s of processor"),
+        Figure("begun anew, to the first answer", times[1], "s of processor"),
+        Figure("writing", 1000 * spent / count, "ms of processor"),
+    ]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
+    parser.add_argument("--goals", type=int, default=10000, help="goals (default: %(default)s)")
+    parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
+    parser.add_argument("--every", type=int, default=500, help="goals between two looks (default: %(default)s)")
+    parser.add_argument(
+        "--failures", type=float, default=0.05, help="share of actions that fail (default: %(default)s)"
+    )
+    options = parse(parser, goals=100, every=50)
+    program, goal = load(options.program)
+    with tempfile.TemporaryDirectory() as name:
+        write(options.json, play(program, goal, options, Path(name)))
+
+
+if __name__ == "__main__":
+    main()

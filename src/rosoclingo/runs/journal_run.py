@@ -1,0 +1,87 @@
+"""A run out of a core's journal, as far as that goes back: it is written anew now and then, with the state alone.
+
+What a cycle was told is in the solver's log; what was decided is the plan, and the actions that went out.
+"""
+
+from dataclasses import replace
+from typing import List, Set
+
+from rosoclingo.oclingo import StreamUpdate
+from rosoclingo.oclingo.progression.updates import Anew
+from rosoclingo.oclingo.solving.stream_log import Taken, entry_from_message
+from rosoclingo.reasoning.journal.lines import JournalError, State, history
+from rosoclingo.reasoning.records import actions_of, group, log_of, plan_of
+from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun, RecordingError, RunProgram
+
+
+def journal_run(data: bytes) -> RecordedRun:
+    """Return the run in the bytes of a journal's file; raises RecordingError, with the number of a line not right."""
+    try:
+        header, states = history(data)
+    except JournalError as error:
+        raise RecordingError(f"{error}; take another copy of the journal") from None
+    program = replace(RunProgram.parse(header.description), run=header.run) if header.description else None
+    begin = next(states)
+    start, reader = log_of(begin) if group(begin, "log") else None, _Reader(begin)
+    for state in states:
+        reader.take(state)
+    if not reader.cycles:
+        raise RecordingError("nothing was done since its file was begun: there is nothing to replay yet")
+    return RecordedRun(program, reader.cycles, start)
+
+
+class _Reader:
+    """Goes through the states; ``cycles`` are those whose update came while the file was written."""
+
+    def __init__(self, start: State) -> None:
+        self.cycles: List[RecordedCycle] = []
+        self._known: Set[str] = set(group(start, "log"))
+        self._plan: object = None
+        self._taken: List[StreamUpdate] = []  # since an update was told
+        self._told = _told(start)
+
+    def take(self, state: State) -> None:
+        """Take the state after a further record."""
+        self._taken += self._new_updates(state)
+        if _told(state) > self._told:
+            self.cycles.append(RecordedCycle(_told(state), self._in_force()))
+            self._told, self._taken, self._plan = _told(state), [], None
+        if self.cycles and state["core"][1] == self._told:  # else an update was dropped, and its cycle comes again
+            self._note(self.cycles[-1], state)
+
+    def _new_updates(self, state: State) -> List[StreamUpdate]:
+        entries = {name: value for name, value in group(state, "log").items() if name not in self._known}
+        self._known.update(entries)
+        taken = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
+        return [one.update for one in taken if isinstance(one, Taken) and one.update is not None]
+
+    def _in_force(self) -> List[StreamUpdate]:
+        """Of several updates of one step the last; one that begins anew goes through the cycles before."""
+        anew = [number for number, update in enumerate(self._taken) if Anew() in update.items]
+        if anew:
+            return self._taken[anew[-1] :]
+        return list({one.step: one for one in self._taken if (one.step or 1) > self._told}.values())
+
+    def _note(self, cycle: RecordedCycle, state: State) -> None:
+        """Note what was decided; a plan that was made shorter while actions ran comes behind the one before."""
+        plan = state["plan"]
+        if plan is not None and plan != self._plan:
+            self._plan = plan
+            actions = [str(one.atom) for one in plan_of(plan).actions if one.cycle >= cycle.cycle]
+            cycle.plans.append(RecordedPlan(_horizon(state), tuple(actions)))
+        dispatch = state["dispatch"]
+        if dispatch is not None and dispatch[0] == cycle.cycle:
+            cycle.dispatched = [str(one.atom) for one in actions_of(dispatch[1])]
+
+
+def _told(state: State) -> int:
+    """The cycle whose update was told last."""
+    return int(state["core"][4])
+
+
+def _horizon(state: State) -> int:
+    """The last step that the plan reaches."""
+    if state["plan_now"]:
+        return int(state["plan_now"]["horizon"])
+    entries = [one for one in group(state, "log").values() if one["do"] == "update"]
+    return int(entries[-1]["horizon"])

@@ -1,0 +1,192 @@
+"""Core and interfaces are killed at any instant, alone or both at once: nothing is done twice, and each goal ends once.
+
+The interfaces remember what they have begun and answered as the real ones do; the action servers outlive them.
+"""
+
+import contextlib
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from killed_core import HAPPENED, KILLS, Fate, KilledError, Play, World
+
+from rosoclingo.interfaces.memory import ActionMemory
+
+
+class Interfaces(World):
+    """A process with all interfaces. What it says is in ``said`` until the core takes it.
+
+    The action servers know each goal that they were sent, by its id: the action, and how it has ended, None until then.
+    """
+
+    def __init__(self, folder, fate):
+        super().__init__()
+        self._folder, self._fate = folder, fate
+        self._servers, self._memory, self.said = {}, None, []
+        self.kills = 0
+
+    @contextlib.contextmanager
+    def living(self):
+        """What the interfaces' process does, until it is killed."""
+        with self._fate.other_process():
+            try:
+                yield
+            except KilledError:
+                self.kill()
+                self._fate.let_go()
+
+    def kill(self):
+        """The process is gone, its file is closed."""
+        self.kills += 1
+        if self._memory is not None:
+            self._memory.close()
+        self._memory = None
+
+    @property
+    def is_up(self):
+        """Whether the process lives."""
+        return self._memory is not None
+
+    def begin_again(self):
+        """The process is started again; it hears of the core's run."""
+        with self.living():
+            memory = ActionMemory(self._folder, "hand")
+            try:
+                memory.begin_run("run")
+            except KilledError:
+                memory.close()
+                raise
+            self._memory = memory
+
+    def command(self, action):
+        """The core tells of an action, perhaps again; who is not there does not hear it."""
+        if self.is_up:
+            with self.living():
+                self._take(action)
+
+    def _take(self, action):
+        known = self._memory.recall(str(action.atom))
+        if known is not None and known.facts is not None:
+            self.said.append(list(known.facts))
+        elif known is None or known.goal not in self._servers:  # killed before the server heard of it
+            goal = f"goal {len(self._servers) + 1}"
+            self._memory.note_begun(str(action.atom), goal)
+            self._fate.pass_instant()
+            self._send(goal, action)
+            self._fate.pass_instant()
+        self._look(action)
+
+    def _send(self, goal, action):
+        """A server takes a goal: the world sees no action twice."""
+        assert action not in [one for one, _ in self._servers.values()], f"{action} is begun twice"
+        assert not self.done[str(action.parameter)], f"{action} is done already"
+        self._servers[goal] = (action, None)
+        if str(action.interface) == "quick":
+            self._end(goal, True)
+
+    def _end(self, goal, good):
+        action, _ = self._servers[goal]
+        self.done[str(action.parameter)] += good
+        self._servers[goal] = (action, action.parameter if good else "failed")
+
+    def do(self, action, good):
+        """What a server does ends well or not, whoever hears of it."""
+        for goal, (one, value) in list(self._servers.items()):
+            if one == action and value is None:
+                self._end(goal, good)
+        if self.is_up:
+            with self.living():
+                self._look(action)
+
+    def _look(self, action):
+        """Answer an action that has ended, if it was not answered."""
+        known = self._memory.recall(str(action.atom))
+        if known is None or known.facts is not None:
+            return
+        _, value = self._servers[known.goal]
+        if value is not None:
+            facts = (f"_return({action.interface},{value},{action.cycle})",)
+            self._memory.note_answered(str(action.atom), facts)
+            self._fate.pass_instant()
+            self.said.append(list(facts))
+
+
+class BothPlay(Play):
+    """A core and interfaces, each of which is made anew whenever it was killed."""
+
+    def _greet(self):
+        """The core's greeting, which interfaces hear that have just come, or to which it has just come."""
+        self.world.said.clear()
+        while not self.world.is_up:
+            self.world.begin_again()
+        for action in self._node.core.awaited:
+            self.world.command(action)
+        self._hear()
+
+    def _hear(self):
+        said, self.world.said[:] = list(self.world.said), []
+        for facts in said:
+            self._node.core.receive("hand", facts)
+
+    def _kill(self):
+        super()._kill()
+        if self._fate.upset:
+            self.world.kill()
+
+    def _happen(self, what, *values):
+        super()._happen(what, *values)
+        for _ in range(100):
+            if self.world.is_up and not self.world.said:
+                return
+            super()._happen(self._hear if self.world.is_up else self._greet)
+        raise AssertionError("core and interfaces do not come to rest")
+
+    def answer(self, which, good):
+        """What is under way ends."""
+        awaited = self._node.core.awaited
+        if awaited:
+            self.world.do(awaited[which % len(awaited)], good)
+
+
+def played(script, kills=()):
+    """Play a script with kills."""
+    fate = Fate(kills)
+    with tempfile.TemporaryDirectory() as name, fate.rules():
+        world = Interfaces(Path(name) / "interfaces", fate)
+        return BothPlay(Path(name) / "core", fate, preempt=False, world=world).play(script), fate
+
+
+#: Goals that are met, refused, cancelled and given up, and failures.
+SCRIPT = [
+    ("goal", "walk"),
+    ("goal", "quick"),
+    ("answer", 0, False),
+    ("goal", "run"),
+    ("cancel", 3),
+    ("answer", 1, True),
+    ("goal", "never"),
+    ("answer", 0, True),
+    ("goal", "walk"),
+    ("answer", 0, True),
+    ("goal", "quick"),
+]
+
+
+@pytest.mark.slow
+def test_either_is_killed_at_every_instant():
+    _, fate = played(SCRIPT)
+    interfaces = 0
+    for instant in range(1, fate.instants + 1):
+        for cut in (0, 500, 1000) if instant in fate.writes else (0,):
+            play, _ = played(SCRIPT, [(instant, cut, False)])
+            assert play.kills + play.world.kills == 1
+            interfaces += play.world.kills
+    assert 0 < interfaces < fate.instants
+
+
+@pytest.mark.slow
+@given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS)
+def test_both_are_killed_again_and_again(script, kills):
+    played(script, kills)

@@ -1,0 +1,119 @@
+"""What the core keeps of its solver's log: as much as it takes to go on, also instead of the last update."""
+
+import json
+
+import pytest
+
+from rosoclingo.oclingo import parse_atom, parse_update
+from rosoclingo.oclingo.progression.updates import Over
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, Plan, StreamLog, Taken
+from rosoclingo.oclingo.solving.stream_state import StreamState
+from rosoclingo.reasoning.action_extractor import TaskPlan
+from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.records import LogRecorder, group, keys_of, log_of, plan_of, plan_to_value
+
+
+def update(step):
+    return Taken(parse_update(f"#step {step}. #endstep."), step)
+
+
+def checkpoint(step):
+    return Checkpoint(StreamState(step=step, horizon=step))
+
+
+ENTRIES = {
+    **{f"update {step}": update(step) for step in (1, 2, 3)},
+    **{f"checkpoint {step}": checkpoint(step) for step in (0, 1, 2, 3)},
+    "search": Taken(None, 1),
+    **{f"over {step}": Over(step) for step in (1, 2)},
+}
+
+
+def log_with(*names):
+    return StreamLog().then(*map(ENTRIES.get, names))
+
+
+def names_of(log):
+    """The names of all entries, oldest first."""
+    found = []
+    while log is not None and log.entry is not None:
+        found.append(next(name for name, one in ENTRIES.items() if same(one, log.entry)))
+        log = log.before
+    return found[::-1]
+
+
+def same(one, other):
+    if isinstance(one, Checkpoint) and isinstance(other, Checkpoint):
+        return one.state == other.state
+    return one == other
+
+
+def written(record):
+    return json.loads(json.dumps(record))
+
+
+@pytest.mark.parametrize(
+    ("entries", "passed"),
+    [
+        ([], 0),
+        (["search"], 0),
+        (["over 1", "search", "over 2"], 0),
+        (["over 1", "checkpoint 1", "over 2", "search"], 1),
+        (["checkpoint 1", "over 1", "checkpoint 2"], 2),
+        (["over 1", "update 1", "search", "update 2", "over 2"], 0),
+        (["update 1", "checkpoint 1", "update 2"], 1),
+        (["update 1", "checkpoint 1", "over 1", "update 2", "search"], 1),
+        (["update 1", "checkpoint 1"], 0),
+        (["over 1", "checkpoint 0", "over 2", "update 1", "checkpoint 1", "over 1"], 1),
+        (["update 1", "checkpoint 1", "search", "checkpoint 2", "update 2", "checkpoint 3", "search"], 3),
+    ],
+)
+def test_what_is_kept_begins_at_a_checkpoint_before_the_last_update(entries, passed):
+    """Or without an update at the last one, or at the start: from there the update may as well be left out."""
+    log = log_with(*entries)
+    kept = log_of(written(LogRecorder().record(log)))
+    assert names_of(kept) == entries[passed:]
+    assert (kept.step, kept.horizon, kept.over) == (log.step, log.horizon, log.over)
+    assert (kept.last is None) == (log.last is None)
+    log.cut()
+    assert names_of(log_of(written(LogRecorder().record(log)))) == entries[passed:]
+
+
+def test_each_entry_has_a_name_of_its_own_as_long_as_it_is_kept():
+    recorder = LogRecorder()
+    log = log_with("over 1", "update 1")
+    first = recorder.record(log)
+    assert keys_of(first, "log") == ["1", "2"]
+    log = log.then(ENTRIES["checkpoint 1"], ENTRIES["update 2"])
+    second = recorder.record(log)
+    assert keys_of(second, "log") == ["3", "4"]
+    assert recorder.record(log) == second
+    other = recorder.record(log.then(ENTRIES["over 2"]))
+    assert {**other, **second} == other
+    assert keys_of(other, "log") == ["3", "4", "5"]
+    assert group(other, "log")["5"] == {"do": "forget", "step": 2}
+    assert group({"log:1": 1, "logs:2": 2, "log": 3, "a:log:1": 4}, "log") == {"1": 1}
+
+
+NOW, THEN = (Plan(frozenset([parse_atom(f"_action_lib(go,a,{step})")]), step, shortest=True) for step in (1, 2))
+
+
+@pytest.mark.parametrize(("before", "now"), [(NOW, THEN), (NOW, NOW), (None, NOW), (NOW, None), (None, None)])
+def test_the_plans_where_a_search_may_begin(before, now):
+    log = log_with("over 1", "update 1", "over 2")
+    log.last.before.plan, log.plan = before, now
+    record = written(LogRecorder().record(log))
+    assert ("plan_before" in record) == (before is not now)
+    kept = log_of(record)
+    assert (kept.last.before.plan, kept.plan) == (before, now)
+    alone = log_with("search")
+    alone.plan = now
+    record = written(LogRecorder().record(alone))
+    assert "plan_before" not in record
+    assert log_of(record).plan == now
+
+
+def test_task_plans():
+    actions = tuple(action_of(parse_atom(f'_action_lib(say,"{word}",1)')) for word in ("a, b", "c"))
+    for plan in (TaskPlan(), TaskPlan(actions), TaskPlan(actions, ("no cycle", "no cycle, either"))):
+        assert plan_of(written(plan_to_value(plan))) == plan

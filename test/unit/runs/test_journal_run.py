@@ -1,0 +1,128 @@
+"""A core's journal as a recorded run: what it has is what was told and decided, and is solved again."""
+
+import pytest
+from core_driver import FORGETFUL, soon
+from shipped import shipped
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, UpdateSent
+from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header
+from rosoclingo.runs.journal_run import journal_run
+from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.replay import AGREEING, Replay, Verdict
+
+GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]
+
+
+def play(path, program, goals, fail_at=2, cancel_at=4):
+    """Play goals in turn, with a failure and a cancel; return the journal's bytes and all that was told."""
+    told = []
+    description = RunProgram.of("first start", program, {"plan": "soon"}).text()
+    place = JournalFolder(path)
+    keeper = Keeper(told.append, Journal(place, Header("run", program.fingerprint, "", description)), lambda: 0.0)
+    core = KeptCore(program, lambda: soon(program), keeper, CoreSettings())
+    keeper.attach(core)
+    core.start()
+    keeper.send()
+    for number in range(200):
+        if number < len(goals):
+            keeper.add(goals[number][0], Client(goals[number][1], (0, 0)))
+            core.add_goal(*goals[number])
+        if number == cancel_at:
+            core.cancel_goal(goals[1][0])
+        while core.advance(0.0):
+            keeper.send()
+        keeper.send()
+        for one in core.awaited:
+            value = "failed" if number == fail_at else one.parameter
+            core.receive("hand", [f"_return({one.interface},{value},{one.cycle})"])
+        if not core.live_goals:
+            break
+    assert not core.live_goals
+    keeper.close()
+    return place.path.read_bytes(), told
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A journal that goes back to the start, and what was told."""
+    return play(tmp_path_factory.mktemp("whole"), shipped("mailbot.lp", "office.lp"), GOALS)
+
+
+@pytest.fixture(scope="module")
+def late(tmp_path_factory):
+    """A journal that was begun anew on the way, when steps that are over had become a state; and what was told."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(folder, "LONG", 30_000)
+        goals = [(str(number), f"do({number})") for number in range(1, 60)]
+        return play(tmp_path_factory.mktemp("late"), ReactiveProgram.from_text(FORGETFUL), goals, None, None)
+
+
+def streams(told):
+    return "".join(event.stream for event in told if isinstance(event, UpdateSent))
+
+
+def dispatched(told):
+    events = [event for event in told if isinstance(event, ActionsDispatched)]
+    return {event.cycle: [str(one.atom) for one in event.actions] for event in events}
+
+
+def test_it_has_what_was_told_and_what_went_out(whole):
+    data, told = whole
+    run = journal_run(data)
+    assert run.program.run == "run"
+    assert run.program.load().fingerprint == shipped("mailbot.lp", "office.lp").fingerprint
+    assert run.stream.split() == streams(told).split()
+    assert {one.cycle: one.dispatched for one in run.cycles if one.dispatched} == dispatched(told)
+
+
+def test_it_is_solved_again(whole):
+    run = journal_run(whole[0])
+    reports = list(Replay(run, run.program.load(), run.program.plan_time).reports())
+    assert [one.cycle for one in reports] == [one.cycle for one in run.cycles]
+    assert [one.line() for one in reports if not one.explained or one.verdict not in AGREEING] == []
+
+
+def test_another_decision_is_told(whole):
+    run = journal_run(whole[0])
+    cycle = next(one for one in run.cycles if one.dispatched)
+    cycle.dispatched = ["_action_lib(pickup,9,1)"]
+    reports = Replay(run, run.program.load(), run.program.plan_time).reports()
+    assert [one.verdict for one in reports if not one.explained] == [Verdict.SENT]
+
+
+@pytest.mark.slow
+def test_one_that_was_begun_anew_goes_on_from_the_state(late):
+    data, told = late
+    run = journal_run(data)
+    first, sent = run.cycles[0].cycle, dispatched(told)
+    assert first > 1
+    assert {one.cycle: one.dispatched for one in run.cycles if one.dispatched} == {
+        cycle: actions for cycle, actions in sent.items() if cycle >= first
+    }
+    reports = list(Replay(run, run.program.load(), run.program.plan_time).reports())
+    assert [one.line() for one in reports if not one.explained or one.verdict not in AGREEING] == []
+
+
+@pytest.mark.slow
+def test_of_a_state_there_is_no_stream(late):
+    with pytest.raises(RecordingError, match=r"what came before cycle \d+ is in it as a state alone"):
+        _ = journal_run(late[0]).stream
+
+
+def test_one_changed_byte_is_refused_at_its_line(whole):
+    data = whole[0]
+    for line in (1, 2, data.count(b"\n")):
+        place = sum(map(len, data.splitlines(keepends=True)[: line - 1])) + 40
+        changed = data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :]
+        with pytest.raises(RecordingError, match=f"^line {line} is not as it was written"):
+            journal_run(changed)
+
+
+def test_nothing_was_done_yet(whole):
+    with pytest.raises(RecordingError, match="there is nothing to replay yet"):
+        journal_run(b"".join(whole[0].splitlines(keepends=True)[:2]))
