@@ -8,6 +8,11 @@ class Live {
     this.model = new RunModel();
     this.player = new Player(this.model);
     this.wait = RETRY.first;
+    this.answers = new Map(); // what to do with the answer to a message, by its number
+    this.asked = 0;
+    this.orders = new OrdersView(document.getElementById("orders"), (message, then) => this.ask(message, then));
+    this.player.goals.mine = (goal) => this.orders.orders.has(goal.id);
+    this.player.goals.cancel = (goal) => this.orders.cancel(goal);
     this.connect();
   }
 
@@ -16,14 +21,35 @@ class Live {
     this.socket = new WebSocket(`${secure}//${window.location.host}/run`);
     this.socket.addEventListener("message", (event) => this.take(JSON.parse(event.data)));
     this.socket.addEventListener("close", () => {
+      for (const then of this.answers.values()) then({ fault: "the connection was lost: see the goals" });
+      this.answers.clear();
       this.say("lost", "No connection: trying again. What is shown may be old.");
       window.setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(2 * this.wait, RETRY.most);
     });
   }
 
+  /** Ask the server for something. */
+  ask(message, then) {
+    if (this.socket.readyState !== WebSocket.OPEN) {
+      then({ fault: "there is no connection: try again" });
+      return;
+    }
+    this.asked += 1;
+    this.answers.set(this.asked, then);
+    this.socket.send(JSON.stringify({ ...message, number: this.asked }));
+  }
+
   take(changes) {
     this.wait = RETRY.first;
+    if (changes.answer) {
+      const then = this.answers.get(changes.answer.number);
+      this.answers.delete(changes.answer.number);
+      if (then) then(changes.answer);
+      this.player.update();
+      return;
+    }
+    this.orders.draw(changes.orders || []);
     if (changes.whole) this.model.clear();
     this.model.merge(changes);
     if (changes.core) this.say("live", "Live");

@@ -8,10 +8,11 @@ class Player {
     this.following = true; // the end, as it comes
     const seek = (time) => this.seek(time);
     const part = (name) => document.getElementById(name);
+    this.goals = new GoalsView(part("goals"), model);
     this.views = [
       new MapView(part("map"), model),
       new TimelineView(part("timeline"), model, seek),
-      new GoalsView(part("goals"), model),
+      this.goals,
       new CycleView(part("cycle"), model),
       new LogView(part("log"), model, seek),
     ];

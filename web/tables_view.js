@@ -7,6 +7,8 @@ class GoalsView {
   constructor(parent, model) {
     this.model = model;
     this.rows = new Map(); // by the goal's id
+    this.mine = () => false; // whether a goal may be cancelled here, and what cancels it
+    this.cancel = () => undefined;
     this.body = html("tbody");
     const heads = ["goal", "state", "since it was sent", "reason"].map((words) => html("th", { scope: "col" }, words));
     this.none = html("p", { class: "caption" }, "Nobody has asked for anything yet.");
@@ -25,7 +27,10 @@ class GoalsView {
   row(goal, state) {
     if (!state) return null;
     if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
-    const { row, word, waited, reason } = this.rows.get(goal.id);
+    const { row, word, waited, reason, last, cancel } = this.rows.get(goal.id);
+    const offered = goal.ended === null && state.word !== "canceling" && this.mine(goal);
+    if (offered && !cancel.isConnected) last.append(cancel);
+    if (!offered) cancel.remove();
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
     say(word, state.word);
     word.className = `state ${state.word}`;
@@ -35,9 +40,12 @@ class GoalsView {
   }
 
   newRow(goal) {
-    const [word, waited, reason] = [html("span"), html("td", { class: "number" }), html("td")];
+    const [word, waited, reason] = [html("span"), html("td", { class: "number" }), html("span")];
+    const cancel = html("button", { type: "button", onclick: () => this.cancel(goal) }, "Cancel");
+    cancel.setAttribute("aria-label", `Cancel ${goal.request}`);
     const name = html("th", { scope: "row" }, html("code", {}, goal.request));
-    return { row: html("tr", {}, name, html("td", {}, word), waited, reason), word, waited, reason };
+    const last = html("td", {}, reason);
+    return { row: html("tr", {}, name, html("td", {}, word), waited, last), word, waited, reason, last, cancel };
   }
 }
 

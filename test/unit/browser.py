@@ -159,10 +159,13 @@ class Browser:
     def click(self, selector):
         """Click on the middle of an element."""
         place = (
-            f"(() => {{ const one = document.querySelector({json.dumps(selector)}); one.scrollIntoView();"
-            " const box = one.getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]; })()"
+            f"(() => {{ const one = document.querySelector({json.dumps(selector)});"
+            " one.scrollIntoView({block: 'center'}); const box = one.getBoundingClientRect();"
+            " const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];"
+            " return [x, y, one.contains(document.elementFromPoint(x, y))]; })()"
         )
-        x, y = self.run(place)
+        x, y, seen = self.run(place)
+        assert seen, f"{selector} is covered by something else"
         for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 

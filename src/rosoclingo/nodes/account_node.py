@@ -14,28 +14,23 @@ from rosoclingo.msg import GoalStates, InterfaceIO, PackageStates, ROSoClingoAct
 from rosoclingo.nodes.words import words_in
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
+from rosoclingo.runs.topic_names import USUAL, full_name
 
-#: The core's usual name.
-USUAL = "rosoclingo"
-
-#: Topics of an account and their types, in the core's namespace, for a core of the usual name.
+#: Topics of an account, named as :func:`full_name` takes them, and their types.
 TOPICS = {
-    "rosoclingo/program": String,
-    "rosoclingo/goals": GoalStates,
-    "rosoclingo/state": State,
+    "~program": String,
+    "~goals": GoalStates,
+    "~state": State,
     "out_rosoclingo": InterfaceIO,
     "in_rosoclingo": InterfaceIO,
     "rosoclingo/goal": ROSoClingoActionGoal,
     "rosoclingo/cancel": GoalID,
     "rosoclingo/status": GoalStatusArray,
-    "rosoclingo/updates": String,
-    "rosoclingo/task_plan": TaskPlan,
+    "~updates": String,
+    "~task_plan": TaskPlan,
     "packages": PackageStates,
     "base_pose_ground_truth": Odometry,
 }
-
-#: Those of them that have the core's name in theirs; its action server has the usual one, whatever the core is called.
-_PRIVATE = ("program", "goals", "state", "updates", "task_plan")
 
 #: Metres from a label in which the robot is there.
 TOLERANCE = 0.5
@@ -44,15 +39,7 @@ TOLERANCE = 0.5
 ENDS = ("succeeded", "canceled", "rejected", "aborted")
 
 #: Those of them that the core publishes.
-CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "rosoclingo/updates", "rosoclingo/task_plan")
-
-
-def topic_of(topic: str, core: str) -> str:
-    """The name of one of TOPICS for a core of this name, which has its namespace where it is a full one."""
-    namespace, _, name = core.rpartition("/")
-    first, _, last = topic.rpartition("/")
-    private = first == USUAL and last in _PRIVATE
-    return ("" if "/" not in core else f"{namespace}/") + (f"{name}/{last}" if private else topic)
+CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "~updates", "~task_plan")
 
 
 class TopicAccount:
@@ -69,16 +56,16 @@ class TopicAccount:
         self._labels = labels
         self._lock = threading.Lock()
         self._readers: Dict[str, Callable[[float, Any], None]] = {
-            "rosoclingo/program": self._program,
-            "rosoclingo/goals": self._goals,
-            "rosoclingo/state": lambda time, message: self.account.state(time, message.atoms),
+            "~program": self._program,
+            "~goals": self._goals,
+            "~state": lambda time, message: self.account.state(time, message.atoms),
             "out_rosoclingo": self._dispatched,
             "in_rosoclingo": lambda time, message: self.account.returned(time, message.interface, message.facts),
             "rosoclingo/goal": lambda time, message: self.account.goal(time, message.goal_id.id, message.goal.request),
             "rosoclingo/cancel": lambda time, message: self.account.cancel(time, message.id),
             "rosoclingo/status": self._statuses,
-            "rosoclingo/updates": lambda time, message: self.account.update(time, message.data),
-            "rosoclingo/task_plan": lambda time, message: self.account.plan(time, message.cycle, message.actions),
+            "~updates": lambda time, message: self.account.update(time, message.data),
+            "~task_plan": lambda time, message: self.account.plan(time, message.cycle, message.actions),
             "packages": self._packages,
             "base_pose_ground_truth": self._pose,
         }
@@ -149,7 +136,9 @@ class AccountNode(TopicAccount):
     ) -> None:
         super().__init__(say, labels, with_state)
         self._subscribers = {
-            topic: rospy.Subscriber(topic_of(topic, core), kind, self._on_message, callback_args=topic, queue_size=None)
+            topic: rospy.Subscriber(
+                full_name(topic, core), kind, self._on_message, callback_args=topic, queue_size=None
+            )
             for topic, kind in TOPICS.items()
         }
 

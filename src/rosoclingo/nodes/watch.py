@@ -8,10 +8,11 @@ from typing import Callable, Iterable, Optional, Sequence
 import rospy
 
 from rosoclingo.common.labels import LabelError, LabelTable
-from rosoclingo.nodes.account_node import TOPICS, USUAL, AccountNode, TopicAccount, topic_of
+from rosoclingo.nodes.account_node import TOPICS, AccountNode, TopicAccount
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.recorded_run import RecordingError
+from rosoclingo.runs.topic_names import USUAL, full_name
 
 Say = Callable[[str], None]
 
@@ -28,7 +29,7 @@ def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> No
     try:
         with opened(path) as bag:
             found = set(bag.get_type_and_topic_info().topics)
-            names = {topic_of(topic, core_in(found, core)): topic for topic in TOPICS}
+            names = {full_name(topic, core_in(found, core)): topic for topic in TOPICS}
             for topic, message, moment in bag.read_messages(sorted(found & names.keys())):
                 account.take(names[topic], message, moment.to_sec())
     except KeyboardInterrupt:

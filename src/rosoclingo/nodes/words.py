@@ -7,6 +7,7 @@ from std_msgs.msg import String
 
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
+from rosoclingo.runs.topic_names import full_name
 
 #: Seconds of wall time to wait for the program; it is there as soon as the core is.
 _WAIT = 2.0
@@ -22,5 +23,5 @@ def words_in(program: str) -> Sentences:
 def words_of(core: str) -> Sentences:
     """The words of the core of this name, none where it does not tell its program soon."""
     with suppress(rospy.ROSException):
-        return words_in(rospy.wait_for_message(f"{core}/program", String, _WAIT).data)
+        return words_in(rospy.wait_for_message(full_name("~program", core), String, _WAIT).data)
     return Sentences()

@@ -12,6 +12,7 @@ import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from rosoclingo.msg import PackageState, PackageStates
 from std_msgs.msg import String
 
 from rosoclingo.common.connections import comes_to
@@ -41,6 +42,7 @@ class WebPage(unittest.TestCase):
         cls.hands.at_once = True
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
+        cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
         for topic in TOPICS:
             wait_until(lambda topic=topic: comes_to("/web", topic), f"{topic} to come to the page's node")
         cls.address = rospy.wait_for_message("web/address", String).data
@@ -88,6 +90,42 @@ class WebPage(unittest.TestCase):
         self.client.send("goal(office3,office4,2)").ends_as(GoalStatus.SUCCEEDED)
         self.goals("succeeded,rejected,lost,succeeded")
         self.assertEqual(self.page.faults, [])
+
+    def test_orders_are_met_or_cancelled_by_who_has_ordered(self):
+        self.hands.at_once = True
+        lying = [PackageState("7", "office3", False), PackageState("8", "office1", False), PackageState("9", "", True)]
+        self.packages.publish(packages=lying)
+        wait_until(lambda: comes_to("/rosoclingo", "/rosoclingo/goal", ["/web"]), "orders to come to the core")
+        self.page.wait_for("document.querySelectorAll('#orders select[name=package] option').length === 2")
+        self.order("7", "office2")
+        self.page.wait_for(
+            "document.querySelector('#orders .caption').textContent === 'Ordered: goal(office3,office2,7)'"
+        )
+        self.state_of("goal(office3,office2,7)", "succeeded")
+        self.hands.at_once = False
+        self.order("8", "office4")
+        self.state_of("goal(office1,office4,8)", "active")
+        with browser.Browser(browser.found()) as other:
+            other.open(self.address)
+            other.wait_for(self.shown("goal(office1,office4,8)", "active"))
+            self.assertEqual(other.run("document.querySelectorAll('#goals button:not([hidden])').length"), 0)
+        self.page.click("#goals button:not([hidden])")
+        self.hands.at_once = True
+        self.hands.clear()
+        self.state_of("goal(office1,office4,8)", "canceled")
+        self.assertEqual(self.page.faults, [])
+
+    def order(self, package, place):
+        for name, value in (("package", package), ("to", place)):
+            self.page.run(f"document.querySelector('#orders select[name={name}]').value = '{value}'")
+        self.page.click("#orders button")
+
+    def state_of(self, goal, state):
+        self.page.wait_for(self.shown(goal, state))
+
+    def shown(self, goal, state):
+        row = f"[...document.querySelectorAll('#goals tr')].find((one) => one.textContent.startsWith('{goal}'))"
+        return f"({row} || {{textContent: ''}}).textContent.includes('{state}')"
 
     def kill_core(self):
         master = rosgraph.Master(rospy.get_name())

@@ -17,7 +17,7 @@ from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
 from rosoclingo.nodes.pages.access import Access
-from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_VIEWERS, PageServer
+from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_MESSAGES, MOST_VIEWERS, PageServer
 from rosoclingo.runs.report_page import LIVE_SCRIPTS
 from rosoclingo.runs.run_view import RunView
 
@@ -28,7 +28,7 @@ PATIENCE = 300.0
 class Served:
     """A server of a view on a port of this machine."""
 
-    def __init__(self, view, token="", port=0):
+    def __init__(self, view, token="", port=0, take=None):
         self.view = view
         self.extra = {"core": True}
         listener = socket.socket()
@@ -37,7 +37,7 @@ class Served:
         listener.listen()
         listener.setblocking(False)
         self.port = listener.getsockname()[1]
-        self.server = PageServer(lambda: self.view, lambda: self.extra, WEB, Access(token), [listener])
+        self.server = PageServer(lambda: self.view, lambda: self.extra, WEB, Access(token), [listener], take)
         self.server.start()
 
     @property
@@ -75,8 +75,8 @@ class Stay(HTTPRedirectHandler):
 
 
 @contextmanager
-def serving(view=None, token="", port=0):
-    served = Served(view or delivery(), token, port)
+def serving(view=None, token="", port=0, take=None):
+    served = Served(view or delivery(), token, port, take)
     try:
         yield served
     finally:
@@ -260,6 +260,55 @@ def test_another_view_is_told_whole(served):
         assert found["packages"][0][1]["places"] == [["1", "office1"], ["2", "office1"]]
 
     play(scene())
+
+
+# ---- what is asked for ----------------------------------------------------------------------------------------------
+
+
+async def answered(client):
+    """The next answer, None where the connection is closed."""
+    while True:
+        found = await told(client)
+        if found is None or "answer" in found:
+            return found and found["answer"]
+
+
+def test_a_question_has_its_answer():
+    with serving(take=lambda message: {"heard": message}) as served:
+
+        async def scene():
+            client = await served.connect()
+            await client.write_message(json.dumps({"number": 7, "order": 0}))
+            assert await answered(client) == {"number": 7, "heard": {"number": 7, "order": 0}}
+
+        play(scene())
+
+
+@pytest.mark.parametrize("text", ["", "nonsense", "[1]", "3", "null", "[" * 4000])
+def test_what_is_no_question_ends_the_connection(text):
+    with serving(take=lambda message: {}) as served:
+
+        async def scene():
+            client = await served.connect()
+            await client.write_message(text)
+            assert await answered(client) is None
+
+        play(scene())
+
+
+def test_who_asks_too_often_is_let_go():
+    with serving(take=lambda message: {}) as served:
+
+        async def scene():
+            client = await served.connect()
+            for _ in range(MOST_MESSAGES + 1):
+                await client.write_message("{}")
+            count = 0
+            while await answered(client) is not None:
+                count += 1
+            assert count <= MOST_MESSAGES
+
+        play(scene())
 
 
 # ---- in a browser ---------------------------------------------------------------------------------------------------

@@ -62,7 +62,7 @@ def run(messages):
     from rosgraph_msgs.msg import Log
     from std_msgs.msg import String
 
-    def say(space="/"):
+    def say(space="/", core="rosoclingo"):
         goal = messages.ROSoClingoActionGoal(goal_id=GoalID(id="a"))
         goal.goal.request = GOAL
         grid = OccupancyGrid(data=[0, 100, -1, 0])
@@ -72,18 +72,18 @@ def run(messages):
         status = [GoalStatusArray(status_list=[GoalStatus(GoalID(id="a"), number, "")]) for number in (1, 1, 3)]
         lying = [messages.PackageStates(packages=[messages.PackageState("1", place, not place)]) for place in ("x", "")]
         own = [
-            (1.0, "rosoclingo/program", String(program)),
+            (1.0, f"{core}/program", String(program)),
             (1.0, "out_rosoclingo", messages.InterfaceIO("rosoclingo", ['_run("r")'])),
             (1.0, "map", grid),
             (2.0, "rosoclingo/goal", goal),
-            (2.5, "rosoclingo/updates", String(f"#step 1.\n_request({GOAL},2).\n#end step.\n")),
-            (2.5, "rosoclingo/task_plan", messages.TaskPlan(cycle=1, horizon=2, actions=PLAN, ground_time=0.5)),
+            (2.5, f"{core}/updates", String(f"#step 1.\n_request({GOAL},2).\n#end step.\n")),
+            (2.5, f"{core}/task_plan", messages.TaskPlan(cycle=1, horizon=2, actions=PLAN, ground_time=0.5)),
             (2.5, "out_rosoclingo", messages.InterfaceIO("move_base", PLAN[:1])),
             *((3.0 + number, "rosoclingo/status", one) for number, one in enumerate(status)),
             *((4.0 + number, "packages", one) for number, one in enumerate(lying)),
             (4.5, "in_rosoclingo", messages.InterfaceIO("move_base", ["_return(move_base,office2,1)"])),
         ]
-        log = Log(name=space + "rosoclingo", msg="cycle 1: something is odd")
+        log = Log(name=space + core, msg="cycle 1: something is odd")
         other = Log(name="/other", msg="cycle 1: it is not of the core")
         return [
             *((time, space + topic, one) for time, topic, one in own),
@@ -118,8 +118,10 @@ def transform(parent, child, x):
     return TFMessage([one])
 
 
-def test_a_bag_becomes_a_report_beside_it(report, write, run, tmp_path):
-    path = write(run())
+@pytest.mark.parametrize("core", ["rosoclingo", "brain"])
+def test_a_bag_becomes_a_report_beside_it(report, write, run, tmp_path, core):
+    """The action server has the usual name, whatever the core is called."""
+    path = write(run(core=core))
     assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
     found = shown(tmp_path / "run.html")
     assert (found["about"]["title"], found["about"]["source"]) == ("run", "run.bag")

@@ -40,23 +40,6 @@ def test_several_cores_have_to_be_told_apart(messages):
         chosen_core([["/b/brain/task_plan", PLAN], ["/a/brain/task_plan", PLAN]], "/rosoclingo")
 
 
-@pytest.mark.parametrize(
-    ("core", "plan", "status", "outlet"),
-    [
-        ("rosoclingo", "rosoclingo/task_plan", "rosoclingo/status", "out_rosoclingo"),
-        ("/rosoclingo", "/rosoclingo/task_plan", "/rosoclingo/status", "/out_rosoclingo"),
-        ("/a/b/brain", "/a/b/brain/task_plan", "/a/b/rosoclingo/status", "/a/b/out_rosoclingo"),
-        ("brain", "brain/task_plan", "rosoclingo/status", "out_rosoclingo"),
-    ],
-)
-def test_a_core_s_topics(messages, core, plan, status, outlet):
-    from rosoclingo.nodes.account_node import TOPICS, topic_of
-
-    names = [topic_of(topic, core) for topic in ("rosoclingo/task_plan", "rosoclingo/status", "out_rosoclingo")]
-    assert names == [plan, status, outlet]
-    assert len({topic_of(topic, core) for topic in TOPICS}) == len(TOPICS)
-
-
 def test_the_account_of_a_bag(messages, tmp_path):
     import rosbag
     import rospy

@@ -5,8 +5,10 @@ import json
 import logging
 import socket
 import threading
+import time
+from collections import deque
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set, Tuple
 
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
@@ -25,6 +27,9 @@ PERIOD = 0.2
 #: Viewers at a time; bytes of what one may send.
 MOST_VIEWERS, MOST_BYTES = 50, 4096
 
+#: Messages that a viewer may send in so many seconds.
+MOST_MESSAGES, WINDOW = 20, 10.0
+
 #: Seconds after which a viewer that does not answer is let go.
 SILENCE = 30
 
@@ -40,7 +45,7 @@ class PageServer:
     """Serves the view of a run; all but ``put`` and ``stop`` are called in the server's own thread.
 
     ``look`` is called before each look for what is new and returns what else to tell; ``view`` gives the view, which
-    may become another one. ``sockets`` listen already.
+    may become another one. ``sockets`` listen already. ``take`` answers what a viewer asks for; without it nobody may.
     """
 
     def __init__(
@@ -50,11 +55,12 @@ class PageServer:
         web: Path,
         access: Access,
         sockets: Sequence[socket.socket],
+        take: Optional[Callable[[Dict[str, Any]], Dict[str, Any]]] = None,
     ) -> None:
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         self.access = access
         self.viewers: Set[_Viewer] = set()
-        self._view, self._look = view, look
+        self._view, self._look, self.take = view, look, take
         self._shown: Optional[RunView] = None
         self._extra: Dict[str, Any] = {}
         self._files = {f"/{name}": (web / name).read_bytes() for name in (*LIVE_SCRIPTS, STYLE)}
@@ -175,6 +181,7 @@ class _Viewer(WebSocketHandler):
         """Take the server."""
         self._server = server
         self._busy = False
+        self._spoken: Deque[float] = deque(maxlen=MOST_MESSAGES)
         self._told: Dict[str, Any] = {}
         self.forget()
 
@@ -202,9 +209,17 @@ class _Viewer(WebSocketHandler):
         """Add it to those who look on."""
         self._server.viewers.add(self)
 
-    def on_message(self, _message: Any) -> None:
-        """Let go who speaks: a viewer has nothing to say."""
-        self.close(1008, "nothing is taken")
+    def on_message(self, message: Any) -> None:
+        """Answer what a viewer asks for; let go who says what is none, or too much."""
+        now = time.monotonic()
+        too_often = len(self._spoken) == MOST_MESSAGES and now - self._spoken[0] < WINDOW
+        self._spoken.append(now)
+        found = _read(message)
+        if self._server.take is None or too_often or found is None:
+            self.close(1008, "not taken")
+            return
+        answer = json.dumps({"answer": {**self._server.take(found), "number": found.get("number")}})
+        self._server.put(lambda: self._say(answer))
 
     def on_close(self) -> None:
         """Forget it."""
@@ -223,12 +238,23 @@ class _Viewer(WebSocketHandler):
         self._server.put(lambda: self._write(text))
 
     async def _write(self, text: str) -> None:
+        await self._say(text)
+        self._busy = False
+
+    async def _say(self, text: str) -> None:
         try:
             await self.write_message(text)
         except WebSocketClosedError:
             self._server.viewers.discard(self)
-        finally:
-            self._busy = False
+
+
+def _read(message: Any) -> Optional[Dict[str, Any]]:
+    """Return what a viewer says, None for what is no JSON object."""
+    try:
+        found = json.loads(message)
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
 
 
 def _plain(host: str) -> str:

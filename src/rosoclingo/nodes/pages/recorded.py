@@ -18,7 +18,7 @@ STAMP = 12
 SHARED = ("map", "packages")
 
 #: Topics whose messages begin with a header and are sent again and again as they were.
-REPEATED = ("~status", "packages", *PATHS)
+REPEATED = ("rosoclingo/status", "packages", *PATHS)
 
 
 def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> RunView:

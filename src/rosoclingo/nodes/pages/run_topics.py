@@ -9,6 +9,7 @@ from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
 from rosoclingo.runs.recorded_run import problem_in
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.topic_atoms import run_in
+from rosoclingo.runs.topic_names import full_name
 
 __all__ = ["PATHS", "POSES", "RunTopics"]
 
@@ -31,8 +32,7 @@ SILENT = 2.0
 class RunTopics:
     """Takes messages of a core's topics and gives them to ``view``, which may be exchanged.
 
-    ``takes`` has a function of the time and a message for each topic, by its name in the core's namespace; topics that
-    begin with ``~`` are the core's own.
+    ``takes`` has a function of the time and a message for each topic, named as :func:`full_name` takes it.
     """
 
     def __init__(self, view: RunView, core: str = "/rosoclingo") -> None:
@@ -43,13 +43,13 @@ class RunTopics:
         self._read: Dict[str, float] = {}  # when each pose's topic was read last
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda _time, message: self.view.program(message.data),
-            "~goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
-            "~cancel": lambda time, message: self.view.cancel(time, message.id),
-            "~status": self._statuses,
-            "~feedback": lambda time, message: self.view.feedback(
+            "rosoclingo/goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
+            "rosoclingo/cancel": lambda time, message: self.view.cancel(time, message.id),
+            "rosoclingo/status": self._statuses,
+            "rosoclingo/feedback": lambda time, message: self.view.feedback(
                 time, message.status.goal_id.id, message.feedback.status
             ),
-            "~result": lambda time, message: self._status(time, message.status),
+            "rosoclingo/result": lambda time, message: self._status(time, message.status),
             "~updates": lambda time, message: self.view.update(time, message.data),
             "~task_plan": self._plan,
             "~state": lambda time, message: self.view.beliefs(time, message.cycle, message.atoms),
@@ -67,9 +67,7 @@ class RunTopics:
 
     def full(self, name: str) -> str:
         """Return the name of a topic of ``takes`` from the root on."""
-        if name.startswith("~"):
-            return f"{self._core}/{name[1:]}"
-        return name if name.startswith("/") else f"{self._core.rpartition('/')[0]}/{name}"
+        return full_name(name, self._core)
 
     def is_too_soon(self, name: str, time: float) -> bool:
         """Tell whether a message of a topic need not be read, as one of the same pose has just been."""

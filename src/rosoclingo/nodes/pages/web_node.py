@@ -1,6 +1,7 @@
 """The node that serves the live page."""
 
 import secrets
+import uuid
 from typing import Any, Dict
 
 import rospy
@@ -19,23 +20,27 @@ from rosoclingo.msg import (
     ROSoClingoActionFeedback,
     ROSoClingoActionGoal,
     ROSoClingoActionResult,
+    State,
     TaskPlan,
 )
 from rosoclingo.nodes.pages.access import LOCAL, Access
+from rosoclingo.nodes.pages.order_desk import OrderDesk
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
 from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
+from rosoclingo.runs.orders import OrderError, read_orders
 from rosoclingo.runs.run_view import RunView
 
 TYPES: Dict[str, Any] = {
     "~program": String,
-    "~goal": ROSoClingoActionGoal,
-    "~cancel": GoalID,
-    "~status": GoalStatusArray,
-    "~feedback": ROSoClingoActionFeedback,
-    "~result": ROSoClingoActionResult,
+    "rosoclingo/goal": ROSoClingoActionGoal,
+    "rosoclingo/cancel": GoalID,
+    "rosoclingo/status": GoalStatusArray,
+    "rosoclingo/feedback": ROSoClingoActionFeedback,
+    "rosoclingo/result": ROSoClingoActionResult,
     "~updates": String,
     "~task_plan": TaskPlan,
+    "~state": State,
     "out_rosoclingo": InterfaceIO,
     "in_rosoclingo": InterfaceIO,
     "packages": PackageStates,
@@ -60,8 +65,10 @@ class WebNode:
         ~token (str, default ""): what others have to know to see the page when it is served for other machines; empty:
             a new one at each start, which is told in the log.
         ~title (str, default "rosoclingo"): the page's title.
+        ~orders (list, default []): what people may order from the page, as ``doc/web_page.md`` has it; empty: nothing.
     Subscribes:
         rosoclingo/program, rosoclingo/updates (std_msgs/String), rosoclingo/task_plan (rosoclingo/TaskPlan)
+        rosoclingo/state (rosoclingo/State): what the program believes.
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
         rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/feedback
             (rosoclingo/ROSoClingoActionFeedback), rosoclingo/result (rosoclingo/ROSoClingoActionResult)
@@ -71,6 +78,7 @@ class WebNode:
         move_base/GridPlanner/plan, move_base/NavfnROS/plan, move_base/GlobalPlanner/plan (nav_msgs/Path)
         /rosout (rosgraph_msgs/Log): what the core says.
     Publishes:
+        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID): what is ordered.
         ~address (std_msgs/String, latched): where the page is, without the token.
 
     Raises ParameterError when it cannot start, also where the port is taken.
@@ -81,6 +89,7 @@ class WebNode:
         given = Parameters()
         host, port = given.at("host").text("127.0.0.1"), given.at("port").whole(8080, low=0, high=65535)
         token, title = given.at("token").text(""), given.at("title").text("rosoclingo")
+        self._desk = OrderDesk(read_orders(given.at("orders")), self._send, self._cancel)
         given.check()
         local = host in LOCAL
         token = "" if local else token or secrets.token_urlsafe(12)
@@ -91,7 +100,10 @@ class WebNode:
             raise ParameterError(f"the page cannot be served on {host}:{port}: {error.strerror}; {mend}") from None
         self._topics = RunTopics(RunView({"title": title}), rospy.resolve_name("rosoclingo"))
         self._subscribers: Dict[str, rospy.Subscriber] = {}
-        self._server = PageServer(lambda: self._topics.view, self._look, web(), Access(token), sockets)
+        self._server = PageServer(lambda: self._topics.view, self._look, web(), Access(token), sockets, self._take)
+        full = self._topics.full
+        self._goals = rospy.Publisher(full("rosoclingo/goal"), ROSoClingoActionGoal, queue_size=100)
+        self._cancels = rospy.Publisher(full("rosoclingo/cancel"), GoalID, queue_size=100)
         self._server.start()
         rospy.on_shutdown(self._server.stop)
         self._subscribers = self._subscribe()
@@ -118,4 +130,20 @@ class WebNode:
         if view.full:
             self._topics.view = view.renewed()
         plan = self._subscribers.get("~task_plan")
-        return {"core": plan is not None and plan.get_num_connections() > 0}
+        core = plan is not None and plan.get_num_connections() > 0
+        return {"core": core, "orders": self._desk.shown(self._topics.view)}
+
+    def _take(self, message: Dict[str, Any]) -> Dict[str, Any]:
+        return self._desk.take(message, self._topics.view)
+
+    def _send(self, text: str) -> str:
+        """Send a goal and return its id."""
+        if not self._goals.get_num_connections():
+            raise OrderError("the core is not there: try again later")
+        goal = ROSoClingoActionGoal(goal_id=GoalID(rospy.Time.now(), f"{rospy.get_name()}-{uuid.uuid4().hex}"))
+        goal.header.stamp, goal.goal.request = goal.goal_id.stamp, text
+        self._goals.publish(goal)
+        return str(goal.goal_id.id)
+
+    def _cancel(self, found: str) -> None:
+        self._cancels.publish(GoalID(id=found))

@@ -1,0 +1,73 @@
+"""Orders that come from pages: each becomes a goal, which only who has ordered it can cancel."""
+
+import hmac
+from collections import OrderedDict
+from typing import Any, Callable, Dict, Mapping, Sequence
+
+from rosoclingo.runs.orders import OrderError, OrderForm
+from rosoclingo.runs.run_view import RunView
+
+__all__ = ["OrderDesk"]
+
+#: Goals of pages that may be open at a time, and that are remembered; characters of a key.
+MOST_OPEN, MOST_KNOWN, LONGEST_KEY = 50, 1000, 100
+
+Answer = Dict[str, Any]
+
+
+class OrderDesk:
+    """Takes orders and cancellations.
+
+    ``send`` sends a goal and returns its id, ``cancel`` cancels that of an id; both raise OrderError where they cannot.
+    A ``key`` that only the browser knows goes with each order; the same one has to come with its cancellation.
+    """
+
+    def __init__(self, forms: Sequence[OrderForm], send: Callable[[str], str], cancel: Callable[[str], None]) -> None:
+        self._forms = forms
+        self._send, self._cancel = send, cancel
+        self._keys: OrderedDict[str, str] = OrderedDict()  # by the goal's id
+
+    def shown(self, view: RunView) -> Sequence[Dict[str, Any]]:
+        """Return the forms as a page has them."""
+        return [form.shown(*_world(view)) for form in self._forms]
+
+    def take(self, message: Mapping[str, Any], view: RunView) -> Answer:
+        """Do what a page asks for; the answer has ``ordered``, ``canceled`` or ``fault``."""
+        key = message.get("key")
+        try:
+            if not isinstance(key, str) or not 8 <= len(key) <= LONGEST_KEY:
+                raise OrderError("the page sent no key")
+            if "order" in message:
+                return self._order(message, key, view)
+            return self._withdraw(message.get("cancel"), key)
+        except OrderError as error:
+            return {"fault": str(error)}
+
+    def _order(self, message: Mapping[str, Any], key: str, view: RunView) -> Answer:
+        number, chosen = message["order"], message.get("chosen")
+        if type(number) is not int or not 0 <= number < len(self._forms) or not isinstance(chosen, dict):
+            raise OrderError("there is no such order")
+        still = [
+            goal for _, goal in view.tables["goals"].since(0) if goal["ended"] is None and goal["id"] in self._keys
+        ]
+        if len(still) >= MOST_OPEN:
+            raise OrderError("too many orders are open: wait until some have ended")
+        text = self._forms[number].fill(chosen, *_world(view))
+        found = self._send(text)
+        self._keys[found] = key
+        while len(self._keys) > MOST_KNOWN:
+            self._keys.popitem(last=False)
+        return {"ordered": found, "text": text}
+
+    def _withdraw(self, found: Any, key: str) -> Answer:
+        known = self._keys.get(found) if isinstance(found, str) else None
+        if known is None or not hmac.compare_digest(known.encode("utf-8"), key.encode("utf-8")):
+            raise OrderError("this was not ordered here")
+        self._cancel(found)
+        return {"canceled": found}
+
+
+def _world(view: RunView) -> "tuple[Sequence[str], Mapping[str, str]]":
+    """Return the labels, and where the packages are."""
+    last = view.tables["packages"].last
+    return list(view.about["labels"]), dict(last["places"]) if last is not None else {}

@@ -1,0 +1,126 @@
+"""What people may order from a page: kinds of goals with their choices, declared in YAML.
+
+    orders:
+      - title: Deliver a package
+        goal: "goal({from},{to},{package})"
+        choices: {package: packages, from: place of package, to: labels}
+
+A choice is a list of terms, or ``labels``: all that have a pose, or ``packages``: those that lie somewhere, or
+``place of NAME``: where the package lies that was chosen as NAME; nobody is asked for that.
+"""
+
+import re
+from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple
+
+from rosoclingo.common.reading import Reader
+from rosoclingo.oclingo import ProgressionError, parse_term
+
+#: Choices that the world makes.
+LABELS, PACKAGES, PLACE_OF = "labels", "packages", "place of "
+
+_NAME = re.compile(r"\{(\w+)\}")
+
+
+class OrderError(ValueError):
+    """An order that cannot be given; the text says why."""
+
+
+class Choice(NamedTuple):
+    """What can be chosen for a name in a goal: ``kind`` is LABELS, PACKAGES, PLACE_OF, or empty for ``terms``."""
+
+    name: str
+    kind: str = ""
+    terms: Tuple[str, ...] = ()
+    of: str = ""
+
+
+class OrderForm(NamedTuple):
+    """A kind of goal: ``goal`` has ``{name}`` where a choice goes."""
+
+    title: str
+    goal: str
+    choices: Tuple[Choice, ...]
+
+    def shown(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
+        """Return the form as a page has it: its title, and the fields that people fill with what they can choose.
+
+        ``packages`` maps each package to the label where it lies, empty where it lies nowhere.
+        """
+        fields = [
+            {"name": one.name, "options": [[term, _described(term, one, packages)] for term in terms]}
+            for one, terms in ((one, _options(one, labels, packages)) for one in self.choices if one.kind != PLACE_OF)
+        ]
+        return {"title": self.title, "fields": fields}
+
+    def fill(self, chosen: Mapping[str, Any], labels: Sequence[str], packages: Mapping[str, str]) -> str:
+        """Return the goal for what was chosen; raises OrderError for what cannot be."""
+        found: Dict[str, str] = {}
+        for one in self.choices:
+            if one.kind == PLACE_OF:
+                continue
+            term = chosen.get(one.name)
+            if not isinstance(term, str) or term not in _options(one, labels, packages):
+                raise OrderError(f"{one.name}: choose one of those that there are")
+            found[one.name] = term
+        for one in self.choices:
+            if one.kind == PLACE_OF:
+                found[one.name] = packages[found[one.of]]
+        return _NAME.sub(lambda match: found[match.group(1)], self.goal)
+
+
+def read_orders(reader: Reader) -> Tuple[OrderForm, ...]:
+    """Read the forms; the reader has the faults."""
+    return tuple(_form(one) for one in reader.items("a list of orders", ()))
+
+
+def _form(reader: Reader) -> OrderForm:
+    title, goal = reader.at("title").text(), reader.at("goal").text()
+    choices = tuple(
+        _choice(name, value) for name, value in reader.at("choices").entries("a mapping of names to choices")
+    )
+    reader.close()
+    form = OrderForm(title, goal, choices)
+    names = {one.name: one for one in choices}
+    for name in set(_NAME.findall(goal)) ^ set(names):
+        reader.fault(f"'{name}' has to be in the goal, as {{{name}}}, and among the choices")
+    for one in choices:
+        if one.kind == PLACE_OF and (one.of not in names or names[one.of].kind != PACKAGES):
+            reader.fault(f"'{one.of}' is no choice among packages")
+    if not reader.faults and not _is_term(_NAME.sub("1", goal)):
+        reader.at("goal").fault("is no ground term")
+    return form
+
+
+def _choice(name: str, reader: Reader) -> Choice:
+    value = reader.value
+    if value in (LABELS, PACKAGES):
+        return Choice(name, value)
+    if isinstance(value, str) and value.startswith(PLACE_OF):
+        return Choice(name, PLACE_OF, of=value[len(PLACE_OF) :].strip())
+    terms = tuple(
+        str(one.value) for one in reader.items(f"a list of terms, '{LABELS}', '{PACKAGES}' or '{PLACE_OF}NAME'")
+    )
+    for term in terms:
+        if not _is_term(term):
+            reader.fault(f"'{term}' is no ground term")
+    return Choice(name, terms=terms)
+
+
+def _options(choice: Choice, labels: Sequence[str], packages: Mapping[str, str]) -> Sequence[str]:
+    if choice.kind == LABELS:
+        return labels
+    if choice.kind == PACKAGES:
+        return [name for name, place in packages.items() if place]
+    return choice.terms
+
+
+def _described(term: str, choice: Choice, packages: Mapping[str, str]) -> str:
+    return f"{term} (at {packages[term]})" if choice.kind == PACKAGES else term
+
+
+def _is_term(text: str) -> bool:
+    try:
+        parse_term(text)
+    except ProgressionError:
+        return False
+    return True

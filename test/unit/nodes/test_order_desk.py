@@ -1,0 +1,106 @@
+"""Orders that come from pages."""
+
+import pytest
+import yaml
+from told_runs import LABELS
+
+from rosoclingo.common.reading import Reader
+from rosoclingo.nodes.pages.order_desk import MOST_KNOWN, MOST_OPEN, OrderDesk
+from rosoclingo.runs.orders import OrderError, read_orders
+from rosoclingo.runs.run_view import RunView
+
+FORM = """
+- title: Deliver
+  goal: "goal({from},{to},{package})"
+  choices: {package: packages, from: place of package, to: labels}
+"""
+KEY = "a key of a page"
+
+
+class Counter:
+    """A desk with a core that takes everything."""
+
+    def __init__(self):
+        self.view = RunView({"labels": LABELS})
+        self.view.packages(0.0, [("1", "office2"), ("2", "")])
+        self.sent, self.canceled = [], []
+        self.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), self.send, self.canceled.append)
+
+    def send(self, text):
+        self.sent.append(text)
+        key = f"id {len(self.sent)}"
+        self.view.goal(1.0, key, text)
+        return key
+
+    def order(self, key=KEY, **chosen):
+        return self.take(order=0, key=key, chosen={"package": "1", "to": "office1", **chosen})
+
+    def take(self, **message):
+        return self.desk.take(message, self.view)
+
+
+@pytest.fixture
+def counter():
+    return Counter()
+
+
+def test_an_order_is_a_goal_that_its_key_cancels(counter):
+    assert counter.order() == {"ordered": "id 1", "text": "goal(office2,office1,1)"}
+    assert counter.sent == ["goal(office2,office1,1)"]
+    for key in ("another key", "a key of a pagE", "ö" * 9):
+        assert counter.take(cancel="id 1", key=key) == {"fault": "this was not ordered here"}
+    assert counter.take(cancel="id 1", key=KEY) == {"canceled": "id 1"}
+    assert counter.canceled == ["id 1"]
+
+
+def test_what_others_have_asked_for_is_not_cancelled(counter):
+    counter.view.goal(1.0, "of others", "g(1)")
+    for what in ("of others", "", None, 3, ["id 1"], {}):
+        assert counter.take(cancel=what, key=KEY) == {"fault": "this was not ordered here"}
+    assert counter.canceled == []
+
+
+@pytest.mark.parametrize(
+    "message", [{"order": 9}, {"order": -1}, {"order": True}, {"order": "0"}, {"order": 0, "chosen": 3}, {"order": 0}]
+)
+def test_what_is_no_order(counter, message):
+    assert counter.take(key=KEY, **message) == {"fault": "there is no such order"}
+    assert counter.sent == []
+
+
+@pytest.mark.parametrize("key", [None, 3, "", "short", "x" * 101])
+def test_without_a_key_nothing_is_taken(counter, key):
+    assert counter.order(key) == {"fault": "the page sent no key"}
+    assert counter.sent == []
+
+
+def test_what_is_not_offered_is_not_sent(counter):
+    assert "choose one" in counter.order(package="2")["fault"]
+    assert counter.sent == []
+
+
+def test_so_many_orders_are_open_and_no_more(counter):
+    for _ in range(MOST_OPEN):
+        assert "ordered" in counter.order()
+    assert "too many orders are open" in counter.order()["fault"]
+    counter.view.status(2.0, "id 1", 3, "")
+    assert "ordered" in counter.order()
+
+
+def test_old_orders_are_forgotten(counter):
+    for number in range(MOST_KNOWN + 1):
+        counter.order()
+        counter.view.status(2.0, f"id {number + 1}", 3, "")
+    assert "fault" in counter.take(cancel="id 1", key=KEY)
+    assert "canceled" in counter.take(cancel="id 2", key=KEY)
+
+
+def test_a_core_that_is_not_there_is_told():
+    def fail(_text):
+        raise OrderError("the core is not there: try again later")
+
+    view = RunView({"labels": LABELS})
+    view.packages(0.0, [("1", "office2")])
+    desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), fail, fail)
+    message = {"order": 0, "key": KEY, "chosen": {"package": "1", "to": "office1"}}
+    assert desk.take(message, view) == {"fault": "the core is not there: try again later"}

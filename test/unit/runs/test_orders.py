@@ -1,0 +1,92 @@
+"""Orders: which goals people may choose, and what is none."""
+
+import pytest
+import yaml
+
+from rosoclingo.common.reading import Reader
+from rosoclingo.runs.orders import OrderError, read_orders
+
+DELIVER = """
+- title: Deliver a package
+  goal: "goal({from},{to},{package})"
+  choices: {package: packages, from: place of package, to: labels}
+- title: Clean
+  goal: "clean({how})"
+  choices: {how: [wet, dry, 3]}
+"""
+LABELS = ("office1", "office2")
+PACKAGES = {"1": "office2", "2": ""}
+
+
+def read(text):
+    reader = Reader(yaml.safe_load(text), "orders")
+    found = read_orders(reader)
+    return found, reader.faults
+
+
+def forms(text=DELIVER):
+    found, faults = read(text)
+    assert faults == []
+    return found
+
+
+def test_what_is_shown():
+    deliver, clean = (form.shown(LABELS, PACKAGES) for form in forms())
+    assert deliver == {
+        "title": "Deliver a package",
+        "fields": [
+            {"name": "package", "options": [["1", "1 (at office2)"]]},
+            {"name": "to", "options": [["office1", "office1"], ["office2", "office2"]]},
+        ],
+    }
+    assert clean["fields"] == [{"name": "how", "options": [["wet", "wet"], ["dry", "dry"], ["3", "3"]]}]
+
+
+def test_a_goal():
+    deliver, clean = forms()
+    assert deliver.fill({"package": "1", "to": "office1"}, LABELS, PACKAGES) == "goal(office2,office1,1)"
+    assert clean.fill({"how": "3"}, LABELS, PACKAGES) == "clean(3)"
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        {},
+        {"package": "1"},
+        {"package": "2", "to": "office1"},
+        {"package": "1", "to": "office9"},
+        {"package": 1, "to": "office1"},
+        {"package": ["1"], "to": "office1"},
+        {"package": "1", "to": "office1),cancel(1"},
+    ],
+)
+def test_what_there_is_not_cannot_be_chosen(chosen):
+    with pytest.raises(OrderError, match="choose one of those that there are"):
+        forms()[0].fill(chosen, LABELS, PACKAGES)
+
+
+def test_from_elsewhere_no_place_can_be_given():
+    found = forms()[0].fill({"package": "1", "to": "office1", "from": "office1"}, LABELS, PACKAGES)
+    assert found == "goal(office2,office1,1)"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("3", "a list of orders"),
+        ("- {title: A, goal: g}", "choices"),
+        ("- {title: A, goal: 'g({a})', choices: {}}", "'a' has to be in the goal, as {a}, and among the choices"),
+        ("- {title: A, goal: 'g', choices: {a: [x]}}", "'a' has to be in the goal"),
+        ("- {title: A, goal: 'g({a})', choices: {a: [X]}}", "'X' is no ground term"),
+        ("- {title: A, goal: 'g({a}', choices: {a: [x]}}", "is no ground term"),
+        ("- {title: A, goal: 'g({a})', choices: {a: nonsense}}", "a list of terms, 'labels', 'packages'"),
+        ("- {title: A, goal: 'g({a})', choices: {a: place of b}}", "'b' is no choice among packages"),
+        ("- {title: A, goal: 'g({a})', choices: {a: [x]}, choose: 1}", "choose"),
+    ],
+)
+def test_faults_of_a_declaration(text, told):
+    assert told in "\n".join(read(text)[1])
+
+
+def test_none_are_declared():
+    assert read("")[0] == ()
