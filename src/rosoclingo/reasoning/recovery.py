@@ -196,11 +196,12 @@ def _fewest(attempts: _Attempts, question: Question) -> Recovery:
         raise UndecidedError
     for _, conflict in choice:
         _confirm(attempts, question, conflict)
+    unmet = _unmet(attempts, question, choice)  # first, while what tells of it is still ground
     given_up = [goal for goal, _ in choice]
     found = attempts.without([goal for goal in question.goals if goal in given_up])
     if not found.met:
         raise UndecidedError
-    return found._replace(unmet=_unmet(attempts, question, choice))
+    return found._replace(unmet=unmet)
 
 
 def _confirm(attempts: _Attempts, question: Question, conflict: Conflict[Goal]) -> None:

@@ -28,11 +28,15 @@ def is_of_bound(statement):
     return statement.location.begin.filename.endswith("search.lp")
 
 
-def solve(program, requests, horizon, conflicts="umax", models=0):
-    """Search for plans that end at the horizon, with so many conflicts at most; return the result and the plans."""
+def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
+    """Search for plans that end at the horizon, with so many conflicts at most; return the result and the plans.
+
+    Beside the requests the ``facts`` are told.
+    """
     control = clingo.Control(program.arguments(), logger=lambda code, text: None)
     program.load_into(control)
     told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
+    told += [f"{fact}." for fact in facts]
     control.add("told", [], " ".join(told))
     control.ground([("base", []), ("told", [])])
     steps = [clingo.Number(step) for step in range(1, horizon + 1)]
@@ -78,6 +82,17 @@ def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
     assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
+
+
+def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
+    """Whatever else there is to do, and however many steps there are."""
+    program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (1, 3)], 3)
+    near, far = [(1, 2), (2, 3), (3, 1), (2, 1)], [(1, 6), (5, 2), (6, 5), (3, 5)]
+    shut = ["_blocked(o3,o4,1)"]
+    for request in far:
+        assert solve(program, [*near, request, *near], 60, conflicts=1, facts=shut)[0].unsatisfiable
+    assert solve(program, near, 30, models=1, facts=shut)[0].satisfiable
+    assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
 
 
 @pytest.mark.parametrize("capacity", [0, -1])
