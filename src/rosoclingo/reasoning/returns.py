@@ -23,7 +23,15 @@ from rosoclingo.reasoning.keywords import (
     shortened,
 )
 from rosoclingo.reasoning.observations import Observation, Observations
-from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, keys_of, symbol_of, text_of
+from rosoclingo.reasoning.records import (
+    Record,
+    action_to_text,
+    actions_of,
+    actions_to_text,
+    keys_of,
+    symbol_of,
+    text_of,
+)
 
 #: Facts of one message.
 MOST_FACTS = 1000
@@ -253,7 +261,7 @@ class ExecutionMonitor:
         return {
             "dispatch": None if self._dispatch is None else self._dispatch.record(),
             "observations": self.observations.record(),
-            **{f"done:{text_of(action.atom)}": 1 for action in self._executed},
+            **{f"done:{action_to_text(action)}": 1 for action in self._executed},
             **{f"known:{text_of(fact)}": 1 for fact in self._known},
         }
 

@@ -1,3 +1,5 @@
+import json
+
 import pytest
 from core_driver import Driver
 
@@ -119,6 +121,36 @@ def test_identity_is_unique_among_live_goals():
     book.remove(first)
     book.add(goal("goal(c,d,1)", "second"))
     assert [one.key for one in book.live] == ["second"]
+
+
+def test_the_program_knows_the_goals_that_were_fed():
+    book, known, waiting = GoalBook(), goal("goal(a,b,1)", "first"), goal("goal(a,b,2)", "second")
+    for one in (known, waiting):
+        book.add(one)
+    assert book.fed == []
+    known.feed(3)
+    assert (book.fed, book.live) == ([known], [known, waiting])
+    known.forget()
+    assert (book.fed, book.by_key("first"), book.by_key("third")) == ([], known, None)
+
+
+def test_a_goal_that_nobody_has_looked_at():
+    one = goal()
+    assert (one.state, one.request_cycle, one.outcome) == (GoalState.PENDING, None, None)
+    assert (one.known, one.refused, one.overtaken, one.tries, one.message) == (False, False, 0, 0, "")
+    assert one.rests_until < -1e300
+
+
+@pytest.mark.parametrize("rests_until", [float("-inf"), 0.0, 12.5, float("inf")])
+def test_what_is_kept_of_a_goal(rests_until):
+    one, twin = goal(), goal()
+    one.state, one.request_cycle, one.known, one.refused = GoalState.PREEMPTING, 4, True, True
+    one.overtaken, one.tries, one.rests_until = 2, 3, rests_until
+    record = json.loads(json.dumps(one.record(), allow_nan=False))
+    assert record[0] == "goal(a,b,1)"
+    twin.restore(record)
+    state = ["state", "request_cycle", "known", "refused", "overtaken", "tries", "rests_until"]
+    assert [getattr(twin, name) for name in state] == [getattr(one, name) for name in state]
 
 
 def test_refused_goals_reach_the_client_with_the_reason():

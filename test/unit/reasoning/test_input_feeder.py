@@ -1,6 +1,8 @@
+import json
+
 import pytest
 
-from rosoclingo.oclingo import Statement, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo import Statement, StreamUpdate, parse_atom, parse_term, parse_update
 from rosoclingo.reasoning import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import action_of
@@ -261,3 +263,37 @@ def test_clocks():
     assert str(Clock(lambda name, arity: 9).dated(early, 3)) == "_late(x,1)", "the first cycle is 1"
     assert str(Clock(lambda name, arity: None).dated(early, 3)) == "_late(x,3)"
     assert Clock().dated(parse_atom("_rain"), 3) == parse_atom("_rain")
+
+
+def test_what_waits_goes_on_in_another_feeder():
+    feeder, first, gone = InputFeeder(), goal("g(1)"), goal("g(2)")
+    feeder.add_goal(first)
+    feeder.add_cancellation(parse_term("f(7)"))
+    feeder.add_goal(gone)
+    feeder.add_rejection(parse_term("8"))
+    for name in ("_seen(ball)", "_battery(low,2)", "_seen(b)", "_seen(a)"):
+        feeder.add_fact(parse_atom(name), "camera", 3)
+    feeder.add_executed([action("_action_lib(a,x,4)"), action("_action_lib(b,y,4)")])
+    withdrawn = frozenset(parse_atom(f"_request(g({number}),2)") for number in range(20, 40))
+    feeder.add_withdrawals(withdrawn)
+    feeder.wait(5.0)
+    record = json.loads(json.dumps(feeder.record()))
+    assert record["feeder"][3] == ",".join(map(str, sorted(withdrawn))), "the same text whatever the set's order"
+    twin = InputFeeder()
+    twin.restore(record, {first.key: first}.get)
+    assert (twin.arrivals, twin.pending, twin.waiting) == (7, False, 4)
+    twin.tick(14.9)
+    assert not twin.pending
+    twin.tick(15.0)
+    assert twin.pending
+    feeder.withdraw(gone)
+    assert twin.next_update(5) == feeder.next_update(5)
+    assert twin.next_update(5).facts[0].origin == "camera"
+    assert twin.record() == {**feeder.record(), "feeder": [*twin.record()["feeder"]]}
+    assert str(twin.next_update(5).update).startswith(
+        "#step 5.\n#withdraw _request(g(20),2).\n#withdraw _request(g(21),2)."
+    )
+
+
+def test_an_update_without_a_step_is_of_the_first_cycle():
+    assert Batch(StreamUpdate(None, None, ())).request_cycle == 1

@@ -1,5 +1,7 @@
 """What interfaces tell the core, at the limits of what it takes and remembers."""
 
+import json
+
 import pytest
 from core_driver import Driver
 from test_late_facts import BATTERY
@@ -8,6 +10,7 @@ from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import LONGEST, action_of
+from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.returns import EXECUTED, ExecutionMonitor
 
 MOST_FACTS = 3
@@ -80,3 +83,85 @@ def test_what_was_done_was_done_though_all_that_was_told_is_forgotten():
     monitor.forget_all()
     assert monitor.observations.newest_first == ()
     assert monitor.executed == tuple(actions[2:])
+
+
+KEPT = "#external _return/3. #external _seen/1. #external _battery(X,t) : X = (low;high). #cumulative t. #volatile t."
+
+
+def monitor_of(events):
+    return ExecutionMonitor(ReactiveProgram.from_text(KEPT), InputFeeder(), Clock(), events.append, lambda: 2)
+
+
+def test_what_is_under_way_done_and_told_goes_on_in_another_monitor():
+    events, more = [], []
+    monitor, twin = monitor_of(events), monitor_of(more)
+    (walk,) = actions = [action_of(parse_atom("_action_lib(walk,a,1)"))]
+    monitor.begin(1, (walk,), 3.0)
+    monitor.receive("walk", ["_return(walk,lost,1)"])
+    monitor.end_cycle()
+    names = ["walk,b", "walk,c", "walk,d", "run,a", "run,b"]
+    actions = tuple(action_of(parse_atom(f"_action_lib({name},2)")) for name in names)
+    monitor.begin(2, actions, 5.0)
+    monitor.receive("legs", ["_return(walk,failed(c),2)", "_return(walk,lost,2)", "_return(run,b,2)"])
+    monitor.receive("meter", ["_battery(low,2)"])
+    record = json.loads(json.dumps(monitor.record()))
+    twin.restore(record)
+    assert twin.record() == record
+    assert (twin.awaited, twin.under_way) == (monitor.awaited, actions)
+    assert [str(one.atom) for one in twin.awaited] == ["_action_lib(walk,b,2)", "_action_lib(run,a,2)"]
+    assert twin.executed == (walk,)
+    assert twin.observations.newest_first == monitor.observations.newest_first != ()
+    twin.receive("legs", ["_battery(low,2)", "_return(run,b,2)", "_return(walk,c,2)"])
+    assert ["has returned already" in one.message for one in more] == [True, True], "and what is known is nothing new"
+    twin.expire(7.0, 3.0)
+    assert len(more) == 2, "since 5.0"
+    twin.expire(8.0, 3.0)
+    assert twin.awaited == ()
+    for one in (monitor, twin):
+        one.expire(9.0, 3.0)
+        assert one.end_cycle() == actions
+    assert twin.observations.newest_first == monitor.observations.newest_first
+    assert twin.executed == monitor.executed == (walk, *actions)
+
+
+def test_when_time_jumps_back_the_wait_begins_anew():
+    monitor = monitor_of([])
+    monitor.begin(1, (action_of(parse_atom("_action_lib(walk,a,1)")),), 100.0)
+    for now, over in ((109.0, False), (20.0, False), (29.0, False), (30.0, True)):
+        monitor.expire(now, 10.0)
+        assert (monitor.awaited == ()) is over
+
+
+def test_so_many_facts_may_wait(monkeypatch):
+    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_WAITING", 2)
+    events = []
+    monitor = monitor_of(events)
+    monitor.receive("eye", ["_seen(a)", "_seen(b)", "_seen(c)"])
+    assert [type(one) for one in events] == [FactTaken, FactTaken, Problem]
+    assert "2 facts wait for the next update already" in events[-1].message
+
+
+def test_a_fact_may_not_be_longer():
+    events = []
+    monitor_of(events).receive("eye", ['_seen("{}")'.format("x" * (LONGEST - len('_seen("")') + 1))])
+    assert [f"write at most {LONGEST} characters" in one.message for one in events] == [True]
+
+
+def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
+    events = []
+    monitor = monitor_of(events)
+    low, high = parse_atom("_battery(low,2)"), parse_atom("_battery(high,2)")
+    monitor.receive("meter", [str(low), str(high)])
+    facts = [Observation(low, 2, told=low), Observation(high, 2)]
+    ended = parse_atom("_return(walk,a,1)")
+    monitor.taken([*facts, Observation(ended, 1)], {low, ended})
+    assert monitor.observations.newest_first == (facts[0],)
+    monitor.receive("meter", [str(low), str(high)])
+    assert [one.atom for one in events] == [low, high, high]
+    monitor.forget_all()
+    monitor.receive("meter", [str(low)])
+    assert events[-1].atom == low
+    monitor.taken([Observation(high, 2, origin="meter", told=low, outdated=True)], ())
+    assert events[-1].message == f"{low} from interface meter comes too late: it is taken as {high}"
+    monitor.receive("meter", [str(low)])
+    assert events[-1].atom == low, "it is known by what was told"

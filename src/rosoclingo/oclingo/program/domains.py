@@ -114,7 +114,7 @@ def _declaration(
     binding = [literal for literal in _plain_literals(statement) if _binds(literal, part.parameter, fixed)]
     bound = {name for literal in binding for name in names_in(literal)}
     names = {name for one in others for name in names_in(one)}
-    if not names <= bound or "_" in names or any(_mentions(one, part.parameter) for one in others):
+    if not names <= bound or any(_mentions(one, part.parameter) for one in others):
         return
     needed = [literal for literal in binding if names & set(names_in(literal))]
     arguments = [*map(str, others)]

@@ -19,7 +19,7 @@ from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
-from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, rule_edges
+from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, has_weights, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
@@ -42,6 +42,7 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         advises: whether ``#heuristic`` statements tell the solver where to look first.
+        weighs: whether statements have aggregates or bounds on choices.
         shows: the predicates of ``#show p/n.``
         domains: what the rules of a step could use of open signatures, where they tell.
         return_rules: rules that tell what returns bear on; None where they can't.
@@ -155,12 +156,15 @@ class ReactiveProgram:
     def arguments(self) -> List[str]:
         """Return clingo's command line arguments: the constants, and that ``#heuristic`` counts where there is one.
 
-        Without equivalence preprocessing: with it clingo 5.7.0 to 5.8.3 find no answer of some programs that have one.
+        Where rules have weights, without equivalence preprocessing: where two literals of a body with weights turn out
+        equivalent, clasp 3.3.10 to 3.4.0 (clingo 5.7.0 to 5.8.3) can go on propagating to that body what is no longer
+        in it, and loses answers. Neither stream updates nor the solver itself add rules with weights.
         What is open is false first, lest a plan hold actions that are of no use.
         """
         heuristic = ["--heuristic=Domain"] if self.advises else []
         constants = (f"-c{name}={value}" for name, value in self.constants.items())
-        return ["-Wno-atom-undefined", "--eq=0", "--sign-def=neg", *heuristic, *constants]
+        equivalences = ["--eq=0"] if self.weighs else []
+        return ["-Wno-atom-undefined", "--sign-def=neg", *equivalences, *heuristic, *constants]
 
     def may_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
         """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with one of ``atoms``.
@@ -230,12 +234,13 @@ class ReactiveProgram:
         }
         self.domains: Dict[Signature, Domain] = {}
         self.return_rules: Optional[ReturnRules] = None
-        self.optimizes = self.advises = False
+        self.optimizes = self.advises = self.weighs = False
         self.shows: Set[Signature] = set()
         for part in self.parts:
             for statement, found in part.found:
                 self.optimizes |= statement.ast_type == ASTType.Minimize
                 self.advises |= statement.ast_type == ASTType.Heuristic
+                self.weighs |= has_weights(statement)
                 if statement.ast_type == ASTType.ShowSignature:
                     self.shows.add(Signature(statement.name, statement.arity, bool(statement.positive)))
                 self.dependencies.add(*rule_edges(statement, found))

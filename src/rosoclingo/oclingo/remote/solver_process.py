@@ -115,7 +115,8 @@ class ProcessSolver(ForeseeingSolver):
         reply = self._process.ask(self._place, self._log, update, stopped)
         result = result_from_message(reply)
         self._log = self._log.then(Taken(update, reply["grounded"]))
-        self._log.plan = result.plan or self._log.plan
+        if self._process.plans:
+            self._log.plan = result.plan or self._log.plan
         if reply["checkpoint"] is not None:
             self._log = self._log.then(Checkpoint(message=reply["checkpoint"])).cut()
         self._has_answered(result)
@@ -165,6 +166,7 @@ class SolverProcess:
             "program": program_to_message(program),
             "options": dict(options, models=models),
         }
+        self.plans = bool(options.get("shortest"))  # else no search begins with a plan, and to find one takes time
         self._numbers: Iterator[int] = iter(range(2**62))
         self._left: List[int] = []
         self._preparing: Deque[Optional[Place]] = deque()  # what the child is at: the program (None) or a solver

@@ -112,10 +112,6 @@ class CycleIndex(AtomIndex):
         """Return those of the ``atoms`` that have not been popped."""
         return [atom for cycle in self.cycles() for atom, _ in self._cycles[cycle] if atom in atoms]
 
-    def literals(self, cycle: int) -> Set[int]:
-        """Return the literals of the atoms of ``cycle`` that have not been popped."""
-        return {literal for _, literal in self._cycles[cycle]} if cycle in self.cycles() else set()
-
     def between(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the atoms of the cycles first..last that have not been popped."""
         known = self.cycles()

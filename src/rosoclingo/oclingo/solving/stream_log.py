@@ -12,7 +12,7 @@ from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import ACTION
+from rosoclingo.oclingo.program.action_rules import is_action
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
 from rosoclingo.oclingo.solving.state_text import (
@@ -42,7 +42,7 @@ class Plan(NamedTuple):
     @classmethod
     def of(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
         """Return the plan in an answer, whose ``atoms`` may be other symbols as well that a ``#show`` has named."""
-        return cls(frozenset(atom for atom in atoms if atom.match(*ACTION) and _has_number(atom)), horizon, shortest)
+        return cls(frozenset(atom for atom in atoms if is_action(atom) and _has_number(atom)), horizon, shortest)
 
     def since(self, cycle: int) -> "Plan":
         """Return what is to be done from ``cycle`` on."""

@@ -238,7 +238,7 @@ def is_foreseen(update: StreamUpdate, before: Iterable[Statement]) -> bool:
     as_planned = _successes(update, before)
     plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)
     statements = [one for _, one in update.sections()]
-    return plain and not update.withdrawn and all(one.head in as_planned or _demands_action(one) for one in statements)
+    return plain and all(one.head in as_planned or _demands_action(one) for one in statements)
 
 
 def with_their_failures(facts: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:

@@ -1,5 +1,6 @@
 """What steps see of one another: which may be ground together, and what they could use of open signatures."""
 
+import clingo
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
@@ -27,6 +28,7 @@ def domain(rules):
         ),
         # the step stands in the first argument as well, but not in all rules
         ("x(t) :- m(t,t). x(D,t) :- m(D,t), d(D).", ["#external m(D,t__+(0)) : d(D)."]),
+        ("x(D,t) :- d(D), m(D,t), f(E,a) : d(E).", ["#external m(D,t__+(0)) : d(D)."]),
         # what one rule does not tell another may
         ("x(D,t) :- m(D,t). x(D,t) :- m(D,t), d(D).", ["#external m(D,t__+(0)) : d(D)."]),
     ],
@@ -45,6 +47,10 @@ def test_rules_tell_what_they_could_use(rules, expected):
         "x(D,t) :- m(D,t), d(D+1).",
         "x(D,t) :- m(D,t), e(D,t). #external e(D,t) : d(D).",  # known step by step alone
         "x(D,t) :- m(D,t), f(D,t).",
+        "x(D,t) :- m(D,t), f(1,D*D).",
+        "x(t) :- m(_,t), f(1,_).",
+        "x(D,t) :- m(D,t), -d(D). #base. -d(1).",
+        "x(D,t) :- m(D,t), e(D). e(D) :- d(D), D < t.",
         "x(D,t) :- m(D,T), d(D), d(T).",  # at any step
         "x(D,t) :- m(D,t), d(D). x(D,t) :- m(D,1), d(D).",
         "x(D,t) :- m(D,t), d(D). #base. y :- m(1,1).",
@@ -57,6 +63,28 @@ def test_there_is_no_domain_where_they_do_not_tell(rules):
     assert domain(rules) is None
 
 
+def test_there_is_no_domain_where_the_step_stands_in_two_places():
+    text = "#external w/3. d(1..2). #cumulative t. x(t) :- w(D,t,t-1), d(D)."
+    assert not ReactiveProgram.from_text(text).domains
+
+
+@pytest.mark.parametrize(
+    ("rules", "size"),
+    [
+        ("x(D,t) :- m(D,t), d(D).", 2),
+        ("x(D,t) :- m(D,t), d(D). x(X,t) :- m(X,t), f(X,Y).", 2 + 3),
+        ("x(D,t) :- m(f(D,X),t), d(D), f(X,Y).", 2 * 3),
+        ("x(t) :- m(7,t).", 1),
+    ],
+)
+def test_how_many_atoms_they_could_use(rules, size):
+    control = clingo.Control(["--warn=none"])
+    control.add("base", [], "d(1..2). f(1..3,a).")
+    control.ground([("base", [])])
+    program = ReactiveProgram.from_text("#external m/2. d(1..2). f(1..3,a). #cumulative t. " + rules)
+    assert program.domains[SIGNATURE].size(control) == size
+
+
 @pytest.mark.parametrize(
     ("rules", "apart"),
     [
@@ -67,6 +95,8 @@ def test_there_is_no_domain_where_they_do_not_tell(rules):
         ("a(t) :- e(t+1). #external e(t).", False),
         ("a(2*t) :- b(t). { b(t) }. c(t) :- a(t).", False),
         ("a(2*t) :- b(t). { b(t) }.", True),
+        ("{ a(t) }. #base. y :- a(1).", True),
+        ("a(D,t) :- d(D), not a(D,t-1).", True),
         ("a(T,t) :- b(T), d(t,T). { b(t) }.", False),
         ("a(t,X) :- b(X,t), d(X). { b(t,X) : d(X) }.", False),
         ("{ b(t) }. a(t) :- #count { T : b(T), d(T) } > 1.", False),

@@ -44,6 +44,15 @@ def texts(rules):
                 "acts(0,A,V,t) :- _action_lib(A,V,t)",
             ],
         ),
+        (
+            "f(t) :- _action_lib(A,P,t), _return(A,V,t), q(X) : r(X).",
+            [
+                "asks(0,A,V,t) :- _action_lib(A,V,t); _action_lib(A,P,t); q(X): r(X)",
+                "acts(0,A,V,t) :- _action_lib(A,V,t); _action_lib(A,P,t)",
+            ],
+        ),
+        ("p(t+1) :- _return(go,X,t).", ["asks(0,go,X,t) :- _action_lib(go,X,t)"]),
+        ("#external _return(go,X,t) : q(X).", []),
         ("#heuristic p(t) : _return(A,V,t). [1,true] { p(t) }.", []),
     ],
 )
@@ -62,6 +71,9 @@ def test_for_each_return_in_a_rule_there_is_one(rule, expected):
         "p(t) :- _return((go;come),V,t).",
         "p(t) :- not _return(go,f(_),t).",
         "#show p(V) : _return(go,V,t).",
+        "_return(go,1,t) :- q(t).",
+        "#external e(t) : _return(go,V,t).",
+        "#external _return(go,V,t) : _return(go,V,t-1).",
         "#edge (t,t+1) : p(t).",
         "#theory marks { term { - : 1, unary }; &mark/0 : term, any }. p(t) :- &mark.",
         "{ _action_lib(come,1,t+1) }.",

@@ -33,6 +33,16 @@ def test_plans_are_shortened_in_a_process_as_well():
         assert solver.update(parse_update(f"#step 2. :- not {action}. #endstep.")).horizon == 3
 
 
+def test_no_plan_is_kept_where_no_search_begins_with_one():
+    """As in this process: to find the actions among all atoms of an answer takes time."""
+    program, update = ReactiveProgram.from_text(program_text()), parse_update("#step 1. _request(3,1). #endstep.")
+    here = ReactiveSolver(program)
+    with SolverProcess(program) as process:
+        there = process.solver()
+        assert there.update(update).plan.actions == here.update(update).plan.actions != frozenset()
+        assert there.log.plan is here.log.plan is None
+
+
 def test_a_stop_of_what_shortens_a_plan_is_not_waited_for():
     """Whatever the process is at; what it finds then is not told, and it goes by the plan that is followed."""
     program = ReactiveProgram.from_text(program_text())

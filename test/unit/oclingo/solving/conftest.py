@@ -3,6 +3,7 @@
 import pytest
 
 from rosoclingo.oclingo.solving import compaction, grounding, solver
+from rosoclingo.oclingo.solving.grounding import Grounding
 
 
 @pytest.fixture
@@ -12,3 +13,16 @@ def compacts_at_once(monkeypatch):
     monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
     monkeypatch.setattr(grounding, "BLOCK", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)
+
+
+@pytest.fixture
+def searches(monkeypatch):
+    """The ranges of horizons that clingo was asked for."""
+    found, search = [], Grounding.search
+
+    def note(this, models, stopped, first, last, *rest, **others):
+        found.append((first, last))
+        return search(this, models, stopped, first, last, *rest, **others)
+
+    monkeypatch.setattr(Grounding, "search", note)
+    return found

@@ -133,3 +133,10 @@ def test_a_projection_in_base_of_what_has_a_name_can_be_told():
     assert look(grounding, 1, 4).first == 1, "q(a,3) is open"
     grounding.atoms.close(parse_atom("q(a,3)"))
     assert look(grounding, 1, 4).first == 4
+
+
+def test_what_clingo_says_of_a_program_is_not_said_again(capfd):
+    grounding = Grounding(ReactiveProgram.from_text(FACTS + " c(X) :- X = 2/(t-2)."), (), set(), shortest=True)
+    grounding.ground_to(3)
+    assert look(grounding, 1, 4).first == 4
+    assert capfd.readouterr() == ("", "")

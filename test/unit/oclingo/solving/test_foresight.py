@@ -6,10 +6,9 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, StreamUpdate, commitment, parse_atom
 from rosoclingo.oclingo.program.return_rules import ReturnRules
-from rosoclingo.oclingo.progression.updates import Assert, Closed, Statement, Volatile
-from rosoclingo.oclingo.solving.foresight import Foreseen, foresee, success_of
-from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.stream_log import StreamLog, cycle_of
+from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, Statement, Volatile, Withdraw
+from rosoclingo.oclingo.solving.foresight import Foreseen, foresee, goes_on, success_of
+from rosoclingo.oclingo.solving.stream_log import Plan, StreamLog, cycle_of
 
 #: A robot on a line of places that goes where it is wanted; what it does with returns follows.
 WALK = """
@@ -100,19 +99,6 @@ def test_the_answer_is_one_that_a_search_finds(rules, news):
                 assert searched(solver, before, update).horizon == result.horizon
 
 
-@pytest.fixture
-def searches(monkeypatch):
-    """The horizons that clingo was asked for."""
-    found, search = [], Grounding.search
-
-    def note(self, models, stopped, first, last, *rest, **others):
-        found.append((first, last))
-        return search(self, models, stopped, first, last, *rest, **others)
-
-    monkeypatch.setattr(Grounding, "search", note)
-    return found
-
-
 def test_success_takes_no_search_as_long_as_something_is_left_to_do(searches):
     solver = solver_of(WALK + FAILS)
     first = asked(solver)
@@ -123,9 +109,37 @@ def test_success_takes_no_search_as_long_as_something_is_left_to_do(searches):
         assert (result.step, result.horizon, result.answers) == (step, 3, first.answers)
         assert result.shortest
         assert (solver.step, solver.state.step) == (step, step)
+        assert solver.log.foreseen
     assert searches == []
     assert solver.update(told(solver)).horizon == 4
     assert searches != []
+    assert not solver.log.foreseen
+
+
+NOW, THEN = parse_atom("_action_lib(go,1,1)"), parse_atom("_action_lib(go,2,2)")
+AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
+
+
+@pytest.mark.parametrize(
+    ("step", "items", "expected"),
+    [
+        (2, AS_PLANNED, True),
+        (2, (Over(1), Cumulative(), *AS_PLANNED), True),
+        (3, AS_PLANNED, False),
+        (None, AS_PLANNED, False),
+        (2, AS_PLANNED[1:], False),
+        (2, (Closed(0, 1), *AS_PLANNED), False),
+        (2, (AS_PLANNED[0], AS_PLANNED[2]), False),
+        (2, (*AS_PLANNED, commitment(THEN)), False),
+        (2, (*AS_PLANNED, Statement(success_of(THEN))), False),
+        (2, (*AS_PLANNED, Withdraw(THEN)), False),
+        (2, (*AS_PLANNED, Statement(success_of(NOW), (commitment(THEN).body[0],))), False),
+    ],
+)
+def test_an_answer_goes_on_where_the_step_was_done_as_planned(step, items, expected):
+    plan, foreseen = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
+    assert goes_on(plan, foreseen, 1, StreamUpdate(step, None, items)) is expected
+    assert not goes_on(Plan(frozenset([NOW]), 2), foreseen, 1, StreamUpdate(step, None, items)), "nothing is left to do"
 
 
 def test_what_is_not_foreseen_is_searched(searches):
@@ -198,6 +212,46 @@ def test_steps_are_retired_after_updates_that_were_foreseen(compacts_at_once):
     assert solver.state.past is not None
     assert solver.state.past.first == 3
     assert first.answers[0] <= solver.update(told(solver)).answers[0]
+
+
+def test_a_plan_that_was_improved_is_foreseen(searches):
+    """With all returns with which it stays an answer: it is not said to be the shortest."""
+    solver = solver_of(WALK + "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).")
+    assert len(asked(solver).foreseen) == 1
+    plan = solver.log.plan
+    last = max(plan.actions, key=cycle_of)
+    solver.log.plan = Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)
+    better = solver.improve()
+    assert better.plan.actions == plan.actions
+    assert better.foreseen == {success_of(action) for action in plan.actions}
+    searches.clear()
+    result = solver.update(told(solver))
+    assert (result.answers, result.shortest) == (better.answers, False)
+    assert searches == []
+
+
+def test_what_is_answered_without_a_search_took_no_time_and_warns_of_nothing():
+    solver = solver_of(WALK + FAILS)
+    items = tuple(Statement(parse_atom(text)) for text in ("_request(3,1)", "_return(go,1)"))
+    first = solver.update(StreamUpdate(1, 20, items))
+    assert len(first.warnings) == 1
+    result = solver.update(told(solver))
+    assert solver.log.foreseen
+    assert result.warnings == ()
+    assert result.statistics == dict.fromkeys(first.statistics, 0.0)
+
+
+def test_returns_that_were_not_told_go_on_with_nothing_where_none_is_foreseen(searches):
+    solver = solver_of(WALK + FAILS, plan_time=None)
+    asked(solver)
+    searches.clear()
+    solver.update(StreamUpdate(2, 20, (Closed(1, 1), *map(commitment, due(solver)))))
+    assert searches != []
+
+
+def test_returns_that_the_program_does_not_take_are_not_foreseen():
+    text = (WALK + FAILS).replace("#external _return/3.", "#external _return(go,2,t).")
+    assert asked(solver_of(text)).foreseen == {parse_atom("_return(go,2,2)")}
 
 
 def test_a_shorter_plan_is_foreseen_as_well(searches):

@@ -42,6 +42,16 @@ def test_to_which_steps_externals_belong(shortest, blocks):
     assert declared(1, 3, base=False) == ["both(1)", "e(1)", "e(2)", "e(3)"]
 
 
+@pytest.mark.parametrize("shortest", [True, False])
+def test_externals_are_found_as_their_steps_are_ground(shortest):
+    text = "#external p(2). #program cumulative(t). #external p(t). #program volatile(t)."
+    grounding = Grounding(ReactiveProgram.from_text(text), (), set(), shortest)
+    for last, found in ((1, ["p(1)", "p(2)"]), (2, []), (3, ["p(3)"])):
+        grounding.ground_to(last)
+        names = map(str, grounding.declared_between(last, last))
+        assert sorted(one for one in names if one[0] == "p") == found, "base counts as the first step"
+
+
 def test_open_atoms_may_be_given_in_any_way():
     program = ReactiveProgram.from_text("#external sees/1. a(X) :- sees(X). #cumulative t. #volatile t.")
     grounding = Grounding(program, iter([parse_atom("sees(1)"), parse_atom("sees(2)")]), set())

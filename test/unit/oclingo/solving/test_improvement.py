@@ -1,5 +1,6 @@
 """Shorter plans: what is committed or running stays as it is, and a stop at any moment leaves a plan."""
 
+import time
 from itertools import count
 
 import pytest
@@ -7,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_walk import Walk, program_text
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamUpdate, parse_atom, parse_update
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, StreamUpdate, parse_atom, parse_update
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.improvement import Part
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
@@ -85,6 +86,61 @@ def test_nothing_is_tried_where_there_is_nothing_to_shorten():
     assert solver.improve(lambda: asked.append(1)) is None
     assert len(asked) <= 1
     assert ReactiveSolver(PROGRAMS[True]).improve() is None
+
+
+def idling(solver, further=""):
+    """The solver with a plan that idles for two steps."""
+    solver.update(parse_update(f"#step 1. _request(3,1). {further} #endstep."))
+    solver.log.plan = worse(solver.log.plan, 1, 2)
+    return solver
+
+
+LOOP = "#program cumulative(t). #external e(t). c(t) :- e(t)."
+
+
+@pytest.mark.parametrize(
+    ("text", "further", "options"),
+    [
+        ("", "", {"models": 0}),
+        ("#program cumulative(t). #minimize { 1,X,t : at(X,t) }.", "", {}),
+        (LOOP, "e(1) :- c(1).", {}),
+    ],
+)
+def test_plans_that_are_one_of_many_the_best_or_ground_anew_are_left_as_they_are(text, further, options, searches):
+    program = ReactiveProgram.from_text(program_text() + text)
+    solver = idling(ReactiveSolver(program, shortest=True, plan_time=0.0, **options), further)
+    searches.clear()
+    assert solver.improve() is None
+    assert searches == []
+    other = idling(ReactiveSolver(ReactiveProgram.from_text(program_text() + LOOP), shortest=True, plan_time=0.0))
+    assert other.improve() is not None
+
+
+def test_of_a_plan_that_is_the_shortest_or_not_ground_nothing_is_asked(searches):
+    """Nor by a solver that looks for no shortest ones."""
+    solver = ReactiveSolver(PROGRAMS[True], shortest=True, oclingo_strings=False, plan_time=100.0)
+    solver.update(parse_update("#step 1. _request(3,1). #endstep."))
+    assert solver.log.plan.shortest
+    reader, other = solver_of(), ReactiveSolver(PROGRAMS[True], oclingo_strings=False)
+    for one in (reader, other):
+        one.restore(idling(solver_of()).log)
+    other.solve()
+    searches.clear()
+    assert (solver.improve(), reader.improve(), other.improve()) == (None, None, None)
+    assert searches == []
+
+
+def test_a_better_plan_is_the_answer_from_then_on():
+    solver = idling(solver_of())
+    solver.interrupt()  # what ran before
+    began = time.perf_counter()
+    result = solver.improve()
+    seconds = time.perf_counter() - began
+    assert (result.outcome, result.step) == (SolveOutcome.SATISFIABLE, 1)
+    assert 3 <= result.horizon < 5
+    assert (result.plan, result.shortest) == (solver.log.plan, False)
+    assert 0.0 <= result.statistics.pop("solve") <= seconds
+    assert result.statistics == {"ground": 0.0}
 
 
 def test_all_idle_steps_go_at_once_with_the_first_that_a_window_fills():

@@ -5,7 +5,7 @@ import pytest
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.oclingo.solving import improvement
 from rosoclingo.oclingo.solving.grounding import Search
-from rosoclingo.oclingo.solving.improvement import Improvement
+from rosoclingo.oclingo.solving.improvement import Improvement, _without_idling
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 
@@ -281,3 +281,11 @@ def test_a_plan_that_gets_too_short_while_actions_are_put_off_is_left_at_once(mo
     assert tried.run(asked, asked.halt_after(50)) == found(2, 2)
     assert tried.run(asked, asked.halt_after(50)) is None
     assert len(asked.asked) == 2
+
+
+def test_steps_at_which_nothing_is_done_are_left_out():
+    names = ["go,x,3", "take,y,3", "go,z,8", "go,x,70", "take,x,70"]
+    pushed = ["go,x,2", "take,y,2", "go,z,3", "go,x,4", "take,x,4"]
+    old, new = (frozenset(parse_atom(f"_action_lib({one})") for one in some) for some in (names, pushed))
+    assert _without_idling(Plan(old, 71), 1) == Plan(new, 71)
+    assert _without_idling(Plan(new, 4), 1) == Plan(new, 4)

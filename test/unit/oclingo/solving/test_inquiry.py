@@ -256,6 +256,26 @@ def test_an_update_beyond_the_limit():
         solver.inquire(parse_update("#step 4. #end step."), frozenset(), frozenset())
 
 
+def test_an_interrupt_ends_no_later_question():
+    solver, go = solver_of(FAR), frozenset([parse_atom("go")])
+    solver.interrupt()
+    assert solver.inquire(parse_update("#step 1 : 100. go. #end step."), go, frozenset()) == (False, go)
+
+
+def test_what_fails_is_told_and_asked_anew(monkeypatch):
+    solver, shut = solver_of(BOLT), frozenset([parse_atom("knock(d)")])
+    update = parse_update("#step 5 : 5. knock(d). #end step.")
+
+    def fail(*_arguments, **_limits):
+        raise RuntimeError("too large")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Grounding, "search", fail)
+        with pytest.raises(SolverError, match="too large"):
+            solver.inquire(update, shut, frozenset())
+    assert solver.inquire(update, shut, frozenset()) == (False, shut)
+
+
 def test_a_retired_step_told_it(monkeypatch):
     monkeypatch.setattr(compaction, "COMPACT_AFTER", 4)
     text = "#program cumulative(t). #external seal(t). bad(t) :- seal(t-1), t = 5. bad(t) :- bad(t-1). "

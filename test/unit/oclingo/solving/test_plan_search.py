@@ -156,6 +156,10 @@ def test_shorter_ones_are_looked_for_while_time_lasts(seconds, horizon, shortest
     assert run(World(LONG, horizon=9), seconds=seconds) == (horizon, shortest, asked)
 
 
+def test_what_is_looked_for_ends_with_the_time():
+    assert run(World(LONG, horizon=9, cut=True), seconds=2) == (9, False, "1..9/100 1..8/100")
+
+
 @pytest.mark.parametrize(
     ("plans", "hard", "asked"),
     [

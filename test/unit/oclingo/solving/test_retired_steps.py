@@ -404,3 +404,21 @@ def test_nothing_is_kept_that_no_later_step_has_a_use_for():
     assert state.past.first == 11
     assert (state.past.facts, state.permanent, state.open_atoms) == (frozenset(), [], [])
     assert {str(atom) for atom in state.forgotten} <= {"e(9)", "e(10)", "__oclingo_volatile(1,10)"}
+
+
+def test_of_what_was_told_and_done_at_retired_steps_nothing_stays_that_no_later_step_asks_for():
+    solver = stream(
+        "#external told/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "
+        "wanted(t) :- _request(x,t). #program volatile(t)."
+    )
+    for step in range(1, 6):
+        solver.forget_before(step - 1)
+        play(solver, f"#step {step} : 0. told({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
+        solver.close_cycle(step, [])
+    state = solver.state
+    assert first(solver) == 4
+    assert sorted(state.closed_cycles) == [3, 4, 5], "the last one before what is ground is told for its returns"
+    assert sorted(map(str, state.permanent)) == ["_request(x,9).", "told(5)."]
+    assert sorted(map(str, state.open_atoms)) == ["_request(x,9)", "told(5)"]
+    shown = {str(atom): step for step, atom in state.past.shown if atom.name == "told"}
+    assert shown == {"told(1)": 1, "told(2)": 1, "told(3)": 2, "told(4)": 3}, "as of the last step that is retired"

@@ -3,6 +3,7 @@
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+from rosoclingo.oclingo.solving.stream_state import Setting, with_their_failures
 
 PROGRAM = """
 #program cumulative(t).
@@ -27,6 +28,32 @@ def answers(*updates, program=PROGRAM, models=1):
 def test_success_is_the_parameter_and_anything_else_a_reason(value, found, order):
     items = order.format(":- not _action_lib(go,a,1).", f"_return(go,{value},1).")
     assert answers(f"#step 2. {items} #endstep.")[1] == [found]
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("_seen(a,b,1). :- not _action_lib(go,a,1).", None),
+        (":- not _action_lib(go,a,1). _return(go,a,1).", None),
+        ("_return(go,b,1) :- _seen(b,b,1).", None),
+        ("#volatile. _return(go,b,1).", None),
+        (":- not _seen(go,b,1). _return(go,b,1).", ":- not _seen(go,b,1). _return(go,b,1). _failed(go,b,1)."),
+        (
+            "#over 1. :- not _action_lib(go,a,1). _seen(a,b,1). _return(go,b,1). _return(go,b,1) :- _seen(a,b,1).",
+            "#over 1. :- not _action_lib(go,a,1). _seen(a,b,1). _return(go,b,1). _failed(go,b,1)."
+            "_return(go,b,1) :- _seen(a,b,1).",
+        ),
+    ],
+)
+def test_a_failure_comes_behind_its_return_and_all_else_stays(text, read):
+    setting = Setting(ReactiveProgram.from_text(PROGRAM))
+    found = setting.read(parse_update(f"#step 2 : 5. {text} #endstep."), setting.fresh_state())
+    assert found == parse_update(f"#step 2 : 5. {read or text} #endstep.")
+
+
+def test_of_facts_the_returns_have_failures():
+    facts = frozenset(map(parse_atom, ["_return(go,b,1)", "_seen(a,b,1)", "_return(go,b)"]))
+    assert with_their_failures(facts) == facts | {parse_atom("_failed(go,b,1)")}
 
 
 def test_what_was_committed_before_counts():

@@ -1,11 +1,16 @@
 """The reactive solver: what golden answers and properties don't cover."""
 
+import time
+from types import SimpleNamespace
+
 import pytest
 from stream_logs import cut
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, SolverError, parse_atom, parse_update
 from rosoclingo.oclingo.solving import horizon_search as idling
 from rosoclingo.oclingo.solving.grounding import Grounding, Search
+from rosoclingo.oclingo.solving.solver import SolveResult
+from rosoclingo.oclingo.solving.stream_log import Plan
 
 WALK = """
 #program base.
@@ -198,6 +203,44 @@ def test_stopping():
     result = solver.update(parse_update("#step 1. #endstep."), stopped)
     assert result.outcome is SolveOutcome.INTERRUPTED
     assert play(solver, "#step 1 : 0.").outcome is SolveOutcome.UNSATISFIABLE
+
+
+@pytest.mark.parametrize("options", [{}, {"shortest": True, "plan_time": 0.0}])
+def test_what_an_answer_took_is_part_of_the_time_that_has_passed(options):
+    solver = solver_of("#cumulative t. { a(t) }. #volatile t. :- t < 3.", **options)
+    began, used = time.perf_counter(), time.process_time()
+    for step in (1, 2, 3):
+        seconds = play(solver, f"#step {step} : 9.").statistics
+        assert 0.0 <= seconds["needed"] <= time.process_time() - used
+        assert min(seconds["solve"], seconds["ground"]) >= 0.0
+        assert seconds["solve"] + seconds["ground"] <= time.perf_counter() - began
+
+
+def test_what_goes_on_improving_an_answer_was_not_needed_for_it(monkeypatch):
+    """The time until there was an answer counts, whatever the clock shows at the end."""
+    ended = SimpleNamespace(perf_counter=time.perf_counter, process_time=lambda: 100.0)
+    monkeypatch.setattr("rosoclingo.oclingo.solving.solver.time", ended)
+    monkeypatch.setattr("rosoclingo.oclingo.solving.plan_search.time", SimpleNamespace(process_time=lambda: 103.0))
+    program = "#cumulative t. { a(t) }. #volatile t. :- t < 3."
+    for options, needed in (({"plan_time": 9.0}, 3.0), ({}, 0.0)):
+        solver = solver_of(program, shortest=True, **options)
+        assert play(solver, "#step 1 : 9.").statistics["needed"] == needed
+
+
+def test_the_plan_of_a_result_is_that_of_its_last_answer():
+    answers = tuple(frozenset([parse_atom(f"_action_lib(go,{place},1)")]) for place in "ab")
+    result = SolveResult(SolveOutcome.SATISFIABLE, answers, 4, 1, shortest=True)
+    assert result.plan == Plan(answers[1], 4, shortest=True)
+    assert SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1).plan is None
+
+
+def test_the_last_plan_is_known_after_an_update_without_an_answer():
+    solver = solver_of(WALK, shortest=True)
+    play(solver, "#step 1. _request(2,1).")
+    plan = solver.log.plan
+    assert len(plan.actions) == 2
+    assert play(solver, "#step 2 : 0. #volatile. :- at(0,0).").outcome is SolveOutcome.UNSATISFIABLE
+    assert solver.log.plan == plan
 
 
 def test_interrupt_without_a_search_changes_nothing():

@@ -25,6 +25,7 @@ from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving.stream_log import (
     Checkpoint,
     Close,
+    Plan,
     StreamLog,
     Taken,
     Withdrawal,
@@ -358,6 +359,17 @@ def test_the_last_update_is_before_what_came_without_one():
     for longer in (told, told.then(Close(2, frozenset())), told.then(Taken(None, 3), Over(2))):
         assert longer.last is told
         assert str(longer.update) == str(parse_update("#step 2. e(2). #endstep."))
+
+
+def test_a_plan_has_the_actions_whose_cycle_is_known():
+    names = ["_action_lib(go,1,3)", "_action_lib(go,2,2)", "_action_lib(go,2,soon)", "_action_lib(go,2)", "at(1,2,3)"]
+    plan = Plan.of(map(parse_atom, names), 4)
+    assert plan == Plan(frozenset(map(parse_atom, names[:2])), 4, shortest=False)
+    assert (plan.last_cycle, Plan(frozenset(), 4).last_cycle < -1000) == (3, True)
+    assert plan.since(3).actions == {parse_atom(names[0])}
+    assert plan.since(2) == plan
+    moved = {parse_atom("_action_lib(go,1,4)"), parse_atom("_action_lib(go,2,3)")}
+    assert plan._replace(shortest=True).later() == Plan(frozenset(moved), 5)
 
 
 def reader_of(solver):

@@ -15,9 +15,18 @@ from rosoclingo.oclingo import (
     parse_term,
     parse_update,
 )
-from rosoclingo.oclingo.progression.updates import Assert, Cumulative
+from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, StreamUpdate, Withdraw
 from rosoclingo.oclingo.solving.state_text import state_from_message, state_to_message
-from rosoclingo.oclingo.solving.stream_state import FOREVER, UPDATE, Lapsing, Past, StreamState, Term, lifetime_of
+from rosoclingo.oclingo.solving.stream_state import (
+    FOREVER,
+    UPDATE,
+    Lapsing,
+    Past,
+    StreamState,
+    Term,
+    is_foreseen,
+    lifetime_of,
+)
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
@@ -95,6 +104,40 @@ def test_the_size_of_a_state_counts_its_statements_and_atoms():
     assert whole.less(frozenset([A, GO])).size == 3 + 2 + 1 + 1 + 1
 
 
+@pytest.mark.parametrize(
+    ("changed", "steady"),
+    [
+        ({}, True),
+        ({"cyclic": True}, False),
+        ({"lapsing": [Lapsing(fact(A), 9)]}, True),
+        ({"lapsing": [Lapsing(fact(A), 9), Lapsing(fact(A), UPDATE)]}, False),
+        ({"waiting": [Lapsing(fact(A), UPDATE), Lapsing(fact(A), FOREVER)]}, False),
+    ],
+)
+def test_a_state_is_steady_where_nothing_lapses_with_the_next_update(changed, steady):
+    assert StreamState(step=1, horizon=1, **changed).is_steady is steady
+
+
+DONE, MADE = commitment(GO), fact(parse_atom("_return(go,x,1)"))
+
+
+@pytest.mark.parametrize(
+    ("before", "items", "foreseen"),
+    [
+        ([], [DONE, MADE], True),
+        ([], [Closed(1, 1), Over(1), Cumulative(), DONE, MADE], True),
+        ([DONE], [MADE], True),
+        ([], [MADE], False),
+        ([DONE], [fact(parse_atom("_return(go,failed,1)"))], False),
+        ([], [DONE, fact(A)], False),
+        ([], [DONE, Withdraw(A)], False),
+        ([], [DONE, Volatile()], False),
+    ],
+)
+def test_commitments_and_the_returns_of_what_was_done_are_foreseen_and_nothing_else(before, items, foreseen):
+    assert is_foreseen(StreamUpdate(2, None, tuple(items)), before) is foreseen
+
+
 def solver_of(text):
     return ReactiveSolver(ReactiveProgram.from_text(text))
 
@@ -113,6 +156,17 @@ def test_the_program_forgets_from_its_first_step_on():
     result = solver.update(parse_update("e(-2). e(-1). e(0). e(1). #endstep."))
     assert [sorted(map(str, answer)) for answer in result.answers] == [["e(1)"]]
     assert [warning.split()[1] for warning in result.warnings] == ["e(-2)", "e(-1)", "e(0)"]
+
+
+def test_the_program_forgets_what_base_declares_as_what_step_1_does():
+    solver = solver_of("#external door. #cumulative t. #forget t : t-2. #volatile t.")
+    solver.update(parse_update("#step 2 : 0. door. #endstep."))
+    assert solver.update(parse_update("#step 3 : 0. #endstep.")).answers == (frozenset([parse_atom("door")]),)
+    solver = solver_of("#external door. #cumulative t. #forget t : t-2. #volatile t.")
+    solver.update(parse_update("#step 3 : 0. #endstep."))
+    result = solver.update(parse_update("door. #endstep."))
+    assert [warning.split()[1] for warning in result.warnings] == ["door"]
+    assert result.answers == (frozenset(),)
 
 
 def test_states_travel_as_messages():
