@@ -8,7 +8,6 @@ workspace: ./dev exec python3 bench/long_run.py
 """
 
 import argparse
-import os
 import random
 import statistics
 import time
@@ -39,6 +38,18 @@ def wish(source, number):
 
 
 PROGRAMS = {"mailbot": (["mailbot.lp", "office.lp"], errand), "house": (["house.lp", "home.lp"], wish)}
+
+
+def load(name):
+    """The program of a name, and what makes goals for it."""
+    names, goal = PROGRAMS[name]
+    return ReactiveProgram.from_files([ENCODINGS / one for one in names]), goal
+
+
+def answer(action, source, failures):
+    """The return of an action, some of which fail."""
+    value = "failed" if source.random() < failures else action.parameter
+    return f"_return({action.interface},{value},{action.cycle})"
 
 
 class Teller:
@@ -78,17 +89,12 @@ class Run:
             while self.core.advance(0.0):
                 pass
             for action in self.core.awaited:
-                self.core.receive("bench", [self._answer(action)])
+                self.core.receive("bench", [answer(action, self._source, self._failures)])
         return (self._spent() - spent) / count, (self.teller.bytes - told) / count
 
     def _spent(self):
-        with open(f"/proc/{self.process.pid}/stat") as file:
-            ticks = sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13]))
-        return time.process_time() + ticks / os.sysconf("SC_CLK_TCK")
-
-    def _answer(self, action):
-        value = "failed" if self._source.random() < self._failures else action.parameter
-        return f"_return({action.interface},{value},{action.cycle})"
+        """Seconds of this process, of the solver's, and of those that were there before it: one that has grown goes."""
+        return time.process_time() + self.process.worked
 
 
 def grow(run, cycles, batch, step=500):
@@ -133,8 +139,7 @@ def main():
     parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
     parser.add_argument("--failures", type=float, default=0.0, help="share of actions that fail (default: %(default)s)")
     options = parse(parser, cycles=300, beside=30, window=60)
-    names, goal = PROGRAMS[options.program]
-    program = ReactiveProgram.from_files([ENCODINGS / name for name in names])
+    program, goal = load(options.program)
     runs = [Run(program, goal, options.failures) for _ in range(2)]
     for run, cycles in zip(runs, (options.cycles, options.beside)):
         grow(run, cycles, options.batch)

@@ -29,6 +29,11 @@ class RobotPose:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
+    @property
+    def is_known(self) -> bool:
+        """Whether tf has any pose of the robot, however old: as long as a system starts it has none."""
+        return bool(self._buffer.can_transform(self.map_frame, self.base_frame, rospy.Time(0)))
+
     def look_up(self) -> Optional[Tuple[float, float]]:
         """The robot's x and y in metres in the map frame; None, with a warning, if unknown or too old."""
         try:

@@ -34,16 +34,33 @@ from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
 
 
+class Relay:
+    """Passes a topic on as another one, as long as it is ``on``."""
+
+    def __init__(self, topic, relayed, kind):
+        self.on, self._passed = True, 0
+        self._publisher = rospy.Publisher(relayed, kind, queue_size=10)
+        self._subscriber = rospy.Subscriber(topic, kind, self._pass)
+
+    def _pass(self, message):
+        if self.on:
+            self._passed += self._publisher.get_num_connections() > 0
+            self._publisher.publish(message)
+
+    def wait(self):
+        """Wait until somebody has heard what is passed on: who starts without a laser has lost it."""
+        wait_until(lambda: self._passed > 1, f"somebody to listen to {self._publisher.name}")
+
+
 class NavigationFaults(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.relaying = {"base_scan", "base_pose_ground_truth"}
-        for name, relayed, kind in (
-            ("base_scan", "relayed_scan", numpy_msg(LaserScan)),
-            ("base_pose_ground_truth", "relayed_truth", Odometry),
-        ):
-            relay = rospy.Publisher(relayed, kind, queue_size=10)
-            rospy.Subscriber(name, kind, lambda m, name=name, relay=relay: name in cls.relaying and relay.publish(m))
+        cls.relays = {
+            "base_scan": Relay("base_scan", "relayed_scan", numpy_msg(LaserScan)),
+            "base_pose_ground_truth": Relay("base_pose_ground_truth", "relayed_truth", Odometry),
+        }
+        for relay in cls.relays.values():
+            relay.wait()
         cls.recoveries = []
         recoveries = rospy.Subscriber("/move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
         cls.driver = Driver()
@@ -100,13 +117,13 @@ class NavigationFaults(unittest.TestCase):
         """Drive, lose a topic on the way, see the robot stop and its goal end; drive again with it."""
         self.driver.send(pose_goal(13.9, 0.0))
         self.driver.wait(lambda: self.driver.speed[0] > 0.3)
-        self.relaying.discard(topic)
+        self.relays[topic].on = False
         try:
             self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
             self.assertLess(self.driver.pose[0], 10.0)
             status, text = self.driver.end()
         finally:
-            self.relaying.add(topic)
+            self.relays[topic].on = True
         self.assertEqual(status, ABORTED)
         self.assertRegex(text, words)
         self.assertEqual(self.driver.drive(2.5, 0.0)[0], SUCCEEDED)
@@ -170,13 +187,13 @@ class NavigationFaults(unittest.TestCase):
             self.assertTrue(update.y <= row <= update.y + update.height, update.y)
             again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
             self.assertGreater(again.data.count(100), whole.data.count(100))
-            self.relaying.discard("base_scan")  # so that nothing but the service can clear it
+            self.relays["base_scan"].on = False  # so that nothing but the service can clear it
             self.driver.wait(lambda: rospy.get_time() > again.header.stamp.to_sec() + 2.0)
             rospy.ServiceProxy("/move_base/clear_costmaps", Empty)()
             again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
             self.assertEqual(again.data, whole.data)
         finally:
-            self.relaying.add("base_scan")
+            self.relays["base_scan"].on = True
             rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("bin")
 
     def test_a_new_map_on_the_way_that_no_path_leads_over(self):

@@ -1,6 +1,7 @@
 """The office of the case study: actionlib servers that let the simulated robot pick up and put down packages."""
 
 import functools
+import time
 from collections import deque
 from typing import Any, Callable, Deque, List, NamedTuple, Optional, Tuple
 
@@ -35,6 +36,7 @@ from rosoclingo.robot.simulation.office_packages import (
 )
 from rosoclingo.srv import PutPackage, PutPackageResponse
 
+STARTING = 10.0  # s of wall time from its start for which an action waits for the first pose of the robot
 KEEPING = 5.0  # s of wall time that the master may take to note where the packages are
 
 
@@ -109,7 +111,7 @@ class OfficeNode:
 
     def __init__(self) -> None:
         given = Parameters()
-        self._pose = RobotPose(given)
+        self._pose, self._starts_until = RobotPose(given), time.monotonic() + STARTING
         self._labels = LabelTable.read(given.at("labels"), self._pose.map_frame)
         capacity = given.at("capacity").whole(DEFAULT_CAPACITY, low=1)
         self._office = PackageOffice(self._labels.names, capacity, given.at("appear").flag(False))
@@ -174,7 +176,8 @@ class OfficeNode:
             job.goal_handle.publish_feedback(job.kind.feedback(state=job.kind.doing))
         if job.since is None or now < job.since:  # begun just now, or simulated time was reset
             job.since = now
-        if now - job.since >= self._duration:
+        starting = time.monotonic() < self._starts_until and not self._pose.is_known
+        if now - job.since >= self._duration and not starting:
             self._jobs.popleft()
             result = job.kind.handle(self._office, job.package, self._robot_at())
             self._publish()
