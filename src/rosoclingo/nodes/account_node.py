@@ -14,6 +14,7 @@ from rosoclingo.msg import GoalStates, InterfaceIO, PackageStates, ROSoClingoAct
 from rosoclingo.nodes.words import words_in
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
+from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
 
 #: Topics of an account, named as :func:`full_name` takes them, and their types.
@@ -117,7 +118,7 @@ class TopicAccount:
 
 
 class AccountNode(TopicAccount):
-    """Prints the account of what happens from now on, around the core of some name.
+    """Prints the account of what happens from now on, around the core of some name; ``words`` are its program's.
 
     Subscribes:
         CORE/program (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
@@ -133,8 +134,11 @@ class AccountNode(TopicAccount):
         labels: Optional[LabelTable] = None,
         with_state: bool = False,
         core: str = USUAL,
+        words: Optional[Sentences] = None,
     ) -> None:
         super().__init__(say, labels, with_state)
+        if words is not None:
+            self.account.sentences = words  # before anything can be heard
         self._subscribers = {
             topic: rospy.Subscriber(
                 full_name(topic, core), kind, self._on_message, callback_args=topic, queue_size=None

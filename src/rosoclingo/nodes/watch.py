@@ -41,8 +41,7 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     """Tell the account of the system around a core, until Ctrl-C or the master's end, then the summary."""
     name = rospy.resolve_name(core) if core else _find_core()
     words = words_of(name)  # first, as the first line may be of an action
-    account = AccountNode(say, _labels(), with_state, name)
-    account.account.sentences = words
+    account = AccountNode(say, _labels(), with_state, name, words)
     try:
         while not rospy.is_shutdown():
             time.sleep(_TURN)

@@ -9,8 +9,8 @@ from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_names import full_name
 
-#: Seconds of wall time to wait for the program; it is there as soon as the core is.
-_WAIT = 2.0
+#: Seconds of wall time to wait for the program where there is a core: it tells it as it starts.
+_WAIT = 10.0
 
 
 def words_in(program: str) -> Sentences:
@@ -21,7 +21,9 @@ def words_in(program: str) -> Sentences:
 
 
 def words_of(core: str) -> Sentences:
-    """The words of the core of this name, none where it does not tell its program soon."""
-    with suppress(rospy.ROSException):
-        return words_in(rospy.wait_for_message(full_name("~program", core), String, _WAIT).data)
+    """The words of the core of this name, none where it is not there or does not tell its program soon."""
+    topic = full_name("~program", core)
+    if topic in (name for name, _ in rospy.get_published_topics()):
+        with suppress(rospy.ROSException):
+            return words_in(rospy.wait_for_message(topic, String, _WAIT).data)
     return Sentences()
