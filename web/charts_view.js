@@ -48,8 +48,8 @@ class ChartsView {
       this.chart("Goals by their end", count(this.model.goals.length, "goal", "goals"), this.ends(found.ends), 6 + 26 * found.ends.size),
       this.chart("Time until the end", spread(found.waits), this.histogram(found.waits)),
       this.chart("Response: time until accepted", spread(found.responses), this.histogram(found.responses)),
-      this.chart("Solver's share", share, this.solver(found.solver)),
     ];
+    if (this.model.timed) charts.push(this.chart("Solver's share", share, this.solver(found.solver)));
     if (found.metres !== null) charts.push(this.chart("Metres driven", `${found.metres.toFixed(1)} m`, this.metres(found.metres)));
     show(this.parent, charts);
   }

@@ -160,6 +160,11 @@ class RunModel {
     return troubles;
   }
 
+  /** Whether it is known how long the solver took. */
+  get timed() {
+    return this.cycles.some((cycle) => cycle.plans.some((plan) => plan.ground !== null));
+  }
+
   /** Seconds that the solver took: {ground, solve}. */
   solverTime(cycle) {
     const sum = (name) => cycle.plans.reduce((total, plan) => total + plan[name], 0);

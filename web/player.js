@@ -34,7 +34,7 @@ class Player {
   }
 
   title() {
-    const { title, source, verdict } = this.model.about;
+    const { title, source, verdict, lacks } = this.model.about;
     document.title = title || "A run";
     say(document.getElementById("title"), title || "A run");
     const found = figures(this.model);
@@ -44,8 +44,9 @@ class Player {
       seconds(this.model.seconds),
       count(this.model.cycles.length, "cycle", "cycles"),
       found.metres === null ? null : `${found.metres.toFixed(1)} m driven`,
-      `solver ${brief(found.total)}`,
+      this.model.timed ? `solver ${brief(found.total)}` : null,
       source,
+      lacks ? `Not shown: ${lacks}.` : null,
     ];
     show(document.getElementById("facts"), words.filter(Boolean).map((one) => html("li", {}, one)));
     if (!verdict) return;

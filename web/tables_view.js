@@ -92,10 +92,10 @@ class CycleView {
       const end = one && one.state === "failed" ? `: ${one.value}` : "";
       return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${this.model.actionName(action)}${end}`);
     });
-    const times = `Grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}; steps up to ${plan.horizon}`;
+    const times = plan.ground === null ? "" : `; grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}`;
     const which = cycle.plans.length > 1 ? `; plan ${found.number + 1} of ${cycle.plans.length} in cycle ${cycle.cycle}` : "";
     const list = items.length ? html("ol", { class: "plan" }, items) : html("p", {}, "Nothing to do.");
-    return [html("h3", {}, "Plan"), list, html("p", { class: "caption" }, `${times}${which}.`)];
+    return [html("h3", {}, "Plan"), list, html("p", { class: "caption" }, `Steps up to ${plan.horizon}${times}${which}.`)];
   }
 
   problems(cycle, time) {

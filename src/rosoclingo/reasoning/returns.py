@@ -69,6 +69,11 @@ class _Group:
         named = [(value, (self.actions[key],)) for key, value in self._answers.items() if value != key]
         return [*named, *((value, tuple(self._unanswered)) for value in self._failures)]
 
+    @property
+    def values(self) -> List[Symbol]:
+        """What was returned."""
+        return [*self._answers.values(), *self._failures]
+
     def take(self, value: Symbol) -> None:
         """Count a returned value; raises ReturnError when it answers no action that has not returned."""
         if not self.missing:
@@ -128,6 +133,11 @@ class Dispatch:
     def missing(self) -> Tuple[Action, ...]:
         """The actions that have not returned."""
         return tuple(action for group in self._groups.values() for action in group.missing)
+
+    @property
+    def returns(self) -> List[Return]:
+        """The returns that have come."""
+        return [Return(name, value, self.cycle) for name, group in self._groups.items() for value in group.values]
 
     @property
     def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:

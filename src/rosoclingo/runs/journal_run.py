@@ -4,33 +4,43 @@ What a cycle was told is in the solver's log; what was decided is the plan, and 
 """
 
 from dataclasses import replace
-from typing import List, Set
+from typing import Iterator, List, Optional, Set, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.oclingo.solving.stream_log import Taken, entry_from_message
-from rosoclingo.reasoning.journal.lines import JournalError, State, history
+from rosoclingo.reasoning.journal.lines import Header, JournalError, Moment, State, history
 from rosoclingo.reasoning.records import actions_of, group, log_of, plan_of
 from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun, RecordingError, RunProgram
 
 
 def journal_run(data: bytes) -> RecordedRun:
     """Return the run in the bytes of a journal's file; raises RecordingError, with the number of a line not right."""
-    try:
-        header, states = history(data)
-    except JournalError as error:
-        raise RecordingError(f"{error}; take another copy of the journal") from None
-    program = replace(RunProgram.parse(header.description), run=header.run) if header.description else None
-    begin = next(states)
-    start, reader = log_of(begin) if group(begin, "log") else None, _Reader(begin)
-    for state in states:
+    header, moments = journal_history(data)
+    program = program_of(header)
+    begin, _ = next(moments)
+    start, reader = log_of(begin) if group(begin, "log") else None, JournalReader(begin)
+    for state, _ in moments:
         reader.take(state)
     if not reader.cycles:
         raise RecordingError("nothing was done since its file was begun: there is nothing to replay yet")
     return RecordedRun(program, reader.cycles, start)
 
 
-class _Reader:
+def journal_history(data: bytes) -> Tuple[Header, Iterator[Moment]]:
+    """As :func:`history`; raises RecordingError."""
+    try:
+        return history(data)
+    except JournalError as error:
+        raise RecordingError(f"{error}; take another copy of the journal") from None
+
+
+def program_of(header: Header) -> Optional[RunProgram]:
+    """Return the program of a journal's run, None where there is none in it; raises RecordingError."""
+    return replace(RunProgram.parse(header.description), run=header.run) if header.description else None
+
+
+class JournalReader:
     """Goes through the states; ``cycles`` are those whose update came while the file was written."""
 
     def __init__(self, start: State) -> None:
@@ -68,7 +78,7 @@ class _Reader:
         if plan is not None and plan != self._plan:
             self._plan = plan
             actions = [str(one.atom) for one in plan_of(plan).actions if one.cycle >= cycle.cycle]
-            cycle.plans.append(RecordedPlan(_horizon(state), tuple(actions)))
+            cycle.plans.append(RecordedPlan(horizon_of(state), tuple(actions)))
         dispatch = state["dispatch"]
         if dispatch is not None and dispatch[0] == cycle.cycle:
             cycle.dispatched = [str(one.atom) for one in actions_of(dispatch[1])]
@@ -79,7 +89,7 @@ def _told(state: State) -> int:
     return int(state["core"][4])
 
 
-def _horizon(state: State) -> int:
+def horizon_of(state: State) -> int:
     """The last step that the plan reaches."""
     if state["plan_now"]:
         return int(state["plan_now"]["horizon"])

@@ -1,7 +1,7 @@
 """A run as pages show it: tables of goals, cycles, actions, places and lines, as JSON.
 
-Fed from public topics, live or from a bag. Times are seconds of the run's clock since the first thing that anybody
-asked, told or did.
+Fed from public topics, live or from a bag, or from a journal. Times are seconds of the run's clock since the first
+thing that anybody asked, told or did.
 """
 
 import math
@@ -35,6 +35,9 @@ EARLY = 20
 
 #: Statuses after which nothing comes; a goal that was given up as lost may yet be heard of.
 LOST = "lost"
+
+#: States of a goal that the core has not begun with: the one actionlib's, the other has a reason.
+PENDING, WAITING = "pending", "waiting"
 
 #: Records of all tables together after which a page that goes on begins anew.
 MOST = 50000
@@ -105,7 +108,7 @@ class RunView:
         now = self._now(time, begins=True)
         if key not in self._goals:
             self._goals[key] = self.tables["goals"].add(
-                id=key, request=shortened(text, SHOWN), sent=now, ended=None, states=[[now, "pending", ""]]
+                id=key, request=shortened(text, SHOWN), sent=now, ended=None, states=[[now, PENDING, ""]]
             )
             self._account.goal(now, key, shortened(text, SHOWN))
 
@@ -114,8 +117,8 @@ class RunView:
         self._account.cancel(self._now(time, begins=True), key)
 
     def status(self, time: float, key: str, number: int, message: str) -> None:
-        """Record a goal's status, as often as it is published."""
-        if not 0 <= number < len(STATUS_WORDS):
+        """Record a goal's status, as often as it is published; one that waits is pending all the while."""
+        if not 0 <= number < len(STATUS_WORDS) or (STATUS_WORDS[number] == PENDING and self._word(key) == WAITING):
             return
         if self._state(time, key, STATUS_WORDS[number], message):
             self._account.status(self._now(time), key, number, shortened(message, SHOWN))
@@ -123,7 +126,7 @@ class RunView:
     def feedback(self, time: float, key: str, status: str) -> None:
         """Record that a goal waits, and why; other feedback says what the status does."""
         word, _, why = status.partition(": ")
-        if word == "waiting":
+        if word == WAITING or (word == PENDING and self._word(key) == WAITING):
             self._state(time, key, word, why)
 
     def update(self, time: float, text: str) -> None:
@@ -138,11 +141,13 @@ class RunView:
         one["updates"].append(plain)
         self._account.update(now, text)
 
-    def plan(self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Tuple[float, float]) -> None:
-        """Record a plan, with the seconds of wall time that grounding and searching took."""
+    def plan(
+        self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
+    ) -> None:
+        """Record a plan, with the seconds of wall time that grounding and searching took, where they are known."""
         now = self._now(time)
         ahead = self._words.numbers(actions)
-        ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times)
+        ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times) if times else (None, None)
         plan = {"time": now, "horizon": horizon, "actions": ahead, "ground": ground, "solve": solve}
         self._cycle(cycle, now)["plans"].append(plan)
         self._account.plan(now, cycle, actions)
@@ -295,6 +300,11 @@ class RunView:
                 cycle=cycle, run=self.about["run"], time=now, updates=[], plans=[], problems=[]
             )
         return self.tables["cycles"].change(self._cycles[cycle])
+
+    def _word(self, key: str) -> str:
+        """Return the latest state of a goal, empty for one that is not known."""
+        number = self._goals.get(key)
+        return "" if number is None else str(self.tables["goals"][number]["states"][-1][1])
 
     def _state(self, time: float, key: str, word: str, message: str) -> bool:
         """Record a goal's status if it is another than before; tell whether it is."""

@@ -6,14 +6,12 @@ from pkgutil import extend_path
 
 import pytest
 from core_driver import Driver, soon
+from journal_runs import play
 from shipped import shipped
 
 import rosoclingo
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
-from rosoclingo.reasoning.journal.folder import NAME, Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Keeper
-from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header
+from rosoclingo.reasoning.journal.folder import NAME
 from rosoclingo.runs.recorded_run import RunProgram
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
@@ -211,22 +209,8 @@ def test_a_bag_that_is_none(replay, write, capsys, tmp_path):
 @pytest.fixture(scope="module")
 def journal(tmp_path_factory):
     """The folder of a core's journal with a goal of the mailbot."""
-    program, path = shipped("mailbot.lp", "office.lp"), tmp_path_factory.mktemp("journal")
-    description = RunProgram.of("run", program, {"plan": "soon"}).text()
-    keeper = Keeper(
-        lambda event: None, Journal(JournalFolder(path), Header("run", "hash", "", description)), lambda: 0.0
-    )
-    core = KeptCore(program, lambda: soon(program), keeper, CoreSettings())
-    keeper.attach(core)
-    core.start()
-    core.add_goal("a", GOALS[0])
-    while core.live_goals:
-        while core.advance(0.0):
-            keeper.send()
-        keeper.send()
-        for one in core.awaited:
-            core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
-    keeper.close()
+    path = tmp_path_factory.mktemp("journal")
+    play(path, shipped("mailbot.lp", "office.lp"), [("a", GOALS[0])], None, None)
     return path
 
 

@@ -7,9 +7,12 @@ from pathlib import Path
 from pkgutil import extend_path
 
 import pytest
+from journal_runs import GOALS, play
+from shipped import shipped
 from told_runs import GOAL, LABELS, plan_of
 
 import rosoclingo
+from rosoclingo.reasoning.journal.folder import NAME
 from rosoclingo.runs.recorded_run import RunProgram
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -219,4 +222,35 @@ def test_a_bag_without_a_core_and_files_that_are_not_there(report, write, run, t
     assert report(tmp_path / "nosuch.bag")[0] == 2
     assert "nosuch.bag cannot be read: No such file" in capsys.readouterr().err
     assert report(write(run()), "-o", tmp_path / "no" / "folder.html")[0] == 2
+    assert "No such file or directory" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def journal(tmp_path_factory):
+    """The folder of a core's journal with a goal of the mailbot."""
+    path = tmp_path_factory.mktemp("journal")
+    play(path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None)
+    return path
+
+
+def test_a_journal_has_a_report(report, journal, tmp_path):
+    assert report(journal, "-o", tmp_path / "out.html") == (0, [f"report: {tmp_path / 'out.html'}"])
+    page = shown(tmp_path / "out.html")
+    assert [goal["request"] for _, goal in page["goals"]] == [GOALS[0][1]]
+    assert page["about"]["source"] == journal.name
+    assert "no poses" in page["about"]["lacks"]
+    assert report(journal) == (0, [f"report: {journal / 'journal.html'}"])
+    assert report(journal / NAME)[0] == 0
+
+
+def test_a_damaged_journal_is_told(report, journal, tmp_path, capsys):
+    path = tmp_path / NAME
+    data = (journal / NAME).read_bytes()
+    path.write_bytes(data[:5000] + b"x" + data[5001:])
+    assert report(path)[0] == 2
+    assert capsys.readouterr().err.startswith(f"report: {path}: line 1 is not as it was written")
+    path.write_bytes(b"{}\n")
+    assert report(path)[0] == 2
+    assert "line 1 is not as it was written; take another copy" in capsys.readouterr().err
+    assert report(tmp_path / "nosuch" / NAME)[0] == 2
     assert "No such file or directory" in capsys.readouterr().err

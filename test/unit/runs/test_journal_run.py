@@ -1,50 +1,16 @@
 """A core's journal as a recorded run: what it has is what was told and decided, and is solved again."""
 
 import pytest
-from core_driver import FORGETFUL, soon
+from core_driver import FORGETFUL
+from journal_runs import GOALS, play
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, UpdateSent
+from rosoclingo.reasoning import ActionsDispatched, UpdateSent
 from rosoclingo.reasoning.journal import folder
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Client, Keeper
-from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header
 from rosoclingo.runs.journal_run import journal_run
-from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.replay import AGREEING, Replay, Verdict
-
-GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]
-
-
-def play(path, program, goals, fail_at=2, cancel_at=4):
-    """Play goals in turn, with a failure and a cancel; return the journal's bytes and all that was told."""
-    told = []
-    description = RunProgram.of("first start", program, {"plan": "soon"}).text()
-    place = JournalFolder(path)
-    keeper = Keeper(told.append, Journal(place, Header("run", program.fingerprint, "", description)), lambda: 0.0)
-    core = KeptCore(program, lambda: soon(program), keeper, CoreSettings())
-    keeper.attach(core)
-    core.start()
-    keeper.send()
-    for number in range(200):
-        if number < len(goals):
-            keeper.add(goals[number][0], Client(goals[number][1], (0, 0)))
-            core.add_goal(*goals[number])
-        if number == cancel_at:
-            core.cancel_goal(goals[1][0])
-        while core.advance(0.0):
-            keeper.send()
-        keeper.send()
-        for one in core.awaited:
-            value = "failed" if number == fail_at else one.parameter
-            core.receive("hand", [f"_return({one.interface},{value},{one.cycle})"])
-        if not core.live_goals:
-            break
-    assert not core.live_goals
-    keeper.close()
-    return place.path.read_bytes(), told
 
 
 @pytest.fixture(scope="module")

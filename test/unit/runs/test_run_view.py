@@ -92,6 +92,23 @@ def test_what_a_goal_waits_for_is_kept():
     assert goal["states"] == [[0.0, "pending", ""], [2.0, "waiting", "there is too much to do"]]
 
 
+def test_a_goal_waits_though_its_status_is_pending_until_the_core_begins_with_it():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.feedback(1.0, "a", "waiting: there is too much to do")
+    for time in (2.0, 3.0):
+        view.status(time, "a", 0, "")
+    view.feedback(4.0, "a", "pending")
+    view.status(5.0, "a", 1, "")
+    (goal,) = records(view.changes(), "goals")
+    assert [state[:2] for state in goal["states"]] == [
+        [0.0, "pending"],
+        [1.0, "waiting"],
+        [4.0, "pending"],
+        [5.0, "active"],
+    ]
+
+
 def test_a_status_that_is_none_and_a_goal_that_nobody_sent_are_passed_over():
     view = RunView()
     view.goal(0.0, "a", "g(1)")

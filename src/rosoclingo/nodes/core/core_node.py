@@ -124,7 +124,7 @@ class CoreNode:
         plan_time = self._parameters.time_to_shorten
         self._solvers = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         found = find_journal(self._parameters, program)
-        self._keeper = Keeper(self._let_out, found.journal, time.monotonic)
+        self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time)
         self._core = KeptCore(
             program,
             self._solvers.solver,

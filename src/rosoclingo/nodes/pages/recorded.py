@@ -1,4 +1,4 @@
-"""A recorded run for a page: out of a bag, without a master and without built messages."""
+"""A recorded run for a page: out of a bag or a journal, without a master and without built messages."""
 
 from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
@@ -7,6 +7,9 @@ import rosbag
 
 from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.reasoning.journal.folder import file_of, is_journal
+from rosoclingo.runs.journal_view import journal_view
+from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.run_view import RunView
 
 __all__ = ["read_view"]
@@ -22,10 +25,20 @@ REPEATED = ("rosoclingo/status", "packages", *PATHS)
 
 
 def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> RunView:
-    """Return what a page shows of the runs of a core in a bag; raises RecordingError.
+    """Return what a page shows of a core's runs in a bag, or of that in a journal; raises RecordingError, OSError.
 
     ``core`` names it where there are several, ``about`` is what else the page says.
     """
+    file = file_of(path)
+    if not is_journal(file):
+        return _bag_view(path, core, about)
+    try:
+        return journal_view(file.read_bytes(), about)
+    except RecordingError as error:
+        raise RecordingError(f"{file}: {error}") from None
+
+
+def _bag_view(path: Path, core: Optional[str], about: Optional[Mapping[str, Any]]) -> RunView:
     with opened(path) as bag:
         topics = set(bag.get_type_and_topic_info().topics)
         reader = RunTopics(RunView(about), core_in(topics, core))

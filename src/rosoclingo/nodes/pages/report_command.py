@@ -8,6 +8,7 @@ from typing import Any, Callable, Mapping, Optional, Sequence
 import rospkg
 
 from rosoclingo.nodes.pages.recorded import read_view
+from rosoclingo.reasoning.journal.folder import file_of
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.report_page import report_page
 
@@ -19,7 +20,9 @@ figures, with a slider over the run. It needs no other file and no network. No R
 
 _EPILOG = """\
 Exit code: 0, 2 for a wrong command line, a recording that cannot be read or a file that cannot be written.
-A bag is made by the launch files' record:=true. FILE.html#t=12.5 opens the report at 12.5 s."""
+A bag is made by the launch files' record:=true. JOURNAL is the folder of a core's ~journal or a file of it: it goes
+back some hundred cycles at most, and has no poses, map, packages, lines of the core's log or times of the solver.
+FILE.html#t=12.5 opens the report at 12.5 s."""
 
 
 def web() -> Path:
@@ -27,13 +30,13 @@ def web() -> Path:
     return Path(rospkg.RosPack().get_path("rosoclingo")) / "web"
 
 
-def write_report(bag: Path, to: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> None:
-    """Write the report of a bag; raises RecordingError, OSError.
+def write_report(run: Path, to: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> None:
+    """Write the report of a bag or a journal; raises RecordingError, OSError.
 
     ``about`` is what the page says beside the run: ``title``, ``source``, and ``verdict``, how the run differs from
     what was expected.
     """
-    view = read_view(bag, core, {"title": bag.stem, "source": bag.name, **(about or {})})
+    view = read_view(run, core, {"title": run.stem, "source": run.name, **(about or {})})
     to.write_text(report_page(view.changes(), web()), encoding="utf-8")
 
 
@@ -42,9 +45,11 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="report", description=_DESCRIPTION, epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("recording", metavar="RUN.bag", type=Path, help="the recording")
     parser.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help="the report (default: RUN.html beside the bag)"
+        "recording", metavar="RUN.bag|JOURNAL", type=Path, help="the recording: a bag, or a core's journal"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="the report (default: beside the recording, RUN.html)"
     )
     parser.add_argument("--title", help="the report's title (default: the recording's name)")
     parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")
@@ -54,7 +59,7 @@ def make_parser() -> argparse.ArgumentParser:
 def main(arguments: Optional[Sequence[str]] = None, say: Callable[[str], None] = print) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
     options = make_parser().parse_args(arguments)
-    to = options.output or options.recording.with_suffix(".html")
+    to = options.output or file_of(options.recording).with_suffix(".html")
     try:
         write_report(options.recording, to, options.core, {"title": options.title} if options.title else {})
     except RecordingError as error:

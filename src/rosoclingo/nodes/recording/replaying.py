@@ -10,7 +10,7 @@ from rosoclingo.nodes.recording.bag_reader import bag_runs
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.oclingo.service.arguments import duration, positive
 from rosoclingo.oclingo.service.table import format_answer
-from rosoclingo.reasoning.journal.folder import NAME, file_of
+from rosoclingo.reasoning.journal.folder import file_of, is_journal
 from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunProgram
 from rosoclingo.runs.replay import AGREEING, CycleReport, Replay, Shown, Verdict, summary
@@ -92,20 +92,12 @@ def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
 def _read(path: Path, core: Optional[str]) -> List[RecordedRun]:
     """Return the runs in a bag or a journal; raises RecordingError, OSError."""
     file = file_of(path)
-    if not _is_journal(file):
+    if not is_journal(file):
         return bag_runs(path, core)
     try:
         return [journal_run(file.read_bytes())]
     except RecordingError as error:
         raise RecordingError(f"{file}: {error}") from None
-
-
-def _is_journal(file: Path) -> bool:
-    try:
-        with file.open("rb") as stream:
-            return stream.read(1) == b"{" or file.name == NAME
-    except OSError:  # whoever reads it tells
-        return file.name == NAME
 
 
 def _fail(text: str) -> int:

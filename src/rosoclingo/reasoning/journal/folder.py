@@ -29,6 +29,15 @@ def file_of(path: Path) -> Path:
     return path / NAME if path.is_dir() else path
 
 
+def is_journal(file: Path) -> bool:
+    """Whether this is a journal rather than a recording of another kind, by how it begins, or else is called."""
+    try:
+        with file.open("rb") as stream:
+            return stream.read(1) == b"{" or file.name == NAME
+    except OSError:  # whoever reads it tells
+        return file.name == NAME
+
+
 class JournalFolder:
     """The folder of a journal, which is this process's own until :meth:`close`.
 
@@ -63,17 +72,17 @@ class JournalFolder:
             mend = f"start without it (~resume: no, or rosrun rosoclingo journal clear {self.path.parent})"
             raise JournalError(f"{self.path}: {error}: {mend}; nothing of it is used") from None
 
-    def begin(self, header: Header, state: State) -> None:
+    def begin(self, header: Header, state: State, time: Optional[float] = None) -> None:
         """Write all into a new file, which takes the place of the one that is; raises OSError."""
-        data = line_of(0, header.record) + line_of(1, {"set": state})
+        data = line_of(0, header.record) + line_of(1, {"set": state}, time)
         file = durable.replace(self.path, data)
         self._drop_file()
         self._file, self._size, self._first_size, self._number = file, len(data), len(data), 2
 
-    def append(self, change: State) -> None:
+    def append(self, change: State, time: Optional[float] = None) -> None:
         """Write one more record; raises OSError, and then nobody will take for the last state what stands there."""
         assert self._file is not None
-        data = line_of(self._number, change)
+        data = line_of(self._number, change, time)
         durable.write(self._file, data)
         self._size += len(data)
         self._number += 1
@@ -124,12 +133,15 @@ class Journal:
         self._tried = float("-inf")
         self.fault = ""
 
-    def write(self, state: State, now: float) -> None:
-        """Have the ``state`` on disk; ``now`` is in seconds of a clock that only goes forward."""
+    def write(self, state: State, now: float, time: Optional[float] = None) -> None:
+        """Have the ``state`` on disk.
+
+        ``now`` is in seconds of a clock that only goes forward, ``time``, which is written too, of the run's clock.
+        """
         if self.fault and now - self._tried < self._retry:
             return
         try:
-            self._write(state)
+            self._write(state, time)
             self.fault = ""
         except OSError as error:
             self._written, self._tried = None, now
@@ -137,13 +149,13 @@ class Journal:
             with contextlib.suppress(OSError):
                 self._folder.set_aside("stale")
 
-    def _write(self, state: State) -> None:
+    def _write(self, state: State, time: Optional[float]) -> None:
         if self._written is None or self._folder.is_long:
-            self._folder.begin(self._header, state)
+            self._folder.begin(self._header, state, time)
         else:
             change = changes(self._written, state)
             if change:
-                self._folder.append(change)
+                self._folder.append(change, time)
         self._written = state
 
     def close(self) -> None:

@@ -54,9 +54,18 @@ class Keeper:
 
     """
 
-    def __init__(self, tell: Observer, journal: Optional[Journal], now: Callable[[], float]) -> None:
-        """Let things out by ``tell``; ``now`` is a clock that only goes forward, in seconds."""
-        self._tell, self._journal, self._now = tell, journal, now
+    def __init__(
+        self,
+        tell: Observer,
+        journal: Optional[Journal],
+        now: Callable[[], float],
+        time: Optional[Callable[[], float]] = None,
+    ) -> None:
+        """Let things out by ``tell``.
+
+        ``now`` is a clock that only goes forward, ``time`` the run's clock, which is written down; both in seconds.
+        """
+        self._tell, self._journal, self._now, self._time = tell, journal, now, time
         self._core: Optional[KeptCore] = None
         self._state: Record = {}
         self._events: List[Event] = []
@@ -129,7 +138,8 @@ class Keeper:
     def _write(self) -> None:
         assert self._journal is not None
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
-        self._journal.write({**self._state, **clients}, self._now())
+        time = None if self._time is None else self._time()
+        self._journal.write({**self._state, **clients}, self._now(), time)
 
     def _note(self, event: Event) -> Optional[str]:
         """Note the end of a client's goal, and return its key."""

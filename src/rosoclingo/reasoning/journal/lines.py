@@ -1,14 +1,14 @@
 """A journal's lines: a header, then records.
 
-A record says which sections of the state are other than before; the first holds all of them, so that the file has a
-beginning however long the core has run. Each line tells whether it is as it was written
+A record says which sections of the state are other than before, and when it was written; the first holds all of
+them, so that the file has a beginning however long the core has run. Each line tells whether it is as it was written
 (:mod:`rosoclingo.common.durable`). A last line without its end was not written to the end and is cut off; any other
 line that is not as it was written makes the journal one that nobody should trust.
 """
 
 import json
 import math
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Set, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from rosoclingo.common import durable
 
@@ -48,9 +48,16 @@ class Kept(NamedTuple):
     records: int
 
 
-def line_of(number: int, record: State) -> bytes:
-    """Return a record as the line of this ``number``, from 0."""
-    return durable.sealed({"n": number, **record})
+class Moment(NamedTuple):
+    """The state after a record, and when that was written in seconds of the run's clock, None where it does not say."""
+
+    state: State
+    time: Optional[float]
+
+
+def line_of(number: int, record: State, time: Optional[float] = None) -> bytes:
+    """Return a record as the line of this ``number``, from 0; ``time`` is in seconds of the run's clock."""
+    return durable.sealed({"n": number, **({} if time is None else {"at": round(time, 3)}), **record})
 
 
 def read(data: bytes) -> Kept:
@@ -62,18 +69,18 @@ def read(data: bytes) -> Kept:
     return Kept(header, state, len(values))
 
 
-def history(data: bytes) -> Tuple[Header, Iterator[State]]:
-    """Return the header, and the state after each record in turn: the same object, changed; raises JournalError."""
+def history(data: bytes) -> Tuple[Header, Iterator[Moment]]:
+    """Return the header, and the moment after each record in turn: the same state, changed; raises JournalError."""
     header, values = _records(data)
 
-    def states() -> Iterator[State]:
-        """Yield the states."""
+    def moments() -> Iterator[Moment]:
+        """Yield the moments."""
         state: State = {}
         for value in values:
             _apply(state, value)
-            yield state
+            yield Moment(state, value.get("at"))
 
-    return header, states()
+    return header, moments()
 
 
 def changes(before: State, after: State) -> State:

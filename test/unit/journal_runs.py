@@ -1,0 +1,52 @@
+"""Journals of runs for tests: a core in front of them is given goals, and returns as soon as its actions are told."""
+
+from core_driver import soon
+
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header
+from rosoclingo.runs.recorded_run import RunProgram
+
+GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]
+
+#: Seconds that an action takes, and time when the run begins.
+LASTS, BEGIN = 5.0, 1000.0
+
+
+def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, timed=True):
+    """Play goals in turn, with a failure and a cancel; return the journal's bytes and all that was told.
+
+    ``kept`` are settings that the journal has, ``settings`` those of the core; an action that fails is ``blocked``.
+    """
+    told, clock = [], [BEGIN]
+    description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
+    place = JournalFolder(path)
+    journal = Journal(place, Header("run", program.fingerprint, "", description))
+    keeper = Keeper(told.append, journal, lambda: 0.0, (lambda: clock[0]) if timed else None)
+    core = KeptCore(program, lambda: soon(program), keeper, settings or CoreSettings())
+    keeper.attach(core)
+    core.start()
+    keeper.send()
+    for number in range(200):
+        if number < len(goals):
+            keeper.add(goals[number][0], Client(goals[number][1], (int(clock[0]), 0)))
+            core.add_goal(*goals[number])
+        if number == cancel_at:
+            keeper.cancel(goals[1][0])
+            keeper.keep()
+            core.cancel_goal(goals[1][0])
+        while core.advance(0.0):
+            keeper.send()
+        keeper.send()
+        clock[0] += LASTS
+        for one in core.awaited:
+            value = "blocked" if number == fail_at else one.parameter
+            core.receive("hand", [f"_return({one.interface},{value},{one.cycle})"])
+            keeper.send()
+        if not core.live_goals:
+            break
+    assert not core.live_goals
+    keeper.close()
+    return place.path.read_bytes(), told

@@ -1,0 +1,147 @@
+"""A core's journal as a page shows it: the goals, cycles, actions and times of the run, and what it lacks."""
+
+import pytest
+from core_driver import FORGETFUL
+from journal_runs import BEGIN, GOALS, LASTS, play
+from shipped import shipped
+
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
+from rosoclingo.reasoning.journal import folder
+from rosoclingo.runs.journal_view import LACKS, TIMELESS, journal_view
+from rosoclingo.runs.recorded_run import RecordingError
+
+LABELS = {"office1": {"x": 1.0, "y": 2.0}, "office2": {"x": 5.0, "y": 2.0, "yaw": 1.5}}
+
+
+def records(view, name):
+    return [record for _, record in view.changes()[name]]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A journal that goes back to the start, and what was told."""
+    path = tmp_path_factory.mktemp("whole")
+    return play(path, shipped("mailbot.lp", "office.lp"), GOALS, kept={"labels": LABELS})
+
+
+def test_goals_have_their_times_states_and_reasons(whole):
+    goals = {goal["id"]: goal for goal in records(journal_view(whole[0]), "goals")}
+    assert [(key, goal["request"], goal["sent"]) for key, goal in goals.items()] == [
+        (key, text, LASTS * number) for number, (key, text) in enumerate(GOALS)
+    ]
+    assert [word for _, word, _ in goals["a"]["states"]] == ["pending", "active", "succeeded"]
+    assert [word for _, word, _ in goals["b"]["states"]][-2:] == ["canceling", "canceled"]
+    assert all(goal["ended"] > goal["sent"] for goal in goals.values())
+    assert goals["b"]["states"][-1][2]
+
+
+def test_cycles_have_the_updates_and_plans_that_were_told(whole):
+    data, told = whole
+    cycles = {one["cycle"]: one for one in records(journal_view(data), "cycles")}
+    sent = {event.cycle: event.stream for event in told if isinstance(event, UpdateSent)}
+    assert {cycle: one["updates"] for cycle, one in cycles.items() if one["updates"]} == {
+        cycle: [str(parse_update(text).plain).strip()] for cycle, text in sent.items()
+    }
+    made = {event.cycle: event for event in told if isinstance(event, PlanMade) and event.cycle > 1}
+    for cycle, event in made.items():
+        plan = cycles[cycle]["plans"][-1]
+        assert (plan["horizon"], plan["ground"], plan["solve"]) == (event.horizon, None, None)
+
+
+def test_actions_begin_and_end_as_they_did(whole):
+    data, told = whole
+    view = journal_view(data)
+    actions = records(view, "actions")
+    sent = [action for event in told if isinstance(event, ActionsDispatched) for action in event.actions]
+    names = [view.changes()["words"][one["action"]] for one in actions]
+    assert [(one["interface"], one["parameter"], one["cycle"]) for one in names] == [
+        (one.interface_name, str(one.parameter), one.cycle) for one in sent
+    ]
+    assert {one["ended"] - one["begun"] for one in actions} == {LASTS}
+    assert [one["value"] for one in actions if one["failed"]] == ["blocked"]
+
+
+def test_the_log_tells_it_in_words(whole):
+    lines = [(one["kind"], one["text"]) for one in records(journal_view(whole[0]), "log")]
+    assert lines[0] == ("request", GOALS[0][1])
+    assert [kind for kind, _ in lines].count("request") == 3
+    assert ("cancel", GOALS[1][1]) in lines
+    assert ("return", "pickup blocked") in lines
+    assert ("goal", f"{GOALS[0][1]}: succeeded") in lines
+
+
+def test_it_says_what_the_program_believed_and_where_labels_are(whole):
+    view = journal_view(whole[0])
+    assert view.about["labels"] == {"office1": [1.0, 2.0, 0.0], "office2": [5.0, 2.0, 1.5]}
+    terms = view.changes()["terms"]
+    beliefs = [{terms[number] for number in one["atoms"]} for one in records(view, "beliefs")]
+    places = [atom for one in beliefs for atom in sorted(one) if atom.startswith("robot_at(")]
+    assert places[0] == "robot_at(office1,now)"
+    assert "robot_at(office3,now)" in places
+
+
+def test_it_says_what_is_lacking(whole):
+    view = journal_view(whole[0], {"title": "A journal"})
+    assert (view.about["title"], view.about["lacks"]) == ("A journal", LACKS)
+    assert view.changes()["poses"] == []
+    assert view.about["run"] == 1
+
+
+def test_a_goal_that_waits_for_its_turn(tmp_path):
+    program, settings = shipped("mailbot.lp", "office.lp"), CoreSettings(goals_at_once=1)
+    data, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
+    _, waiting = records(journal_view(data), "goals")
+    assert [word for _, word, _ in waiting["states"]] == ["pending", "waiting", "pending", "active", "succeeded"]
+
+
+def test_a_journal_without_times_counts_records(tmp_path):
+    data, _ = play(tmp_path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None, timed=False)
+    view = journal_view(data)
+    assert view.about["lacks"].endswith(TIMELESS)
+    moments = [one["begun"] for one in records(view, "actions")]
+    assert moments == sorted(set(moments))
+
+
+@pytest.mark.slow
+def test_one_that_was_begun_anew_begins_with_what_is_open(tmp_path, monkeypatch):
+    monkeypatch.setattr(folder, "LONG", 30_000)
+    goals = [(str(number), f"do({number})") for number in range(1, 60)]
+    data, told = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
+    view = journal_view(data)
+    first = min(one["cycle"] for one in records(view, "cycles"))
+    assert first > 1
+    assert f"it begins with cycle {first}" in view.about["lacks"]
+    last = [one for event in told if isinstance(event, ActionsDispatched) for one in event.actions][-1]
+    word = view.changes()["words"][records(view, "actions")[-1]["action"]]
+    assert (word["interface"], word["cycle"]) == (last.interface_name, last.cycle)
+    assert all(goal["ended"] is not None for goal in records(view, "goals"))
+
+
+def test_time_that_went_back_goes_on(whole):
+    lines = whole[0].splitlines(keepends=True)
+    late = [one["begun"] for one in records(journal_view(whole[0]), "actions")]
+    middle = len(lines) // 2
+    moved = b"".join([*lines[:middle], *(_at(line, -BEGIN) for line in lines[middle:])])
+    found = [one["begun"] for one in records(journal_view(moved), "actions")]
+    assert found == sorted(found)
+    assert len(found) == len(late)
+
+
+def _at(line, by):
+    """The line at another time."""
+    value = folder.durable.opened(line[:-1])
+    return folder.durable.sealed({**value, "at": value["at"] + by})
+
+
+def test_one_changed_byte_is_refused_at_its_line(whole):
+    data = bytearray(whole[0])
+    place = data.index(b"\n", len(data) // 2) + 40
+    data[place] ^= 1
+    with pytest.raises(RecordingError, match=rf"^line {data[:place].count(10) + 1} is not as it was written"):
+        journal_view(bytes(data))
+
+
+def test_a_core_that_has_done_nothing_has_a_report_too(whole):
+    view = journal_view(b"".join(whole[0].splitlines(keepends=True)[:2]))
+    assert records(view, "goals") == records(view, "cycles") == []
