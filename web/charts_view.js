@@ -56,7 +56,7 @@ class ChartsView {
 
   chart(title, words, shapes, height = CHART.height) {
     const size = `0 0 ${CHART.width} ${height}`;
-    const picture = svg("svg", { class: "chart", role: "img", "aria-label": `${title}: ${words}`, viewBox: size }, shapes);
+    const picture = shapes && svg("svg", { class: "chart", role: "img", "aria-label": `${title}: ${words}`, viewBox: size }, shapes);
     return html("figure", {}, html("figcaption", {}, html("strong", {}, title), html("span", {}, words)), picture);
   }
 

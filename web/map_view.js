@@ -1,5 +1,5 @@
 "use strict";
-// The map with robot, ways, labels and packages. Drawn in pixels of a picture that is 1000 wide.
+// The map with robot, ways, labels and things. Drawn in pixels of a picture that is 1000 wide.
 
 class MapView {
   constructor(parent, model) {
@@ -77,11 +77,24 @@ class MapView {
 
   ways(time) {
     const labels = this.model.about.labels;
-    return this.model.waysAt(time).map(({ from, to, name }) => {
-      const kind = /open/.test(name) ? "good" : /block|clos|shut/.test(name) ? "bad" : "plain";
+    return this.model.waysAt(time).map(({ kind, labels: [from, to], text }) => {
+      const name = { way: "plain", open: "good", blocked: "bad" }[kind];
       const middle = [0, 1].map((axis) => (labels[from][axis] + labels[to][axis]) / 2);
-      return [this.line([labels[from], labels[to]], `way ${kind}`), this.text(name, middle, -6, `wayname ${kind}`)];
+      return [
+        this.line([labels[from], labels[to]], `way ${name}`),
+        kind === "blocked" ? this.barrier(labels[from], labels[to]) : null,
+        text ? this.text(text, middle, -14, `wayname ${name}`) : null,
+      ];
     });
+  }
+
+  /** A bar across the middle of a way. */
+  barrier(from, to) {
+    const [[x0, y0], [x1, y1]] = [this.at(...from), this.at(...to)];
+    const length = Math.hypot(x1 - x0, y1 - y0) || 1;
+    const [across, down] = [((y1 - y0) / length) * 9 * this.unit, ((x0 - x1) / length) * 9 * this.unit];
+    const [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2];
+    return svg("line", { class: "barrier", x1: x - across, y1: y - down, x2: x + across, y2: y + down, "stroke-width": 5 * this.unit });
   }
 
   text(words, [x, y], down, name) {
@@ -94,13 +107,16 @@ class MapView {
     const lying = new Map();
     for (const [name, place] of this.model.packagesAt(time)) lying.set(place, [...(lying.get(place) || []), name]);
     const troubles = this.model.troublesAt(time);
+    const marks = this.model.marksAt(time);
     return Object.entries(this.model.about.labels).map(([name, point]) => {
       const [x, y] = this.at(...point);
       const trouble = troubles.get(name);
+      const words = (marks.get(name) || []).map((text) => [short(text, 30), "wayname"]);
+      if (trouble) words.push([`✕ ${short(trouble, 20)}`, "wayname bad"]);
       return [
         svg("circle", { class: trouble ? "label bad" : "label", cx: x, cy: y, r: 7 * this.unit }),
         this.text(name, point, 22, "labelname"),
-        trouble ? this.text(`✕ ${short(trouble, 20)}`, point, -12, "wayname bad") : null,
+        words.map(([text, kind], number) => this.text(text, point, -12 - 16 * number, kind)),
         this.boxes(lying.get(name) || [], x, y + 30 * this.unit),
       ];
     });
@@ -121,7 +137,8 @@ class MapView {
   }
 
   robot(time) {
-    const pose = this.model.poseAt(time);
+    const believed = this.model.about.labels[this.model.believedPlaceAt(time)];
+    const pose = this.model.poseAt(time) || (believed && [time, ...believed]);
     if (!pose) return null;
     const [x, y] = this.at(pose[1], pose[2]);
     const size = Math.max(9 * this.unit, 0.18 * this.scale);
@@ -144,14 +161,20 @@ class MapView {
     for (const [name, where] of this.model.packagesAt(time)) lying.set(where, [...(lying.get(where) || []), name]);
     const carried = lying.get("");
     lying.delete("");
-    const robot = !pose ? "Where the robot is was not recorded." : place ? `The robot is at ${place}.` : "The robot is on its way.";
+    const believed = this.model.believedPlaceAt(time);
+    const unseen = believed ? `The robot is at ${believed}, as far as the program knows.` : "Where the robot is was not recorded.";
+    const robot = !pose ? unseen : place ? `The robot is at ${place}.` : "The robot is on its way.";
     const parts = [robot];
     if (carried) parts.push(`It carries ${carried.join(", ")}.`);
     if (lying.size) {
       const places = [...lying].sort().map(([where, names]) => `${names.join(", ")} at ${where}`);
-      parts.push(`Packages: ${places.join("; ")}.`);
+      parts.push(`Things: ${places.join("; ")}.`);
     }
-    for (const { from, to, name } of this.model.waysAt(time)) parts.push(`${from} – ${to}: ${name}.`);
+    for (const { kind, labels: [from, to], text } of this.model.waysAt(time)) {
+      const said = text || (kind === "way" ? "" : kind);
+      if (said) parts.push(`${from} – ${to}: ${said}.`);
+    }
+    for (const [label, words] of this.model.marksAt(time)) parts.push(`${label}: ${words.join(", ")}.`);
     for (const [label, value] of this.model.troublesAt(time)) parts.push(`Not reached: ${label} (${value}).`);
     return parts.join(" ");
   }

@@ -2,7 +2,7 @@
 // A run as the views ask for it: what was known and done at a moment. It is fed with the JSON of runs/run_view.py, all
 // at once in a report, bit by bit on the live page. Times are seconds since the run began.
 
-const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "facts", "paths", "log"];
+const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "drawn", "paths", "log"];
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
 /** The number of the last record of a list, ordered by a time, that is not later than a moment; -1 where none is. */
@@ -31,6 +31,7 @@ class RunModel {
     this.thinned = 0;
     this.terms = [];
     this.words = [];
+    this.shapes = [];
     this.poses = [];
     for (const name of TABLES) this[name] = [];
   }
@@ -43,6 +44,7 @@ class RunModel {
     this.thinned = changes.thinned;
     for (const term of changes.terms) this.terms.push(term);
     for (const word of changes.words) this.words.push(word);
+    for (const shape of changes.shapes) this.shapes.push(shape);
     this.poses.length = changes.first;
     for (const pose of changes.poses) this.poses.push(pose);
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
@@ -123,9 +125,18 @@ class RunModel {
     return found ? found[0] - goal.sent : null;
   }
 
+  /** Where things are: pairs of a name and a label, "" for the robot. What was told counts, else what is believed. */
   packagesAt(time) {
     const number = lastAt(this.packages, time);
-    return number < 0 ? [] : this.packages[number].places;
+    if (number >= 0) return this.packages[number].places;
+    const drawn = this.drawnAt(time).filter(({ kind }) => kind === "thing" || kind === "carried");
+    return drawn.map(({ labels, text }) => [text, labels[0] || ""]);
+  }
+
+  /** What the program wants to have drawn: {kind, labels, text}. */
+  drawnAt(time) {
+    const number = lastAt(this.drawn, time);
+    return number < 0 ? [] : this.drawn[number].shapes.map((shape) => this.shapes[shape]).filter(({ labels }) => labels.every((name) => name in this.about.labels));
   }
 
   beliefsAt(time) {
@@ -138,15 +149,26 @@ class RunModel {
     return number < 0 ? [] : this.paths[number].points;
   }
 
-  /** What was told of ways between two labels, the last word on each: {from, to, name}. */
+  /** Ways between two labels: {kind ("way", "open" or "blocked"), labels, text}, those that matter most last. */
   waysAt(time) {
-    const ways = new Map();
-    for (const fact of this.facts.slice(0, lastAt(this.facts, time) + 1)) {
-      if (fact.labels.length !== 2) continue;
-      const [from, to] = [...fact.labels].sort();
-      ways.set(`${from}\n${to}`, { from, to, name: fact.name.replace(/^_+/, "") });
+    const kinds = ["way", "open", "blocked"];
+    const ways = this.drawnAt(time).filter(({ kind }) => kinds.includes(kind));
+    return ways.sort((one, other) => kinds.indexOf(one.kind) - kinds.indexOf(other.kind));
+  }
+
+  /** Words at labels: Map of label to a list of them. */
+  marksAt(time) {
+    const marks = new Map();
+    for (const { kind, labels, text } of this.drawnAt(time)) {
+      if (kind === "mark") marks.set(labels[0], [...(marks.get(labels[0]) || []), text]);
     }
-    return [...ways.values()];
+    return marks;
+  }
+
+  /** The label where the robot is as far as the program knows, "" where it does not say. */
+  believedPlaceAt(time) {
+    const robot = this.drawnAt(time).find(({ kind }) => kind === "robot");
+    return robot ? robot.labels[0] : "";
   }
 
   /** Labels that an action has not led to, and why, until one does: Map of label to value. */

@@ -4,6 +4,7 @@ Fed from public topics, live or from a bag, or from a journal. Times are seconds
 thing that anybody asked, told or did.
 """
 
+import json
 import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
@@ -17,9 +18,14 @@ from rosoclingo.reasoning.keywords import (
     shortened,
 )
 from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account
+from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import Record, Revision, Table, Track, Words, simplified
-from rosoclingo.runs.topic_atoms import action_in, atom_in, return_in
+from rosoclingo.runs.sentences import sentences_of
+from rosoclingo.runs.topic_atoms import action_in, return_in
+
+#: What to ask for later changes with.
+Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
 
 #: The form of what :meth:`RunView.changes` returns.
 FORMAT = 1
@@ -54,6 +60,14 @@ class ActionWords(Words):
         return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
 
 
+class Shapes(Words):
+    """What is drawn on the map, as JSON."""
+
+    def entry(self, text: str) -> Record:
+        """Return what a page draws."""
+        return dict(json.loads(text))
+
+
 class RunView:
     """Puts together what topics tell of a run; ``about`` is what else the page says of it (title, verdict)."""
 
@@ -63,9 +77,11 @@ class RunView:
         self._about_changed = 1
         self.tables = {
             name: Table(self._revision)
-            for name in ("goals", "cycles", "actions", "packages", "beliefs", "facts", "paths", "log")
+            for name in ("goals", "cycles", "actions", "packages", "beliefs", "drawn", "paths", "log")
         }
-        self._terms, self._words = Words(), ActionWords()
+        self._terms, self._words, self._shapes = Words(), ActionWords(), Shapes()
+        self._drawings = Drawings()
+        self._believed: Tuple[float, Sequence[str]] = 0.0, ()  # since when, and what
         self._track = Track()
         self._account = Account(lambda _line: None, self._log)
         self._goals: Dict[str, int] = {}
@@ -92,7 +108,9 @@ class RunView:
         except (RecordingError, LabelError):
             return
         self.begin(found.run)
+        self._account.sentences, self._drawings = sentences_of(found), drawings_of(found)
         self.tell(labels={one.name: [one.x, one.y, one.yaw] for one in table})
+        self._draw()
 
     def begin(self, run: str) -> None:
         """Take the name of the core's run; another one than before begins with cycle 1 again."""
@@ -174,13 +192,9 @@ class RunView:
         now = self._now(time, begins=True)
         for text in facts:
             answer = return_in(text)
-            if answer is None or not self._answered(now, answer):
-                labels = [name for name in _arguments(text) if name in self.about["labels"]]
-                self.tables["facts"].add(
-                    time=now, origin=shortened(origin), text=shortened(text, SHOWN), name=_name(text), labels=labels
-                )
-                self._early = [*self._early, *([] if answer is None else [answer])][-EARLY:]
-        self._account.returned(now, origin, facts)
+            if answer is not None and not self._answered(now, answer):
+                self._early = [*self._early, answer][-EARLY:]
+        self._account.returned(now, shortened(origin), [shortened(text, SHOWN) for text in facts])
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
         """Record where all packages are; an empty place is the robot."""
@@ -195,6 +209,8 @@ class RunView:
         last = self.tables["beliefs"].last
         if last is None or last["atoms"] != terms:
             self.tables["beliefs"].add(time=self._now(time), cycle=cycle, atoms=terms)
+        self._believed = self._now(time), atoms
+        self._draw()
 
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Record what the core told of in its log."""
@@ -231,21 +247,23 @@ class RunView:
         """How often anything has changed."""
         return self._revision.number
 
-    def known(self) -> Tuple[int, Tuple[int, int], Tuple[int, int]]:
+    def known(self) -> Known:
         """Return what to ask for later changes with: the arguments of :meth:`changes` for all that there is now."""
-        words = len(self._terms.entries), len(self._words.entries)
+        words = len(self._terms.entries), len(self._words.entries), len(self._shapes.entries)
         return self.revision, words, (self._track.thinned, len(self._track.poses))
 
     @property
     def full(self) -> bool:
         """Whether so much is kept that a page that goes on had better begin anew."""
-        return sum(map(len, self.tables.values())) + len(self._words.entries) + len(self._terms.entries) > MOST
+        words = self._words, self._terms, self._shapes
+        return sum(map(len, self.tables.values())) + sum(len(one.entries) for one in words) > MOST
 
     def renewed(self) -> "RunView":
         """Return a view that goes on with what is open now, without what is over."""
         fresh = RunView(self.about)
         start = self._start or 0.0
         fresh.begin(self._run)
+        fresh._drawings, fresh._account.sentences = self._drawings, self._account.sentences
         for goal in (record for _, record in self.tables["goals"].since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
             for time, word, reason in goal["states"][1:]:
@@ -256,12 +274,16 @@ class RunView:
             fresh.packages(start + self.seconds, places["places"])
         if pose:
             fresh.pose(*pose[0][:4])
+        if self.tables["beliefs"].last is not None:
+            fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self._believed[1])
         return fresh
 
-    def changes(self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)) -> Record:
+    def changes(
+        self, revision: int = 0, words: Tuple[int, int, int] = (0, 0, 0), poses: Tuple[int, int] = (0, 0)
+    ) -> Record:
         """Return what is new after a revision: records by table and number, and the revision that it leads to.
 
-        ``words`` are how many terms and actions are known already; ``poses`` how many, and as often thinned.
+        ``words`` are how many terms, actions and shapes are known already; ``poses`` how many, and as often thinned.
         """
         known = poses[1] if poses[0] == self._track.thinned else 0
         start = self._start or 0.0
@@ -272,6 +294,7 @@ class RunView:
             "about": self.about if self._about_changed > revision else None,
             "terms": self._terms.entries[words[0] :],
             "words": self._words.entries[words[1] :],
+            "shapes": self._shapes.entries[words[2] :],
             "thinned": self._track.thinned,
             "first": known,
             "poses": [[round(one[0] - start, 2), *one[1:]] for one in self._track.poses[known:]],
@@ -300,6 +323,17 @@ class RunView:
                 cycle=cycle, run=self.about["run"], time=now, updates=[], plans=[], problems=[]
             )
         return self.tables["cycles"].change(self._cycles[cycle])
+
+    def _draw(self) -> None:
+        """Record what is drawn on the map of what the program believes, where that is another than before."""
+        time, atoms = self._believed
+        found = self._drawings.of(atoms, self.about["labels"].keys())
+        texts = [
+            json.dumps({"kind": one.kind.value, "labels": one.labels, "text": shortened(one.text)}) for one in found
+        ]
+        shapes, last = self._shapes.numbers(texts), self.tables["drawn"].last
+        if shapes != ([] if last is None else last["shapes"]):
+            self.tables["drawn"].add(time=time, shapes=shapes)
 
     def _word(self, key: str) -> str:
         """Return the latest state of a goal, empty for one that is not known."""
@@ -344,13 +378,3 @@ class RunView:
 def _reason(request: str, message: str) -> str:
     """A status' message without the goal that it begins with."""
     return (message[len(request) :] if message.startswith(request) else message).strip()
-
-
-def _arguments(text: str) -> List[str]:
-    atom = atom_in(text)
-    return [] if atom is None else [str(one) for one in atom.arguments]
-
-
-def _name(text: str) -> str:
-    atom = atom_in(text)
-    return "" if atom is None else atom.name

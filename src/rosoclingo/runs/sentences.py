@@ -1,16 +1,13 @@
 """Actions in plain words, as a program has them for people: ``_says(move_base,"drives to {}").`` among its facts."""
 
-from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
+from typing import Dict, Iterable, Mapping, Optional
 
 from clingo import SymbolType
-from clingo.ast import ASTType
 
-from rosoclingo.oclingo import ProgramError
-from rosoclingo.oclingo.program.directives import Directives
-from rosoclingo.oclingo.program.sources import Source, read_sources
 from rosoclingo.reasoning.keywords import Action, name_of
+from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
-from rosoclingo.runs.topic_atoms import action_in, atom_in
+from rosoclingo.runs.topic_atoms import action_in
 
 #: ``_says(A,Text)``: what an action A does, with ``{}`` where its parameter is to be, which else comes last.
 SAYS = "_says"
@@ -43,16 +40,11 @@ class Sentences:
 
 def sentences_of(program: RunProgram) -> Sentences:
     """Return what the facts of a program's texts say; what cannot be read says nothing."""
-    sources = [Source(one.name, one.text) for one in program.files if SAYS in one.text]
-    try:
-        return Sentences(dict(_facts(sources)))
-    except ProgramError:
-        return Sentences()
-
-
-def _facts(sources: List[Source]) -> Iterator[Tuple[str, str]]:
-    for parsed in read_sources(sources, Directives(), [], whole=True):
-        for statement in parsed.statements:
-            fact = atom_in(str(statement.head)) if statement.ast_type == ASTType.Rule and not statement.body else None
-            if fact is not None and fact.match(SAYS, 2) and fact.arguments[1].type is SymbolType.String:
-                yield name_of(fact.arguments[0]), fact.arguments[1].string
+    facts = [one for one in facts_of(program, {SAYS}) if one.match(SAYS, 2)]
+    return Sentences(
+        {
+            name_of(action): text.string
+            for action, text in (one.arguments for one in facts)
+            if text.type is SymbolType.String
+        }
+    )

@@ -5,8 +5,9 @@ import re
 from pathlib import Path
 
 import pytest
-from told_runs import GOAL, delivery, long_run
+from told_runs import GOAL, LABELS, delivery, long_run
 
+from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.report_page import SCRIPTS, report_page
 from rosoclingo.runs.run_view import RunView
 
@@ -62,7 +63,7 @@ def test_the_end_is_shown_first(opened):
     assert page.text("#clock") == "32.5 s · cycle 6"
     assert "1 goal: 1 succeeded" in page.text("#facts")
     assert page.texts("#goals tbody td") == ["succeeded", "32.5 s", ""]
-    assert page.text("#map .caption") == "The robot is at office2. Packages: 1, 2 at office1."
+    assert page.text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
     assert page.run("document.querySelector('.floor').getBoundingClientRect().width") > 300
 
 
@@ -89,6 +90,41 @@ def test_a_failed_action_is_seen(opened):
     assert page.texts(".map .wayname.bad") == ["✕ blocked"]
     move(page, 31.0)
     assert "Not reached" not in page.text("#map .caption")
+
+
+def floor(*facts):
+    """A program that has things drawn on the map, as the core tells it."""
+    text = "\n".join(("_draws(door,way). _draws(shut,blocked). _draws(on,thing). _draws(me,robot).", *facts))
+    labels = {"hall": [1.0, 1.0, 0.0], "study": [5.0, 1.0, 0.0]}
+    return RunProgram("r", (ProgramFile("floor.lp", text, False),), {}, "", {"labels": labels}).text()
+
+
+def test_what_the_program_wants_to_have_drawn(opened):
+    view = RunView()
+    view.program(floor("door(hall,study).", '_draws(dirt,mark,"dirt: {}").'))
+    view.goal(0.0, "a", "g(1)")
+    view.beliefs(1.0, 1, ["on(cup,study,now)", "me(hall,now)"])
+    view.beliefs(2.0, 1, ["on(cup,study,now)", "me(study,now)", "shut(study,hall,now)", "dirt(much,hall,now)"])
+    page = opened(view)
+    move(page, 1.0)
+    assert (len(page.texts(".map .way")), len(page.texts(".map .barrier"))) == (1, 0)
+    known = "The robot is at {}, as far as the program knows. Things: cup at study."
+    assert page.text("#map .caption") == known.format("hall")
+    left = "document.querySelector('.map .robot').getBoundingClientRect().x"
+    before = page.run(left)
+    move(page, 2.0)
+    assert (len(page.texts(".map .way")), len(page.texts(".map .barrier"))) == (2, 1)
+    assert page.text("#map .caption") == known.format("study") + " study – hall: blocked. hall: dirt: much."
+    assert page.texts(".map .wayname") == ["dirt: much"]
+    assert page.run(left) > before + 100
+
+
+def test_what_is_seen_counts_more_than_what_is_believed(opened):
+    view = delivery()
+    view.program(floor())
+    view.beliefs(132.4, 6, ["on(9,study,now)", "me(hall,now)"])
+    view.tell(labels={**LABELS, "hall": [3.0, 1.0, 0.0], "study": [3.5, 1.0, 0.0]})
+    assert opened(view).text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
 
 
 def test_the_figures(opened):
@@ -139,14 +175,17 @@ def test_the_verdict(opened, verdict):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_hostile_texts_are_text(opened, text):
-    view = RunView({"title": text, "source": text, "verdict": [text], "labels": {text: [1.0, 1.0, 0.0]}})
+    view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
+    quoted = text.replace("\\", "\\\\").replace('"', '\\"')
+    view.program(floor(f'_draws(sign,mark,"{quoted}").'))
+    view.tell(labels={**view.about["labels"], text: [1.0, 1.0, 0.0]})
     view.goal(0.0, text, text)
     view.status(1.0, text, 5, text)
     view.update(1.0, text)
     view.plan(1.0, 1, 1, [text], (0.0, 0.0))
     view.returned(1.0, text, [text])
     view.packages(1.0, [(text, text)])
-    view.beliefs(1.0, 1, [text])
+    view.beliefs(1.0, 1, [text, "sign(hall)"])
     view.problem(1.0, 1, text)
     view.pose(1.0, 1.0, 1.0, 0.0)
     view.finish()
@@ -154,6 +193,8 @@ def test_hostile_texts_are_text(opened, text):
     assert page.run("window.broken") is None
     assert page.texts("#goals code") == [text]
     assert text in page.texts(".labelname")
+    sign = text.strip()
+    assert page.texts(".map .wayname") == [sign if len(sign) <= 30 else f"{sign[:29]}…"]
     assert text in page.texts(".atoms code")
     assert page.texts("h1") == [text]
 

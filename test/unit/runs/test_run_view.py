@@ -7,7 +7,7 @@ import pytest
 from told_runs import GOAL, delivery, plan_of
 
 from rosoclingo.runs import run_view
-from rosoclingo.runs.recorded_run import FORMAT, RunProgram
+from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
 from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
 from rosoclingo.runs.run_view import RunView
 
@@ -72,7 +72,7 @@ def test_only_what_is_new_is_told():
     first = view.changes()
     view.goal(140.0, "b", "goal(office1,office2,2)")
     view.pose(140.0, 4.0, 1.0, 0.0)
-    known = len(first["terms"]), len(first["words"])
+    known = len(first["terms"]), len(first["words"]), len(first["shapes"])
     more = view.changes(first["revision"], known, (first["thinned"], len(first["poses"])))
     assert [number for number, _ in more["goals"]] == [1]
     assert (more["about"], more["cycles"], more["words"]) == (None, [], [])
@@ -152,11 +152,50 @@ def test_a_return_may_overtake_its_action():
     assert second["ended"] is None
 
 
-def test_other_facts_have_the_labels_that_they_name():
-    view = RunView({"labels": {"a": [0, 0, 0], "b": [1, 0, 0]}})
-    view.returned(0.0, "eye", ["_blocked(a,b,now)", "_return(nothing,x,1)", "no atom ("])
-    facts = records(view.changes(), "facts")
-    assert [(one["name"], one["labels"]) for one in facts] == [("_blocked", ["a", "b"]), ("_return", []), ("", [])]
+def drawn(view):
+    found = view.changes()
+    return [
+        (record["time"], [tuple(found["shapes"][shape].values()) for shape in record["shapes"]])
+        for _, record in found["drawn"]
+    ]
+
+
+def floor(labels=None, run="r"):
+    """A program as the core tells it, which has a way, and marks and a blocked way drawn."""
+    text = '_draws(path,way). _draws(shut,blocked,"shut"). _draws(dirty,mark). path(a,b). _says(go,"goes to {}").'
+    labels = labels or {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.0]}
+    return RunProgram(run, (ProgramFile("floor.lp", text, False),), {}, "", {"labels": labels}).text()
+
+
+WAY, SHUT = ("way", ["a", "b"], ""), ("blocked", ["a", "b"], "shut")
+
+
+def test_what_the_program_wants_to_have_drawn_is_kept_when_it_changes():
+    view = RunView()
+    view.program(floor())
+    view.goal(10.0, "a", "g(1)")
+    for time, atoms in ((11.0, ["odd"]), (12.0, ["shut(a,b,now)"]), (13.0, ["odd", "shut(a,b,now)"]), (14.0, [])):
+        view.beliefs(time, 1, atoms)
+    assert drawn(view) == [(0.0, [WAY]), (2.0, [WAY, SHUT]), (4.0, [WAY])]
+
+
+def test_beliefs_may_come_before_the_program():
+    view = RunView()
+    view.goal(10.0, "a", "g(1)")
+    view.beliefs(11.0, 1, ["shut(a,b,now)"])
+    view.program(floor())
+    view.program(floor())
+    assert drawn(view) == [(1.0, [WAY, SHUT])]
+    assert drawn(view.renewed()) == [(1.0, [WAY, SHUT])]
+
+
+def test_the_log_has_the_program_s_words():
+    view = RunView()
+    view.program(floor())
+    view.goal(10.0, "a", "g(1)")
+    view.dispatched(11.0, ["_action_lib(go,b,1)"])
+    view.finish()
+    assert [one["text"] for one in records(view.changes(), "log")] == ["g(1)", "goes to b"]
 
 
 def test_a_core_that_is_started_again_begins_with_cycle_1():

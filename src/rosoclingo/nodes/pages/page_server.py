@@ -8,7 +8,7 @@ import threading
 import time
 from collections import deque
 from pathlib import Path
-from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set
 
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
@@ -17,7 +17,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from rosoclingo.nodes.pages.access import Access
 from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page
-from rosoclingo.runs.run_view import RunView
+from rosoclingo.runs.run_view import Known, RunView
 
 __all__ = ["PageServer"]
 
@@ -187,7 +187,7 @@ class _Viewer(WebSocketHandler):
 
     def forget(self) -> None:
         """Begin with all that there is."""
-        self._known: Tuple[int, Tuple[int, int], Tuple[int, int]] = (-1, (0, 0), (0, 0))
+        self._known: Known = (-1, (0, 0, 0), (0, 0))
 
     def check_origin(self, origin: str) -> bool:
         """Whether a page of this server asks."""

@@ -1,0 +1,111 @@
+"""What a program wants to have drawn on the map: ``_draws(shut,blocked,"shut").`` among its facts.
+
+The fact names a predicate. Its atoms are drawn: those that hold now, as far as the program shows them (the topic
+``~state``), and its facts that stand in the program's texts. Where they are drawn follows from their arguments that are
+labels; the other ones are put in place of ``{}`` in the text.
+"""
+
+from enum import Enum
+from typing import AbstractSet, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+from clingo import Symbol, SymbolType
+
+from rosoclingo.reasoning.keywords import NOW, name_of
+from rosoclingo.runs.program_facts import facts_of
+from rosoclingo.runs.recorded_run import RunProgram
+from rosoclingo.runs.topic_atoms import atom_in
+
+__all__ = ["DRAWS", "Drawing", "Drawings", "Kind", "drawings_of"]
+
+#: ``_draws(Predicate,Kind)`` and ``_draws(Predicate,Kind,Text)``.
+DRAWS = "_draws"
+
+_PLACE = "{}"
+
+
+class Kind(Enum):
+    """How an atom is drawn; the name is the one in programs."""
+
+    WAY = "way"  # a line between two labels
+    OPEN = "open"  # the same, which can be gone
+    BLOCKED = "blocked"  # the same, with a bar across
+    THING = "thing"  # a box at a label
+    CARRIED = "carried"  # a box on the robot
+    MARK = "mark"  # words at a label
+    ROBOT = "robot"  # the robot at a label, where nobody else knows where it is
+
+
+#: How many labels an atom has to have for it.
+LABELS = {
+    Kind.WAY: 2,
+    Kind.OPEN: 2,
+    Kind.BLOCKED: 2,
+    Kind.THING: 1,
+    Kind.CARRIED: 0,
+    Kind.MARK: 1,
+    Kind.ROBOT: 1,
+}
+
+#: Kinds that are nothing without words: the other arguments, or the predicate where there is none.
+_NAMED = (Kind.THING, Kind.CARRIED, Kind.MARK)
+
+
+class Drawing(NamedTuple):
+    """Something on the map: its kind, the labels at which it is, and words."""
+
+    kind: Kind
+    labels: Tuple[str, ...]
+    text: str
+
+
+class Drawings:
+    """Tells what is drawn of atoms; ``styles`` are kind and text by predicate, ``facts`` atoms that always hold."""
+
+    def __init__(
+        self, styles: Optional[Dict[str, Tuple[Kind, str]]] = None, facts: Iterable[Symbol] = (), most: int = 10000
+    ) -> None:
+        self._styles = dict(styles or {})
+        self._facts = [str(one) for one in facts]
+        self._most = most
+        self._known: Dict[str, Optional[Drawing]] = {}  # by texts of atoms, for these labels
+        self._labels: AbstractSet[str] = frozenset()
+
+    def of(self, atoms: Sequence[str], labels: AbstractSet[str]) -> List[Drawing]:
+        """Return what is to be drawn while ``atoms`` hold, each thing once; what cannot be is left out."""
+        if labels != self._labels or len(self._known) > self._most:
+            self._known, self._labels = {}, frozenset(labels)
+        found = [self._one(text) for text in (*self._facts, *atoms) if text.partition("(")[0] in self._styles]
+        return list(dict.fromkeys(one for one in found if one is not None))
+
+    def _one(self, text: str) -> Optional[Drawing]:
+        if text not in self._known:
+            atom = atom_in(text)
+            self._known[text] = None if atom is None else self._drawing(atom)
+        return self._known[text]
+
+    def _drawing(self, atom: Symbol) -> Optional[Drawing]:
+        kind, text = self._styles[atom.name]
+        arguments = [one for one in atom.arguments if one != NOW]
+        places = [str(one) for one in arguments if str(one) in self._labels]
+        if len(places) < LABELS[kind]:
+            return None
+        words = " ".join(name_of(one) for one in arguments if str(one) not in self._labels)
+        text = text.replace(_PLACE, words) if text or kind not in _NAMED else words or atom.name
+        return Drawing(kind, tuple(places[: LABELS[kind]]), text.strip())
+
+
+def drawings_of(program: RunProgram) -> Drawings:
+    """Return what a program's texts want to have drawn; a kind that there is not is passed over."""
+    styles = dict(filter(None, map(_style, facts_of(program, {DRAWS}))))
+    return Drawings(styles, facts_of(program, set(styles)) if styles else ())
+
+
+def _style(fact: Symbol) -> Optional[Tuple[str, Tuple[Kind, str]]]:
+    """Return the predicate, kind and text of ``_draws(Predicate,Kind,Text)``, None for any other atom."""
+    arguments = fact.arguments
+    if fact.name != DRAWS or len(arguments) not in (2, 3) or str(arguments[1]) not in {one.value for one in Kind}:
+        return None
+    text = arguments[2] if len(arguments) == 3 else None
+    if text is not None and text.type is not SymbolType.String:
+        return None
+    return name_of(arguments[0]), (Kind(str(arguments[1])), "" if text is None else text.string)

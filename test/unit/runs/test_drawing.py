@@ -1,0 +1,109 @@
+"""What a program wants to have drawn on the map."""
+
+import pytest
+from shipped import shipped
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.runs.drawing import Drawing, Kind, drawings_of
+from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
+
+LABELS = {"a", "b", "c", "room(1,2)"}
+TEXT = """
+#program base.
+_draws(path,way). _draws(gate,blocked,"shut by {}"). _draws(stands,thing). _draws(holds,carried).
+_draws(dirty,mark). _draws(warm,mark,"{} degrees"). _draws(me,robot). _draws(free,open).
+path(a,b). path(X,c) :- path(a,X). path(a,nowhere). path(b;c).
+#program cumulative(t).
+#external _request/2.
+"""
+PATH = Drawing(Kind.WAY, ("a", "b"), "")
+
+
+def drawings(text):
+    return drawings_of(RunProgram.of("run", ReactiveProgram.from_text(text), {}))
+
+
+@pytest.fixture(scope="module")
+def declared():
+    return drawings(TEXT)
+
+
+@pytest.mark.parametrize(
+    ("atom", "drawn"),
+    [
+        ("gate(wind,b,a,now)", Drawing(Kind.BLOCKED, ("b", "a"), "shut by wind")),
+        ("gate(a,b,c,now)", Drawing(Kind.BLOCKED, ("a", "b"), "shut by")),
+        ("free(a,room(1,2))", Drawing(Kind.OPEN, ("a", "room(1,2)"), "")),
+        ('stands("a cup",room(1,2),now)', Drawing(Kind.THING, ("room(1,2)",), "a cup")),
+        ("stands(a,now)", Drawing(Kind.THING, ("a",), "stands")),
+        ("holds(cup,b,now)", Drawing(Kind.CARRIED, (), "cup")),
+        ("dirty(b,now)", Drawing(Kind.MARK, ("b",), "dirty")),
+        ("warm(21,c,now)", Drawing(Kind.MARK, ("c",), "21 degrees")),
+        ("me(c,now)", Drawing(Kind.ROBOT, ("c",), "")),
+    ],
+)
+def test_an_atom_is_drawn_as_it_is_declared(declared, atom, drawn):
+    assert declared.of([atom], LABELS) == [PATH, drawn]
+
+
+@pytest.mark.parametrize(
+    "atom", ["gate(a,now)", "me(now)", "me(elsewhere,now)", "other(a,b)", "gate(a,b", "-gate(a,b)", ""]
+)
+def test_what_has_too_few_labels_or_is_none_is_left_out(declared, atom):
+    assert declared.of([atom], LABELS) == [PATH]
+
+
+def test_each_thing_is_drawn_once_and_other_labels_are_heeded(declared):
+    assert declared.of(["stands(cup,a,now)", "stands(cup,now,a)"], LABELS)[1:] == [Drawing(Kind.THING, ("a",), "cup")]
+    assert declared.of(["stands(cup,a,now)"], {"b"}) == []
+    assert declared.of([], {"a", "b"}) == [PATH]
+
+
+@pytest.mark.parametrize(
+    "fact", ["_draws(x)", "_draws(x,nothing)", "_draws(x,way,text)", "_draws(x,way) :- y", '_draws("x(",way,"")']
+)
+def test_a_declaration_that_is_none_declares_nothing(fact):
+    assert (
+        drawings(f"#program base. {fact}. x(a,b). y. #program cumulative(t). #external _request/2.").of([], LABELS)
+        == []
+    )
+
+
+def test_a_program_that_cannot_be_read_has_nothing_drawn():
+    program = RunProgram("run", (ProgramFile("broken.lp", "_draws(x,way). x(a,b). ((", False),), {}, "")
+    assert drawings_of(program).of(["x(a,b)"], LABELS) == []
+
+
+@pytest.mark.parametrize(
+    ("files", "labels", "ways", "state", "drawn"),
+    [
+        (
+            ("mailbot.lp", "office.lp"),
+            ("office1", "office2", "office3", "office4"),
+            3,
+            [
+                "robot_at(office2,now)",
+                "robot_has(1,office3,now)",
+                "shut(office2,office3,now)",
+                "waits(2,office4,office1,now)",
+            ],
+            [
+                Drawing(Kind.ROBOT, ("office2",), ""),
+                Drawing(Kind.CARRIED, (), "1"),
+                Drawing(Kind.BLOCKED, ("office2", "office3"), "shut"),
+                Drawing(Kind.THING, ("office4",), "2"),
+            ],
+        ),
+        (
+            ("house.lp", "home.lp"),
+            ("hallway", "kitchen"),
+            1,
+            ["thing_at(cup,kitchen,now)"],
+            [Drawing(Kind.THING, ("kitchen",), "cup")],
+        ),
+    ],
+)
+def test_the_shipped_programs(files, labels, ways, state, drawn):
+    found = drawings_of(RunProgram.of("run", shipped(*files), {})).of(state, set(labels))
+    assert [one.kind for one in found[:ways]] == [Kind.WAY] * ways
+    assert found[ways:] == drawn
