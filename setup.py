@@ -1,6 +1,42 @@
-"""Called by catkin only; name, version and the rest come from package.xml."""
+"""Called by catkin, for all of the package, and by pip, for what needs no ROS: the solver and its commands.
 
-from catkin_pkg.python_setup import generate_distutils_setup
+Name, version and the rest come from package.xml, versions of libraries from requirements.txt.
+"""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any, Dict
+
 from setuptools import find_packages, setup
 
-setup(**generate_distutils_setup(packages=find_packages("src"), package_dir={"": "src"}))
+#: What pip installs, with all that it imports.
+WITHOUT_ROS = ["rosoclingo", "rosoclingo.oclingo", "rosoclingo.oclingo.*"]
+LIBRARIES = ("clingo",)
+
+COMMANDS = [
+    "oclingo = rosoclingo.oclingo.service.command:main",
+    "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",
+]
+
+
+def described() -> Dict[str, Any]:
+    """The arguments of setup() that package.xml tells, without ROS's parser for it."""
+    here = Path(__file__).resolve().parent
+    package = ElementTree.parse(here / "package.xml").getroot()
+    told = {tag: " ".join(package.findtext(tag, "").split()) for tag in ("name", "version", "description", "license")}
+    wanted = [line.strip() for line in (here / "requirements.txt").read_text().splitlines()]
+    return {**told, "install_requires": [line for line in wanted if line.startswith(LIBRARIES)]}
+
+
+try:
+    from catkin_pkg.python_setup import generate_distutils_setup
+except ImportError:  # pip builds in an environment of its own, in which there is no ROS
+    setup(
+        **described(),
+        packages=find_packages("src", include=WITHOUT_ROS),
+        package_dir={"": "src"},
+        python_requires=">=3.8",
+        entry_points={"console_scripts": COMMANDS},
+    )
+else:
+    setup(**generate_distutils_setup(packages=find_packages("src"), package_dir={"": "src"}))

@@ -5,6 +5,7 @@ import argparse
 import fnmatch
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -35,7 +36,7 @@ LINTERS: Dict[str, List[str]] = {
     "catkin_lint": ["catkin_lint", "-W2", "--strict", "--offline", "--quiet"],  # with the folder of the package
     "shellcheck": ["shellcheck", "dev", ".ci/run"],
 }
-GROUPS = ("lint", "unit", "rostest", "python38", "install")  # and "quick"
+GROUPS = ("lint", "unit", "rostest", "python38", "install", "pip")  # and "quick"
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
 ONCE = ("burst", "crowd", "late_world", "request_lost")  # long, and not about what differs: not on Python 3.8 as well
@@ -75,6 +76,10 @@ class Tests:
         command = [str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")]
         return self._run("install", "install", command, INSTALL_LIMIT, os.environ)
 
+    def pip(self, _names: Sequence[str]) -> Outcome:
+        """What pip installs where there is no ROS."""
+        return self._pip(_python38_environment())
+
     def quick(self, _names: Sequence[str]) -> Outcome:
         """What finds most faults in little time: no slow linter and test, few random examples, two rostests."""
         outcome = self._lint([name for name in LINTERS if name not in SLOW_LINTERS])
@@ -89,7 +94,7 @@ class Tests:
             outcome += self.rostest(())
             environment = found.result()
         outcome += self._unit_again(environment)
-        with _beside(self.install, ()) as installed:
+        with _beside(lambda: self.install(()) + self._pip(environment)) as installed:
             outcome += self._rostests_again(environment)
             return outcome + installed.result()
 
@@ -97,6 +102,11 @@ class Tests:
         """On Python 3.8, if there is one: the unit tests, and the rostests that need no compiled module."""
         environment = _python38_environment()
         return self._unit_again(environment) + self._rostests_again(environment)
+
+    def _pip(self, python38: Mapping[str, str]) -> Outcome:
+        pythons = [sys.executable, *filter(None, [python38 and shutil.which("python3", path=python38["PATH"])])]
+        command = [sys.executable, str(ROOT / "test" / "without_ros.py"), *pythons]
+        return self._run("pip", "pip", command, INSTALL_LIMIT, os.environ)
 
     def _unit_again(self, environment: Mapping[str, str]) -> Outcome:
         if not environment:

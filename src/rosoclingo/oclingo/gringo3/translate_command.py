@@ -1,5 +1,6 @@
 """The command ``gringo3to5``: reads files, prints or writes their translations."""
 
+import argparse
 import sys
 from pathlib import Path
 from typing import List, Optional, Sequence, Tuple
@@ -9,8 +10,19 @@ from rosoclingo.oclingo.gringo3.dialect import Dialect
 from rosoclingo.oclingo.gringo3.lexer import TranslationError
 from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
 
+_DESCRIPTION = "Prints programs written for oClingo (2012), in gringo 3's language, in clingo 5's language."
 
-def main(names: Sequence[str], folder: Optional[str]) -> int:
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the command with the command line's arguments, or those given; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="gringo3to5", description=_DESCRIPTION)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="program files in order, - for standard input")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="write files of the same names there")
+    given = parser.parse_args(arguments)
+    return _translate(given.files, given.output)
+
+
+def _translate(names: Sequence[str], folder: Optional[str]) -> int:
     """Translate the files of a program; ``-`` is standard input.
 
     What reads differently in both languages is taken for gringo 3's, since that is what the command is asked for. The
