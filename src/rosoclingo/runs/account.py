@@ -279,8 +279,13 @@ def _because(goal: GoalAccount) -> str:
     """The reason of an end that went against the goal; success and cancellation speak for themselves."""
     if goal.status not in ("aborted", "rejected", "lost"):
         return ""
-    text = goal.message[len(goal.text) :] if goal.message.startswith(goal.text) else goal.message
-    return f" ({text.strip()})" if text else ""
+    text = reason_of(goal.text, goal.message)
+    return f" ({text})" if text else ""
+
+
+def reason_of(request: str, message: str) -> str:
+    """A status' message without the goal that it begins with."""
+    return (message[len(request) :] if message.startswith(request) else message).strip()
 
 
 def _is_news(atom: str) -> bool:

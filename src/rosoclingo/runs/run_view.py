@@ -17,7 +17,7 @@ from rosoclingo.reasoning.keywords import (
     name_of,
     shortened,
 )
-from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account
+from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account, reason_of
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import Record, Revision, Table, Track, Words, simplified
@@ -346,7 +346,7 @@ class RunView:
         if number is None:
             return False
         goal = self.tables["goals"][number]
-        reason = shortened(_reason(goal["request"], message), SHOWN)
+        reason = shortened(reason_of(goal["request"], message), SHOWN)
         last = goal["states"][-1]
         if last[1:] == [word, reason] or (goal["ended"] is not None and last[1] != LOST):
             return False
@@ -373,8 +373,3 @@ class RunView:
 
     def _log(self, time: float, cycle: int, kind: str, text: str) -> None:
         self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, text=shortened(text, SHOWN))
-
-
-def _reason(request: str, message: str) -> str:
-    """A status' message without the goal that it begins with."""
-    return (message[len(request) :] if message.startswith(request) else message).strip()

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import rospy
 import rostest
-from rosoclingo.msg import PackageState, PackageStates, TaskPlan
+from rosoclingo.msg import GoalState, GoalStates, PackageState, PackageStates, State, TaskPlan
+from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.rviz.markers import MarkersNode
+from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -25,6 +27,9 @@ class Markers(unittest.TestCase):
         cls.texts = {}
         cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
         cls.plan = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=1, latch=True)
+        cls.goals = rospy.Publisher("rosoclingo/goals", GoalStates, queue_size=1, latch=True)
+        cls.program = rospy.Publisher("rosoclingo/program", String, queue_size=1, latch=True)
+        cls.state = rospy.Publisher("rosoclingo/state", State, queue_size=1, latch=True)
         rospy.Subscriber("markers/markers", MarkerArray, cls.note)
 
     @classmethod
@@ -35,6 +40,21 @@ class Markers(unittest.TestCase):
         cls.texts = {
             ns: [marker.text for marker in message.markers if marker.ns == ns and marker.text] for ns, _ in ids
         }
+
+    def test_goals_and_what_the_program_has_drawn(self):
+        self.goals.publish(
+            goals=[GoalState(request="g(1)", status=1), GoalState(request="g(2)", status=5, reason="no")]
+        )
+        told = ["goals: 1 open, 1 ended\ng(1): active\ng(2): rejected, no"]
+        wait_until(lambda: self.texts.get("goals") == told, "the goals")
+        self.state.publish(cycle=1, atoms=["shut(office1,office2,now)", "lies(cup,office2,now)"])
+        self.program.publish(String("no program"))
+        text = '_draws(shut,blocked,"shut"). _draws(lies,thing).'
+        self.program.publish(String(RunProgram("r", (ProgramFile("a.lp", text, False),), {}, "").text()))
+        wait_until(lambda: self.texts.get("drawn") == ["shut"], "the blocked way")
+        wait_until(lambda: self.texts.get("packages") == ["cup"], "the thing that is believed in")
+        self.state.publish(cycle=2, atoms=[])
+        wait_until(lambda: not self.texts.get("drawn"), "nothing to be blocked")
 
     def test_labels_packages_and_plan(self):
         wait_until(lambda: self.texts.get("labels") == ["office1", "office2"], "the labels")

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import OccupancyGrid
 
-from rosoclingo.nodes.rviz.map_view import FRAME, LINES, bounds_of, known, text_factor, view_of, with_view
-from rosoclingo.nodes.rviz.scene import LINE_HEIGHT, MOST_LINES, PLAN_TEXT_SIZE, larger, text_shape, title_shapes
+from rosoclingo.nodes.rviz.map_view import FRAME, bounds_of, known, text_factor, view_of, with_view
+from rosoclingo.nodes.rviz.panel import LETTERS, LINES, Panel
+from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, larger, text_width
 
 
 def test_an_unknown_margin_is_left_out():
@@ -33,26 +34,33 @@ def test_a_turned_map():
     st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.5, 500.0), st.floats(0.5, 500.0)),
     st.tuples(st.integers(300, 4000), st.integers(300, 3000)),
 )
-def test_the_map_and_the_longest_plan_are_in_the_picture(box, size):
+def test_the_map_and_the_longest_words_are_in_the_picture(box, size):
     x, y, wide, high = box
     bounds = (x, y, x + wide, y + high)
     view, factor = view_of(bounds, size), text_factor(bounds)
-    lines = factor * (MOST_LINES + 1) * LINE_HEIGHT * PLAN_TEXT_SIZE
-    assert factor * LINES >= lines
-    for px, py in ((x, y - lines), (x + wide, y + high)):
-        assert abs(px - view.x) * view.scale <= 0.5 * (size[0] - FRAME[0])
-        assert abs(py - view.y) * view.scale <= 0.5 * (size[1] - FRAME[1])
-    tight = max(wide * view.scale / (size[0] - FRAME[0]), (high + factor * LINES) * view.scale / (size[1] - FRAME[1]))
-    assert tight > 0.9
+    corners = [(x, y), (x + wide, y + high)]
+    panel = Panel(((bounds[0] + bounds[2]) / 2, y, 0.0), "map", factor)
+    lines = "\n".join(["m" * (LETTERS // 2)] * (LINES + 1))
+    for shape in (*panel.title("A title that is long, " * 20), panel.plan(lines), panel.goals(lines)):
+        shape = larger(shape, factor)
+        half = (
+            text_width(shape.text, shape.scale[2]) / 2,
+            (shape.text.count("\n") + 1) * LINE_HEIGHT * shape.scale[2] / 2,
+        )
+        corners += [(shape.position[0] + sign * half[0], shape.position[1] + sign * half[1]) for sign in (-1, 1)]
+    for px, py in corners:
+        assert abs(px - view.x) * view.scale <= 0.5 * (size[0] - FRAME[0]) + 1e-6
+        assert abs(py - view.y) * view.scale <= 0.5 * (size[1] - FRAME[1]) + 1e-6
+    assert all(py <= y + 1e-6 for _, py in corners[2:]), "words lie on the map"
 
 
-def test_a_larger_text_keeps_its_upper_edge():
-    text = text_shape("plan", "map", "two\nlines", (1.0, 2.0, 0.3), (0.0, 0.0, 0.0, 1.0), 0.5)
-    grown = larger(text, 3.0)
-    assert grown.scale == (1.5, 1.5, 1.5)
-    assert grown.position[1] + 1.2 * 1.5 == pytest.approx(2.0 + 1.2 * 0.5)
-    (title,) = title_shapes("big", (0.0, 0.0, 0.0), "map", 3.0)
-    assert title.position[0] == -15.0
+def test_a_narrow_margin_of_the_map_is_shown_and_words_are_below_it():
+    message = OccupancyGrid(data=[-1] * 400)
+    message.info.resolution, message.info.height, message.info.width = 0.5, 20, 20
+    message.data = [0 if 1 < cell % 20 < 18 and cell >= 180 else -1 for cell in range(400)]
+    assert bounds_of(message) == pytest.approx((1.0, 4.5, 9.0, 10.0))
+    message.data = [0 if 0 < cell % 20 < 19 and cell >= 20 else -1 for cell in range(400)]
+    assert bounds_of(message) == pytest.approx((0.0, 0.0, 10.0, 10.0))
 
 
 def test_the_shipped_configuration_is_kept_but_for_the_view(pytestconfig):

@@ -1,4 +1,4 @@
-"""What rviz is to show: places of packages, arrows and words of the plan."""
+"""What rviz is to show on the map: places of packages, arrows of the plan, ways and marks."""
 
 import math
 
@@ -6,16 +6,18 @@ from rosoclingo.common.labels import LabelTable
 from rosoclingo.nodes.rviz.scene import (
     LATER,
     NEXT,
+    SHUT,
+    drawn_shapes,
     label_shapes,
     package_shapes,
     plan_shapes,
     plan_steps,
-    plan_text,
     robot_shapes,
-    title_shapes,
+    things_in,
 )
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.runs.drawing import Drawing, Kind
 
 LABELS = LabelTable.from_mapping({"office1": [0, 0], "office2": [4, 0, math.pi / 2], "office3": [8, 0]})
 PLAN = [
@@ -32,7 +34,7 @@ def steps(plan=PLAN):
 
 
 def arrows(cycle, start):
-    shapes = plan_shapes(steps(), cycle, start, (0.0, 0.0, 0.0), "map")
+    shapes = plan_shapes(steps(), cycle, start)
     return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
 
 
@@ -40,13 +42,6 @@ def test_every_label_has_a_disc_and_a_name():
     shapes = label_shapes(LABELS)
     assert [shape.text for shape in shapes if shape.kind == "text"] == ["office1", "office2", "office3"]
     assert [shape.position[0] for shape in shapes if shape.kind == "cylinder"] == [0.0, 4.0, 8.0]
-
-
-def test_the_title_is_left_of_the_plan():
-    (title,) = title_shapes("office", (8.0, -5.0, 0.0), "map")
-    assert title.text == "office"
-    assert title.position[0] < 8.0
-    assert title_shapes("", (8.0, -5.0, 0.0), "map") == []
 
 
 def test_the_robot_is_drawn_in_its_own_frame():
@@ -78,28 +73,51 @@ def test_without_a_pose_the_way_begins_where_the_robot_was_sent_last():
     assert arrows(4, None) == [(8.0, 4.0, NEXT)]
 
 
-def test_the_plan_in_words():
-    assert plan_text(steps(), 3).splitlines() == [
-        "cycle 3: plan",
-        "1. move_base office2  done",
-        "2. move_base office3  done",
-        "3. pickup 1  now",
-        "4. move_base office2",
-        "5. deliver 1",
+def drawn(*drawings):
+    return drawn_shapes([Drawing(kind, labels, text) for kind, labels, text in drawings], LABELS)
+
+
+def test_a_blocked_way_has_a_bar_across_and_its_words():
+    way, bar, words = drawn((Kind.BLOCKED, ("office1", "office2"), "shut"))
+    assert {shape.colour[:3] for shape in (way, bar, words)} == {SHUT[:3]}
+    assert [point[:2] for point in way.points] == [(0.0, 0.0), (4.0, 0.0)]
+    (x0, y0, high), (x1, y1, _) = bar.points
+    assert (x0, x1) == (2.0, 2.0)
+    assert y0 == -y1 != 0.0
+    assert high > way.points[0][2]
+    assert (words.text, words.plate is None) == ("shut", False)
+
+
+def test_other_ways_are_below_it_whatever_comes_first():
+    ways = [
+        (Kind.BLOCKED, ("office1", "office2"), ""),
+        (Kind.WAY, ("office1", "office2"), ""),
+        (Kind.OPEN, ("office2", "office3"), ""),
     ]
-    assert plan_text([], 7) == "cycle 7: idle"
+    lines = [shape for shape in drawn(*ways) if shape.kind == "line"]
+    heights = [shape.points[0][2] for shape in lines]
+    assert len(lines) == 4
+    assert heights == sorted(set(heights))
+    assert lines[2].colour == SHUT
 
 
-def test_long_plans_are_shown_in_part():
-    plan = steps([f"_action_lib(pickup,{number},{number})" for number in range(1, 13)])
-    beginning = plan_text(plan, 1).splitlines()
-    assert (len(beginning), beginning[1], beginning[-1]) == (9, "1. pickup 1  now", "... 5 more")
-    middle = plan_text(plan, 4).splitlines()
-    assert (len(middle), middle[1], middle[-1]) == (9, "3. pickup 3  done", "... 3 more")
-    end = plan_text(plan, 12).splitlines()
-    assert (len(end), end[1], end[-1]) == (9, "5. pickup 5  done", "12. pickup 12  now")
+def test_a_way_from_a_label_to_itself_has_no_bar():
+    labels = LabelTable.from_mapping({"a": [0, 0], "b": [0, 0]})
+    assert len(drawn_shapes([Drawing(Kind.BLOCKED, ("a", "b"), "")], labels)) == 1
 
 
-def test_the_words_hang_from_their_upper_edge():
-    low, high = (plan_shapes(steps(plan), 1, None, (8.0, -5.0, 0.0), "map")[0] for plan in (PLAN, []))
-    assert low.position[1] < high.position[1] < -5.0
+def test_marks_at_a_label_are_above_each_other():
+    words = drawn(*[(Kind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
+    assert [shape.text for shape in words] == ["office1", "office1", "office2"]
+    assert words[0].position[1] < words[1].position[1]
+    assert words[2].position[0] == 4.0
+
+
+def test_things_that_the_program_believes_in_are_packages():
+    drawings = [
+        Drawing(Kind.THING, ("office2",), "cup"),
+        Drawing(Kind.CARRIED, (), "tray"),
+        Drawing(Kind.ROBOT, ("office1",), ""),
+    ]
+    assert things_in(drawings) == [("cup", "office2", False), ("tray", "", True)]
+    assert drawn_shapes(drawings, LABELS) == []

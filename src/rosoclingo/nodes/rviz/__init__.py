@@ -1,1 +1,1 @@
-"""What rviz shows of labels, packages and plans."""
+"""What rviz shows: labels, things, ways, plan and goals."""

@@ -5,10 +5,13 @@ from typing import Any, Dict, NamedTuple, Tuple
 
 import numpy as np
 
-__all__ = ["LINES", "View", "bounds_of", "known", "text_factor", "view_of", "with_view"]
+from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
 
-USUAL = 16.0  # m across that the usual sizes of texts and arrows are made for
-LINES = 3.2  # m below the map, in usual sizes, that the plan's text takes
+__all__ = ["View", "bounds_of", "known", "text_factor", "view_of", "with_view"]
+
+USUAL = WIDTH  # m across that the usual sizes of texts and arrows are made for
+PROPORTION = 1.4  # of a window's width to its height
+NEAR = 1.0  # m between the bounds of what is known and those of the map, in usual sizes
 MARGIN = 0.03  # of the picture, on each side
 FRAME = (32, 92)  # pixels of width and height that rviz takes for menu, tools and status
 
@@ -36,26 +39,31 @@ def known(cells: np.ndarray, resolution: float, origin: Tuple[float, float, floa
 
 
 def bounds_of(message: Any) -> Bounds:
-    """Bounds of what a nav_msgs/OccupancyGrid knows."""
+    """Bounds of what a nav_msgs/OccupancyGrid knows, or its own where they are so near that words would lie on both."""
     info = message.info
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
     turn, corner = info.origin.orientation, info.origin.position
     yaw = math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
-    return known(cells, info.resolution, (corner.x, corner.y, yaw))
+    origin = (corner.x, corner.y, yaw)
+    inner, outer = known(cells, info.resolution, origin), known(np.zeros_like(cells), info.resolution, origin)
+    near = NEAR * text_factor(inner)
+    x0, y0, x1, y1 = (edge if abs(edge - own) <= near else own for own, edge in zip(inner, outer))
+    return x0, y0, x1, y1
 
 
 def text_factor(bounds: Bounds) -> float:
     """By how much texts and arrows have to be larger than usual to be read when the whole map is seen."""
-    return max(0.25, max(bounds[2] - bounds[0], bounds[3] - bounds[1]) / USUAL)
+    return max(0.25, max(bounds[2] - bounds[0], PROPORTION * (bounds[3] - bounds[1])) / USUAL)
 
 
 def view_of(bounds: Bounds, size: Tuple[int, int]) -> View:
-    """The view of a map and the text below it in a window of width and height in pixels."""
+    """The view of a map and the words below it in a window of width and height in pixels."""
     x0, y0, x1, y1 = bounds
-    y0 -= LINES * text_factor(bounds)
+    y0 -= HEIGHT * text_factor(bounds)
     room = 1.0 - 2.0 * MARGIN
     width, height = (max(1, whole - frame) for whole, frame in zip(size, FRAME))
-    return View((x0 + x1) / 2.0, (y0 + y1) / 2.0, room * min(width / (x1 - x0), height / (y1 - y0)))
+    wide = max(x1 - x0, WIDTH * text_factor(bounds))
+    return View((x0 + x1) / 2.0, (y0 + y1) / 2.0, room * min(width / wide, height / (y1 - y0)))
 
 
 def with_view(config: Dict[str, Any], view: View, size: Tuple[int, int]) -> Dict[str, Any]:

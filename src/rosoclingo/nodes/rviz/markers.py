@@ -1,37 +1,45 @@
-"""The node that shows labels, packages, robot and plan in rviz."""
+"""The node that shows labels, packages, robot, plan, goals and what the program has drawn in rviz."""
 
 import functools
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import rospy
 from geometry_msgs.msg import Point
 from nav_msgs.msg import OccupancyGrid
-from std_msgs.msg import ColorRGBA
+from std_msgs.msg import ColorRGBA, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
-from rosoclingo.msg import PackageStates, TaskPlan
+from rosoclingo.msg import GoalStates, PackageStates, State, TaskPlan
 from rosoclingo.nodes.rviz.map_view import bounds_of, text_factor
+from rosoclingo.nodes.rviz.panel import Panel, Told, goals_text, plan_text
+from rosoclingo.nodes.rviz.plain_shapes import Shape, larger, plated
 from rosoclingo.nodes.rviz.scene import (
-    PlanStep,
-    Shape,
+    drawn_shapes,
     label_shapes,
-    larger,
     package_shapes,
     plan_shapes,
     plan_steps,
     robot_shapes,
-    title_shapes,
+    things_in,
 )
 from rosoclingo.oclingo import ProgressionError, parse_atom
 from rosoclingo.reasoning.keywords import Action, KeywordError, action_of
+from rosoclingo.runs.drawing import Drawings, drawings_of
+from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 
 HEIGHT = 0.3  # m above the floor
 NOWHERE = (0.0, -2.0, HEIGHT)  # while there is no map
-_KINDS = {"cylinder": Marker.CYLINDER, "cube": Marker.CUBE, "arrow": Marker.ARROW, "text": Marker.TEXT_VIEW_FACING}
+_KINDS = {
+    "cylinder": Marker.CYLINDER,
+    "cube": Marker.CUBE,
+    "arrow": Marker.ARROW,
+    "line": Marker.LINE_STRIP,
+    "text": Marker.TEXT_VIEW_FACING,
+}
 
 
 class MarkersNode:
@@ -44,15 +52,18 @@ class MarkersNode:
             looked up.
         ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
         ~robot_radius (float, default 0.18): metres.
-        ~panel (list, default []): x and y in metres of the upper edge's middle of the plan's text; empty: below the
-            map.
-        ~title (str, default ""): words to the left of the plan's text.
+        ~panel (list, default []): x and y in metres of the upper edge's middle of title, plan and goals; empty: below
+            the map.
+        ~title (str, default ""): words above plan and goals.
         ~size (float, default 0.0): by how much texts and arrows are larger than for a map of 16 m; 0: by the size of
             the map.
     Subscribes:
         map (nav_msgs/OccupancyGrid): for panel and size, where one of them is not given.
         packages (rosoclingo/PackageStates): where the packages are.
         rosoclingo/task_plan (rosoclingo/TaskPlan): the current plan.
+        rosoclingo/goals (rosoclingo/GoalStates): the goals, with their reasons.
+        rosoclingo/program (std_msgs/String), rosoclingo/state (rosoclingo/State): what the program wants to have drawn,
+            ways that are blocked above all.
         /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
         ~markers (visualization_msgs/MarkerArray, latched): everything anew whenever something has changed.
@@ -69,12 +80,15 @@ class MarkersNode:
         self._title = given.at("title").text("")
         radius = given.at("robot_radius").number(0.18, low=0.0)
         given.check()
-        self._panel, self._size = self._given[0] or NOWHERE, self._given[1] or 1.0
+        self._panel = Panel(self._given[0] or NOWHERE, self._map_frame, self._given[1] or 1.0)
         self._groups: Dict[str, List[Shape]] = {
             "robot": robot_shapes(self._base_frame, radius),
             "labels": label_shapes(self._labels),
         }
         self._plan: Optional[TaskPlan] = None
+        self._goals: Optional[List[Told]] = None
+        self._drawings, self._told_packages = Drawings(), False
+        self._state: Sequence[str] = ()
         self._lay_out()
         self._changed = True
         self._publisher = rospy.Publisher("~markers", MarkerArray, queue_size=1, latch=True)
@@ -85,48 +99,81 @@ class MarkersNode:
             rospy.Subscriber("map", OccupancyGrid, self._enqueue(self._take_map), queue_size=1)
         rospy.Subscriber("packages", PackageStates, self._enqueue(self._take_packages))
         rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._enqueue(self._take_plan))
+        rospy.Subscriber("rosoclingo/goals", GoalStates, self._enqueue(self._take_goals))
+        rospy.Subscriber("rosoclingo/program", String, self._enqueue(self._take_program))
+        rospy.Subscriber("rosoclingo/state", State, self._enqueue(self._take_state))
 
     def _enqueue(self, take: Callable[[Any], None]) -> Callable[[Any], None]:
         return lambda message: self._worker.put(functools.partial(take, message))
 
     def _take_packages(self, message: PackageStates) -> None:
-        places = [(package.id, package.location, package.carried) for package in message.packages]
-        self._set("packages", package_shapes(places, self._labels, self._base_frame))
+        self._told_packages = True
+        self._show_things([(package.id, package.location, package.carried) for package in message.packages])
 
     def _take_map(self, message: OccupancyGrid) -> None:
         """Put the panel below the map, and have texts that can be read when all of it is seen."""
         bounds = bounds_of(message)
         panel, size = self._given
-        self._size = size or text_factor(bounds)
-        self._panel = panel or ((bounds[0] + bounds[2]) / 2.0, bounds[1], HEIGHT)
+        top = panel or ((bounds[0] + bounds[2]) / 2.0, bounds[1], HEIGHT)
+        self._panel = Panel(top, self._map_frame, size or text_factor(bounds))
         self._lay_out()
-        if self._plan is not None:
-            self._take_plan(self._plan)
 
     def _lay_out(self) -> None:
-        self._set("title", title_shapes(self._title, self._panel, self._map_frame, self._size))
+        """Put words where they belong."""
+        self._set("title", self._panel.title(self._title))
+        if self._plan is not None:
+            self._take_plan(self._plan)
+        self._lay_out_goals()
+
+    def _lay_out_goals(self) -> None:
+        if self._goals is not None:
+            self._set("goals", [self._panel.goals(goals_text(self._goals))])
 
     def _take_plan(self, message: TaskPlan) -> None:
         self._plan = message
-        steps: List[PlanStep] = plan_steps(_actions(message.actions), self._labels)
-        shapes = plan_shapes(steps, message.cycle, self._start(steps), self._panel, self._map_frame)
-        self._set("plan", shapes)
+        steps = plan_steps(_actions(message.actions), self._labels)
+        words = self._panel.plan(plan_text([step.action for step in steps], message.cycle))
+        self._set("plan", [words, *plan_shapes(steps, message.cycle, self._pose.look_up() if steps else None)])
 
-    def _start(self, steps: List[PlanStep]) -> Optional[Tuple[float, float]]:
-        return self._pose.look_up() if steps else None
+    def _take_goals(self, message: GoalStates) -> None:
+        self._goals = [(goal.request, goal.status, goal.reason) for goal in message.goals]
+        self._lay_out_goals()
+
+    def _take_program(self, message: String) -> None:
+        try:
+            self._drawings = drawings_of(RunProgram.parse(message.data))
+        except RecordingError as error:
+            rospy.logwarn("the program's drawings are not shown: %s", error)
+        self._show_drawn()
+
+    def _take_state(self, message: State) -> None:
+        self._state = message.atoms
+        self._show_drawn()
+
+    def _show_drawn(self) -> None:
+        """Show what the program wants to have drawn; its things where nobody else tells of any."""
+        drawn = self._drawings.of(self._state, frozenset(self._labels.names))
+        self._set("drawn", drawn_shapes(drawn, self._labels))
+        if not self._told_packages:
+            self._show_things(things_in(drawn))
+
+    def _show_things(self, places: List[Tuple[str, str, bool]]) -> None:
+        self._set("packages", package_shapes(places, self._labels, self._base_frame))
 
     def _set(self, group: str, shapes: List[Shape]) -> None:
-        self._groups[group] = shapes
-        self._changed = True
+        if self._groups.get(group) != shapes:
+            self._groups[group] = shapes
+            self._changed = True
 
     def _draw(self) -> None:
         if not self._changed:
             return
         self._changed = False
-        shapes = [shape for group in self._groups.values() for shape in group]
+        fitting = (larger(shape, self._panel.factor) for group in self._groups.values() for shape in group)
+        shapes = [one for shape in fitting for one in plated(shape)]
         markers = [
             Marker(action=Marker.DELETEALL),
-            *(_marker(larger(shape, self._size), index) for index, shape in enumerate(shapes)),
+            *(_marker(shape, index) for index, shape in enumerate(shapes)),
         ]
         self._publisher.publish(MarkerArray(markers=markers))
 

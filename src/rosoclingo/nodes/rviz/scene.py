@@ -1,45 +1,28 @@
-"""What rviz is to show of labels, packages and plan: plain shapes, laid out without ROS.
-
-Lengths in metres; positions in the shape's frame; colours are red, green, blue, opacity from 0 to 1.
-"""
+"""What rviz is to show on the map: labels, packages, the plan's way, and what the program wants to have drawn."""
 
 import math
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.common.labels import Label, LabelTable
+from rosoclingo.nodes.rviz.plain_shapes import INK, PAPER, TEXT_SIZE, Colour, Point, Shape, text_shape
 from rosoclingo.reasoning.keywords import Action
-
-Point = Tuple[float, float, float]
-Colour = Tuple[float, float, float, float]
+from rosoclingo.runs.drawing import Drawing, Kind
 
 BLUE: Colour = (0.16, 0.42, 0.72, 0.35)
-INK: Colour = (0.10, 0.14, 0.22, 1.0)
 BROWN: Colour = (0.80, 0.55, 0.27, 1.0)
 BODY: Colour = (0.20, 0.22, 0.26, 0.9)
 NOSE: Colour = (0.96, 0.73, 0.14, 1.0)
 NEXT: Colour = (0.90, 0.30, 0.10, 0.95)
 LATER: Colour = (0.13, 0.55, 0.33, 0.8)
+SHUT: Colour = (0.75, 0.21, 0.17, 0.95)
+GRAY: Colour = (0.35, 0.40, 0.47, 0.5)
+
+#: How ways are drawn: colour, and width in m.
+WAYS = {Kind.WAY: (GRAY, 0.04), Kind.OPEN: (LATER, 0.08), Kind.BLOCKED: (SHUT, 0.08)}
+BAR = 0.6  # m across a blocked way
 
 PACKAGE_SIZE = 0.24
-TEXT_SIZE = 0.32
-PLAN_TEXT_SIZE = 0.28
-TITLE_SIZE = 0.5
-LINE_HEIGHT = 1.2  # of a text, in sizes
-MOST_LINES = 8
 LANE = 0.2
-
-
-class Shape(NamedTuple):
-    """One marker: `kind` is cylinder, cube, arrow (from the first point to the second) or text."""
-
-    group: str
-    kind: str
-    frame: str
-    colour: Colour
-    position: Point = (0.0, 0.0, 0.0)
-    scale: Point = (1.0, 1.0, 1.0)
-    text: str = ""
-    points: Tuple[Point, ...] = ()
 
 
 class PlanStep(NamedTuple):
@@ -64,25 +47,8 @@ def label_shapes(labels: LabelTable) -> List[Shape]:
     shapes = []
     for label in labels:
         shapes.append(Shape("labels", "cylinder", label.frame, BLUE, (label.x, label.y, 0.01), (0.6, 0.6, 0.02)))
-        shapes.append(text_shape("labels", label.frame, label.name, (label.x, label.y - 0.55, 0.3), INK))
+        shapes.append(_tag("labels", label.frame, label.name, (label.x, label.y - 0.55)))
     return shapes
-
-
-def larger(shape: Shape, factor: float) -> Shape:
-    """A shape to be seen on a large map: texts, their upper edges where they were, and arrows are larger."""
-    if shape.kind == "text":
-        half = 0.5 * (shape.text.count("\n") + 1) * LINE_HEIGHT * shape.scale[2]
-        x, y, z = shape.position
-        shape = shape._replace(position=(x, y - half * (factor - 1.0), z))
-    elif shape.kind != "arrow" or shape.group != "plan":
-        return shape
-    return shape._replace(scale=tuple(factor * length for length in shape.scale))
-
-
-def title_shapes(title: str, panel: Point, frame: str, factor: float = 1.0) -> List[Shape]:
-    """The title, to the left of the plan's text, which is larger than usual by a factor."""
-    position = (panel[0] - 5.0 * factor, panel[1] - TITLE_SIZE, panel[2])
-    return [text_shape("title", frame, title, position, INK, TITLE_SIZE)] if title else []
 
 
 def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str) -> List[Shape]:
@@ -100,8 +66,56 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
         x, y, z = position
         size = (PACKAGE_SIZE, PACKAGE_SIZE, PACKAGE_SIZE)
         shapes.append(Shape("packages", "cube", frame, BROWN, position, size))
-        shapes.append(text_shape("packages", frame, package, (x, y, z + PACKAGE_SIZE), INK, 0.75 * TEXT_SIZE))
+        name = text_shape("packages", frame, package, (x, y, z + PACKAGE_SIZE), size=0.75 * TEXT_SIZE)
+        shapes.append(name._replace(plate=BROWN, turns=carried))
     return shapes
+
+
+def things_in(drawings: Iterable[Drawing]) -> List[Tuple[str, str, bool]]:
+    """The things among what the program has drawn, as :func:`package_shapes` takes them."""
+    return [
+        (one.text, one.labels[0] if one.labels else "", one.kind is Kind.CARRIED)
+        for one in drawings
+        if one.kind in (Kind.THING, Kind.CARRIED)
+    ]
+
+
+def drawn_shapes(drawings: Sequence[Drawing], labels: LabelTable) -> List[Shape]:
+    """Ways between labels, with what is blocked, and words at labels, as the program has them drawn."""
+    shapes: List[Shape] = []
+    ways = sorted((one for one in drawings if one.kind in WAYS), key=lambda one: list(WAYS).index(one.kind))
+    for height, one in enumerate(ways):
+        shapes += _way(one, labels[one.labels[0]], labels[one.labels[1]], 0.02 + 0.0001 * height)
+    marks: Dict[str, int] = {}
+    for one in drawings:
+        if one.kind is Kind.MARK:
+            label, number = labels[one.labels[0]], marks.get(one.labels[0], 0)
+            marks[one.labels[0]] = number + 1
+            shapes.append(_tag("drawn", label.frame, one.text, (label.x, label.y + 0.55 + 0.4 * number)))
+    return shapes
+
+
+def _way(one: Drawing, start: Label, end: Label, height: float) -> List[Shape]:
+    """A line between two labels, a bar across it if it is blocked, and its words."""
+    colour, width = WAYS[one.kind]
+    x, y = (start.x + end.x) / 2, (start.y + end.y) / 2
+    shapes = [_line(start.frame, colour, width, (start.x, start.y, height), (end.x, end.y, height))]
+    length = math.hypot(end.x - start.x, end.y - start.y)
+    if one.kind is Kind.BLOCKED and length:
+        across, up = BAR / 2 * (end.y - start.y) / length, BAR / 2 * (start.x - end.x) / length
+        shapes.append(_line(start.frame, colour, 3 * width, (x - across, y - up, 0.25), (x + across, y + up, 0.25)))
+    if one.text:
+        shapes.append(_tag("drawn", start.frame, one.text, (x, y + 0.5), (*colour[:3], 1.0)))
+    return shapes
+
+
+def _tag(group: str, frame: str, text: str, place: Tuple[float, float], colour: Colour = INK) -> Shape:
+    """Words that can be read on walls and furniture, above arrows."""
+    return text_shape(group, frame, text, (*place, 0.4), colour)._replace(plate=PAPER)
+
+
+def _line(frame: str, colour: Colour, width: float, start: Point, end: Point) -> Shape:
+    return Shape("drawn", "line", frame, colour, scale=(width, 0.0, 0.0), points=(start, end))
 
 
 def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
@@ -115,14 +129,12 @@ def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
     return steps
 
 
-def plan_shapes(
-    steps: Sequence[PlanStep], cycle: int, start: Optional[Tuple[float, float]], panel: Point, frame: str
-) -> List[Shape]:
-    """The way of the plan from cycle `cycle` on as arrows from `start` (where the robot is), and the plan as text."""
+def plan_shapes(steps: Sequence[PlanStep], cycle: int, start: Optional[Tuple[float, float]]) -> List[Shape]:
+    """The way of the plan from cycle `cycle` on as arrows from `start` (where the robot is)."""
     ahead = [step for step in steps if step.action.cycle >= cycle]
     before = next((step.place for step in reversed(steps) if step.action.cycle < cycle and step.place), None)
     here = start if start is not None else (before.x, before.y) if before is not None else None
-    shapes = [_panel(plan_text(steps, cycle), panel, frame)]
+    shapes: List[Shape] = []
     for step in ahead:
         place = step.place
         if place is None:
@@ -133,33 +145,6 @@ def plan_shapes(
             shapes.append(Shape("plan", "arrow", place.frame, colour, scale=(0.07, 0.2, 0.25), points=points))
         here = (place.x, place.y)
     return shapes
-
-
-def plan_text(steps: Sequence[PlanStep], cycle: int) -> str:
-    """The plan in words, a line for each action, the current one marked; what is far off is left out."""
-    lines = [_line(step.action, cycle) for step in steps]
-    first = max(0, min(sum(step.action.cycle < cycle for step in steps) - 1, len(lines) - MOST_LINES))
-    shown = lines[first : first + MOST_LINES]
-    if len(lines) - first > MOST_LINES:
-        shown[-1] = f"... {len(lines) - first - MOST_LINES + 1} more"
-    state = "plan" if any(step.action.cycle >= cycle for step in steps) else "idle"
-    return "\n".join([f"cycle {cycle}: {state}", *shown])
-
-
-def _line(action: Action, cycle: int) -> str:
-    mark = "  done" if action.cycle < cycle else "  now" if action.cycle == cycle else ""
-    return f"{action.cycle}. {action.interface_name} {action.parameter}{mark}"
-
-
-def _panel(text: str, top: Point, frame: str) -> Shape:
-    """The text with its upper edge at `top`; rviz puts the middle of a text where it is told."""
-    height = (text.count("\n") + 1) * LINE_HEIGHT * PLAN_TEXT_SIZE
-    return text_shape("plan", frame, text, (top[0], top[1] - height / 2, top[2]), INK, PLAN_TEXT_SIZE)
-
-
-def text_shape(group: str, frame: str, text: str, position: Point, colour: Colour, size: float = TEXT_SIZE) -> Shape:
-    """A text that faces the viewer; `size` is the height of a capital letter."""
-    return Shape(group, "text", frame, colour, position, (size, size, size), text)
 
 
 def _lane(start: Tuple[float, float], end: Tuple[float, float], z: float) -> Tuple[Point, Point]:

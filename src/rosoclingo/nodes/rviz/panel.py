@@ -1,0 +1,97 @@
+"""The words below the map in rviz: a title, and side by side the plan and the goals with their reasons."""
+
+import textwrap
+from typing import List, NamedTuple, Sequence, Tuple
+
+from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, Point, Shape, text_shape, text_width
+from rosoclingo.reasoning.keywords import Action, shortened
+from rosoclingo.runs.account import ENDED, STATUS_WORDS, reason_of
+
+__all__ = ["HEIGHT", "LINES", "Panel", "goals_text", "plan_text"]
+
+TITLE_SIZE = 0.5
+WORDS_SIZE = 0.28
+GAP = 0.15  # below the map, and below the title
+
+#: Lines of plan and goals, each below a heading; letters of a line.
+LINES, LETTERS = 8, 44
+
+#: What the panel takes, in m for a map of 16 m.
+WIDTH = 16.0
+HEIGHT = 2 * GAP + LINE_HEIGHT * (TITLE_SIZE + (LINES + 1) * WORDS_SIZE)
+
+#: A goal as the core tells of it: request, status as in actionlib_msgs/GoalStatus, and its reason.
+Told = Tuple[str, int, str]
+
+
+class Panel(NamedTuple):
+    """Where the words are: the middle of their upper edge (m), and by how much they are larger than for 16 m."""
+
+    top: Point
+    frame: str
+    factor: float = 1.0
+
+    def title(self, text: str) -> List[Shape]:
+        """The title, in the middle, as large as there is room for."""
+        if not text:
+            return []
+        return [self._words("title", text, 0.0, GAP, min(TITLE_SIZE, WIDTH / text_width(text, 1.0)))]
+
+    def plan(self, text: str) -> Shape:
+        """The plan, on the left."""
+        return self._words("plan", text, -0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
+
+    def goals(self, text: str) -> Shape:
+        """The goals, on the right."""
+        return self._words("goals", text, 0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
+
+    def _words(self, group: str, text: str, right: float, down: float, size: float) -> Shape:
+        """A text with its upper edge there; rviz puts the middle of a text where it is told."""
+        x, y, z = self.top
+        half = 0.5 * (text.count("\n") + 1) * LINE_HEIGHT * size
+        place = (x + self.factor * right, y - self.factor * down - half, z)
+        return text_shape(group, self.frame, text, place, size=size)
+
+
+def plan_text(actions: Sequence[Action], cycle: int) -> str:
+    """The plan in words, a line for each action, the current one marked; what is far off is left out."""
+    lines = [_line(action, cycle) for action in actions]
+    first = max(0, min(sum(action.cycle < cycle for action in actions) - 1, len(lines) - LINES))
+    shown = lines[first : first + LINES]
+    if len(lines) - first > LINES:
+        shown[-1] = f"... {len(lines) - first - LINES + 1} more"
+    state = "plan" if any(action.cycle >= cycle for action in actions) else "idle"
+    return "\n".join([f"cycle {cycle}: {state}", *shown])
+
+
+def _line(action: Action, cycle: int) -> str:
+    mark = "  done" if action.cycle < cycle else "  now" if action.cycle == cycle else ""
+    return f"{action.cycle}. {action.interface_name} {action.parameter}{mark}"
+
+
+def goals_text(goals: Sequence[Told]) -> str:
+    """The goals in words, with why they wait or have failed: those that are open, then the latest that have ended."""
+    told = [(request, STATUS_WORDS[number], reason) for request, number, reason in goals if number < len(STATUS_WORDS)]
+    still = [one for one in told if one[1] not in ENDED]
+    ended = [one for one in told if one[1] in ENDED][::-1]
+    lines: List[str] = []
+    shown = 0
+    for one in (*still, *ended):
+        words = _goal(*one)
+        if len(lines) + len(words) > LINES - (shown + 1 < len(told)):
+            break
+        lines, shown = lines + words, shown + 1
+    more = [f"... {len(told) - shown} more"] if shown < len(told) else []
+    counted = f"{len(still)} open, {len(ended)} ended" if told else "none"
+    return "\n".join([f"goals: {counted}", *lines, *more])
+
+
+def _goal(request: str, word: str, message: str) -> List[str]:
+    """A goal in lines; one of whatever length takes a few."""
+    reason = reason_of(request, message)
+    said = "waits" if word == "pending" and reason else word
+    needed = said in ("waits", "aborted", "rejected", "lost")
+    text = f"{shortened(request, LETTERS)}: {said}" + (
+        f", {shortened(reason, 3 * LETTERS)}" if needed and reason else ""
+    )
+    return textwrap.wrap(text, LETTERS, subsequent_indent="    ", break_long_words=True)[: LINES // 2]

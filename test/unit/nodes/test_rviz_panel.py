@@ -1,0 +1,113 @@
+"""The words below the map in rviz: plan and goals, side by side below a title."""
+
+import pytest
+
+from rosoclingo.nodes.rviz.panel import LETTERS, LINES, WIDTH, Panel, goals_text, plan_text
+from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, PAPER, larger, plated, text_shape, text_width
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.reasoning.keywords import action_of
+
+PLAN = ("move_base,office2", "move_base,office3", "pickup,1", "move_base,office2", "deliver,1")
+
+
+def actions(words=PLAN):
+    return [action_of(parse_atom(f"_action_lib({text},{cycle})")) for cycle, text in enumerate(words, 1)]
+
+
+def test_the_plan_in_words():
+    assert plan_text(actions(), 3).splitlines() == [
+        "cycle 3: plan",
+        "1. move_base office2  done",
+        "2. move_base office3  done",
+        "3. pickup 1  now",
+        "4. move_base office2",
+        "5. deliver 1",
+    ]
+    assert plan_text([], 7) == "cycle 7: idle"
+
+
+def test_long_plans_are_shown_in_part():
+    plan = actions([f"pickup,{number}" for number in range(1, 13)])
+    beginning = plan_text(plan, 1).splitlines()
+    assert (len(beginning), beginning[1], beginning[-1]) == (9, "1. pickup 1  now", "... 5 more")
+    middle = plan_text(plan, 4).splitlines()
+    assert (len(middle), middle[1], middle[-1]) == (9, "3. pickup 3  done", "... 3 more")
+    end = plan_text(plan, 12).splitlines()
+    assert (len(end), end[1], end[-1]) == (9, "5. pickup 5  done", "12. pickup 12  now")
+
+
+def test_the_goals_in_words_first_those_that_are_open():
+    goals = [
+        ("g(1)", 3, "g(1) is met"),
+        ("g(2)", 1, "g(2) is accepted"),
+        ("g(3)", 5, "g(3) there is no such place"),
+        ("g(4)", 0, "8 goals at a time are planned for"),
+        ("g(5)", 0, ""),
+    ]
+    assert goals_text(goals).splitlines() == [
+        "goals: 3 open, 2 ended",
+        "g(2): active",
+        "g(4): waits, 8 goals at a time are planned",
+        "    for",
+        "g(5): pending",
+        "g(3): rejected, there is no such place",
+        "g(1): succeeded",
+    ]
+    assert goals_text([]) == "goals: none"
+
+
+@pytest.mark.parametrize("length", [1, 30, 5000])
+@pytest.mark.parametrize("count", [1, LINES - 1, LINES, LINES + 1, 100])
+def test_any_goals_take_as_many_lines_as_there_are(count, length):
+    goals = [(f"g({'x' * length},{number})", 4, "because " * length) for number in range(count)]
+    heading, *lines = goals_text(goals).splitlines()
+    assert heading == f"goals: 0 open, {count} ended"
+    assert 1 <= len(lines) <= LINES
+    assert max(map(len, lines)) <= LETTERS
+    told = sum(not line.startswith((" ", "...")) for line in lines)
+    if told < count:
+        assert lines[-1] == f"... {count - told} more"
+
+
+def test_a_status_that_is_none_is_left_out():
+    assert goals_text([("g(1)", 99, ""), ("two\nlines", 1, "")]).splitlines() == [
+        "goals: 1 open, 0 ended",
+        "two lines: active",
+    ]
+
+
+def test_words_hang_from_their_upper_edges_side_by_side_below_the_title():
+    panel = Panel((8.0, -5.0, 0.3), "map", 2.0)
+    (title,), plan, goals = panel.title("office"), panel.plan("a\nplan"), panel.goals("goals")
+    shapes = [larger(one, 2.0) for one in (title, plan, goals)]
+    tops = [one.position[1] + (one.text.count("\n") + 1) * LINE_HEIGHT * one.scale[2] / 2 for one in shapes]
+    assert tops[1] == pytest.approx(tops[2])
+    assert -5.0 > tops[0] > tops[1] + LINE_HEIGHT * title.scale[2]
+    assert [one.position[0] for one in shapes] == [8.0, 8.0 - WIDTH / 2, 8.0 + WIDTH / 2]
+    assert panel.title("") == []
+
+
+def test_a_long_title_is_smaller():
+    (short,), (long,) = (Panel((0.0, 0.0, 0.0), "map").title(text) for text in ("office", "office " * 30))
+    assert long.scale[2] < short.scale[2]
+    assert text_width(long.text, long.scale[2]) == pytest.approx(WIDTH)
+
+
+def test_a_larger_text_keeps_its_upper_edge():
+    text = text_shape("plan", "map", "two\nlines", (1.0, 2.0, 0.3), size=0.5)
+    grown = larger(text, 3.0)
+    assert grown.scale == (1.5, 1.5, 1.5)
+    assert grown.position[1] + LINE_HEIGHT * 1.5 == pytest.approx(2.0 + LINE_HEIGHT * 0.5)
+
+
+def test_a_plate_is_below_its_text_and_as_wide():
+    text = text_shape("labels", "map", "office1", (1.0, 2.0, 0.4))._replace(plate=PAPER)
+    for one in (text, larger(text, 3.0)):
+        plate, above = plated(one)
+        assert above == one
+        assert plate.scale[0] > text_width("office1", one.scale[2])
+        assert plate.position[:2] == one.position[:2]
+        assert plate.position[2] < one.position[2]
+    disc, _ = plated(text._replace(turns=True))
+    assert (disc.kind, disc.scale[0]) == ("cylinder", disc.scale[1])
+    assert plated(text._replace(plate=None)) == [text._replace(plate=None)]
