@@ -14,13 +14,14 @@ class OclingoError(Exception):
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault of a program: where it is, what it is and what to write instead."""
+    """One fault of a program: where it is, what it is, what to write instead, its kind (program/lint/kinds.py)."""
 
     file: str
     line: int
     column: int
     message: str
     mend: str = ""
+    kind: str = "syntax"
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}: " if self.line else f"{self.file}: "

@@ -8,10 +8,12 @@ from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
+from rosoclingo.oclingo.program.lint.constants import given_values
+from rosoclingo.oclingo.program.lint.linting import findings, is_error, lint_program
+from rosoclingo.oclingo.program.lint.survey import LABELS
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.resuming import RESUMES
-from rosoclingo.reasoning.program_fitness import constant_remarks, program_warnings
 
 #: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
 PLANS = ("soon", "shortest")
@@ -80,28 +82,29 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
 
 
 def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]]:
-    """The reactive program of the parameters, and what is odd about it.
+    """The reactive program of the parameters, and what the lint says of it.
 
     Raises ProgramError with all its faults, ParameterError for constants that do not fit it.
     """
     sources = [Source.from_file(Path(name)) for name in parameters.program_files]
-    sources.append(Source("~labels", "".join(f"label({label}).\n" for label in parameters.labels)))
+    sources.append(Source(LABELS, "".join(f"label({label}).\n" for label in parameters.labels)))
     try:
         program = ReactiveProgram(sources, parameters.constants)
     except ProgramError:
         if parameters.constants:  # perhaps it is a constant that it cannot live with
             _check_constants(ReactiveProgram(sources), parameters.constants)
         raise
-    odd = _check_constants(program, parameters.constants)
-    return program, [*program_warnings(program), *odd]
+    _check_constants(program, parameters.constants)
+    texts = [(one.name, one.text) for one in program.texts]
+    return program, [str(one) for one in findings(lint_program(program, core=True), texts)]
 
 
-def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> List[str]:
-    """Return what is odd about the constants; raises ParameterError listing those that cannot be."""
-    remarks = constant_remarks(program, parse_constants(given))
-    if remarks.faults:
-        raise ParameterError("\n".join(f"~constants: {fault}" for fault in remarks.faults))
-    return [f"~constants: {warning}" for warning in remarks.warnings]
+def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None:
+    """Raise ParameterError listing the values that the program's constants cannot have."""
+    found = findings(given_values(program.survey, parse_constants(given)), ())
+    faults = [one.fault for one in found if is_error(one)]
+    if faults:
+        raise ParameterError("\n".join(f"~constants: {one.message} ({one.mend})" for one in faults))
 
 
 def _resume(reader: Reader) -> str:

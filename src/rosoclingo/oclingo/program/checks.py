@@ -5,18 +5,17 @@ is odd.
 """
 
 import re
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, List, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType
-from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN
+from rosoclingo.oclingo.program.lint.survey import Place, places
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import Signature
 
 KEYWORDS = {
     signature.name: signature
@@ -28,32 +27,11 @@ KEYWORDS = {
         Signature("_status", 3),
         Signature("_explain", 3),
         Signature("_cancel", 3),
+        Signature("_refuse", 3),
+        Signature("_says", 2),
     )
 }
 """The predicates by which a program talks to rosoclingo."""
-
-_TRIAL_STEPS = 3
-_TRIAL_RULES = 50_000  # a fraction of a second of grounding
-
-
-class Place(NamedTuple):
-    """An atom in a program."""
-
-    part: Part
-    statement: AST
-    occurrence: Occurrence
-
-    def fault(self, message: str, mend: str) -> Fault:
-        """Return a fault at the statement."""
-        begin = self.statement.location.begin
-        return Fault(begin.filename, begin.line, begin.column, message, mend)
-
-
-def places(parts: Sequence[Part]) -> Iterator[Place]:
-    """Yield every atom of the parts."""
-    for part in parts:
-        for statement, occurrence in part.atoms:
-            yield Place(part, statement, occurrence)
 
 
 def uses_keywords(parts: Sequence[Part]) -> bool:
@@ -68,9 +46,8 @@ def wrong_arities(parts: Sequence[Part]) -> List[Fault]:
         signature = place.occurrence.signature
         keyword = KEYWORDS.get(signature.name, signature)
         if signature.arity != keyword.arity:
-            found.append(
-                place.fault(f"keyword {signature.name} with {signature.arity} arguments", f"write {_form(keyword)}")
-            )
+            message = f"keyword {signature.name} with {signature.arity} arguments"
+            found.append(place.fault("keyword-arity", message, f"write {_form(keyword)}"))
     return found
 
 
@@ -83,6 +60,8 @@ def _form(keyword: Signature) -> str:
         "_cancel": "_cancel(Action,Parameter,C)",
         "_status": "_status(Id,Status,C)",
         "_explain": "_explain(What,Text,C)",
+        "_refuse": "_refuse(Fact,Text,C)",
+        "_says": "_says(Action,Text)",
     }
     return forms[keyword.name]
 
@@ -95,7 +74,8 @@ def missing_parts(parts: Sequence[Part]) -> List[Fault]:
         "cumulative": "write #program cumulative(t). and what holds at each step t",
         "volatile": "write #program volatile(t). and what a plan that ends at step t has to reach",
     }
-    return [Fault(first, 0, 0, f"the program has no {name} part", mends[name]) for name in mends if name not in present]
+    missing = [name for name in mends if name not in present]
+    return [Fault(first, 0, 0, f"the program has no {name} part", mends[name], "missing-part") for name in missing]
 
 
 def late_externals(
@@ -114,7 +94,7 @@ def late_externals(
         signature = place.occurrence.signature
         known = declared.get(signature, []) if signature not in opens | heads else []
         if known and all(_too_late(place, one, constants) for one in known):
-            found.append(place.fault(*_late(place, known[0])))
+            found.append(place.fault("late-external", *_late(place, known[0])))
     return found
 
 
@@ -153,74 +133,3 @@ def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol
 def _arguments(place: Place) -> Sequence[AST]:
     term = place.occurrence.term
     return list(term.arguments) if term.ast_type == ASTType.Function else []
-
-
-class _TrialTooLargeError(Exception):
-    """A trial grounding has come to its bound."""
-
-
-class _Heads(Observer):
-    """Notes which atoms rules define; ends a grounding of too many rules, which may have no end."""
-
-    def __init__(self) -> None:
-        self.fresh: Set[int] = set()
-        self._left = _TRIAL_RULES
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """A rule; raises _TrialTooLargeError where there are too many."""
-        self._left -= 1
-        if self._left < 0:
-            raise _TrialTooLargeError
-        self.fresh.update(head)
-
-
-def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
-    """Return the predicates that rules of steps define without, or with differing, steps in them."""
-    offsets: Dict[Signature, Set[object]] = {}
-    stepped: Set[Signature] = set()
-    for place in places(parts):
-        if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
-            signature, step = place.occurrence.signature, place.part.parameter
-            found = {time_offset(one, step, constants) for one in _arguments(place)} - {None} if step else set()
-            offsets.setdefault(signature, set()).update(found or {None})
-            stepped.update({signature} if step else ())
-    return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
-
-
-def redefinitions(control: clingo.Control, parts: Sequence[Part], first: int) -> List[Fault]:
-    """Ground a few steps on ``control``, which has the program loaded, and return the heads that two steps define.
-
-    What is too large for a trial is not judged: a real grounding tells.
-    """
-    observer = _Heads()
-    control.register_observer(observer)
-    twice: Set[int] = set()
-    try:
-        control.ground([("base", [])])
-        defined = set(observer.fresh)
-        for step in range(first, first + _TRIAL_STEPS):
-            observer.fresh.clear()
-            control.ground([(name, [clingo.Number(step)]) for name in ("cumulative", "volatile")])
-            twice |= observer.fresh & defined
-            defined |= observer.fresh
-    except _TrialTooLargeError:
-        return []
-    names: Dict[Signature, str] = {}
-    for one in control.symbolic_atoms:
-        if one.literal in twice:
-            names.setdefault(signature_of(one.symbol), str(one.symbol))
-    return [fault for signature in sorted(names) for fault in redefined_by(parts, names[signature], {signature})]
-
-
-def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
-    """Return a fault for each rule of a step with a head of ``signatures``; ``name`` is the atom in question."""
-    message = f"redefinition: {name} is defined by the rules of two steps"
-    mend = "give the head the step, like p(t), or move the rule to base"
-    return [
-        place.fault(message, mend)
-        for place in places(parts)
-        if place.occurrence.head
-        and place.part.parameter
-        and place.occurrence.signature in signatures
-        and place.statement.ast_type == ASTType.Rule
-    ]

@@ -60,7 +60,7 @@ class Messages:
 def _fault(text: str, parameter_at: ParameterAt) -> Fault:
     match = _MESSAGE.match(text)
     if match is None:
-        return Fault("<program>", 0, 0, text)
+        return Fault("<program>", 0, 0, text, kind=_kind_of(text))
     message = (
         _GUARD.sub("", _PART.sub(":- ", match.group("text").strip())).replace(":- .", ".").replace("#void:-", ":-")
     )
@@ -68,16 +68,22 @@ def _fault(text: str, parameter_at: ParameterAt) -> Fault:
         message = form.sub(written, message)
     if "#Inc0" in message:
         message = message.replace("#Inc0", parameter_at(match.group("file"), int(match.group("line"))))
-    mend = ""
+    mend, kind = "", _kind_of(match.group("kind"))
     variables = sorted({note.group("variable") for note in _NOTE.finditer(message)})
     if variables:
+        kind = "unsafe"
         rule = _NOTE.sub("", message).split("\n", 1)[-1].strip()
         rule = rule.replace(":- 0=0;", ":- ")
         message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
         mend = "bind each variable by a positive body literal, for instance a domain like office(X)"
     elif message.startswith("operation undefined:"):
+        kind = "undefined-operation"
         message = (
             "undefined operation " + message.split("\n", 1)[-1].strip() + ": the instances that need it are left out"
         )
         mend = "see to it that both sides are numbers, and no divisor is 0"
-    return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, mend)
+    return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, mend, kind)
+
+
+def _kind_of(word: str) -> str:
+    return "syntax" if word == "error" else "clingo"

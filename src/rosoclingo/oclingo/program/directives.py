@@ -7,9 +7,10 @@ numbers.
 
 import re
 from dataclasses import dataclass, field
-from typing import Callable, Dict, List, Match, Tuple
+from typing import Callable, Dict, List, Match, NamedTuple
 
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.progression.terms import Signature
 
 VOLATILE_PREFIX = "__oclingo_volatile_"
 """Name of a volatile program part, followed by the index of its window in :attr:`Directives.windows`."""
@@ -56,12 +57,20 @@ class Placed:
     line: int
 
 
+class Opened(NamedTuple):
+    """A predicate of ``#external p/n.`` with the place where it stands."""
+
+    signature: Signature
+    file: str
+    line: int
+
+
 @dataclass
 class Directives:
     """What oClingo's directives in a program say, in order of appearance."""
 
     windows: List[Placed] = field(default_factory=list)
-    signatures: List[Tuple[str, int, bool]] = field(default_factory=list)
+    opened: List[Opened] = field(default_factory=list)
     forgets: List[Placed] = field(default_factory=list)
     first_steps: List[Placed] = field(default_factory=list)
     faults: List[Fault] = field(default_factory=list)
@@ -128,7 +137,8 @@ def _volatile(found: Directives, match: "Match[str]", file: str, line: int) -> s
 
 
 def _external(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    found.signatures.append((match.group("name"), int(match.group("arity")), not match.group("sign")))
+    signature = Signature(match.group("name"), int(match.group("arity")), not match.group("sign"))
+    found.opened.append(Opened(signature, file, line))
     return ""
 
 

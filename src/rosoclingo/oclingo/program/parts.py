@@ -75,7 +75,8 @@ def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part
         begin = header.location.begin
         text = "{}({})".format(name, ",".join(parameters)) if parameters else name
         mend = "a reactive program has the parts base, cumulative(t) and volatile(t)"
-        faults.append(Fault(begin.filename, begin.line, begin.column, f"unknown program part {text}", mend))
+        message = f"unknown program part {text}"
+        faults.append(Fault(begin.filename, begin.line, begin.column, message, mend, "unknown-part"))
         window = ""  # without its parameter there is no guard
     parameter = parameters[0] if parameters else ""
     # one name of the parameter for clingo as for us: parts of the same name may call it differently

@@ -7,19 +7,24 @@ from pathlib import Path
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 import clingo
-from clingo.ast import AST, ASTType, ProgramBuilder, parse_string
+from clingo.ast import ASTType, ProgramBuilder
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
-from rosoclingo.oclingo.program import checks, remarks
+from rosoclingo.oclingo.program import checks
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, closing_text, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.delays import Delays
-from rosoclingo.oclingo.program.directives import Directives, Placed
+from rosoclingo.oclingo.program.directive_values import constant_values, number_of
+from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
+from rosoclingo.oclingo.program.lint.constants import given_values
+from rosoclingo.oclingo.program.lint.predicates import undefined
+from rosoclingo.oclingo.program.lint.survey import Survey
+from rosoclingo.oclingo.program.lint.trial import Trial, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
-from rosoclingo.oclingo.program.signatures import Dependencies, evaluate, has_weights, rule_edges
+from rosoclingo.oclingo.program.signatures import Dependencies, has_weights, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
@@ -46,30 +51,40 @@ class ReactiveProgram:
         shows: the predicates of ``#show p/n.``
         domains: what the rules of a step could use of open signatures, where they tell.
         return_rules: rules that tell what returns bear on; None where they can't.
-        warnings: what is odd but usable, as text.
+        faults: why it cannot be used; there are some where it is ``lenient`` alone.
+        remarks: what is odd but usable.
+        survey: its statements by predicates.
 
     """
 
     def __init__(
-        self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
+        self,
+        sources: Sequence[Source],
+        constants: Optional[Mapping[str, str]] = None,
+        whole: bool = False,
+        lenient: bool = False,
     ) -> None:
         """Take the texts in order; with ``whole`` all that they include is among them.
 
-        Raises ProgramError with all faults that can be found without grounding.
+        Raises ProgramError with all faults that can be found without grounding; a ``lenient`` one, which is to be
+        looked at alone, has those in its ``faults`` that do not keep it from being read.
         """
         self.sources = tuple(sources)
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
         self._directives = Directives()
-        self.warnings: List[str] = []
-        parsed = read_sources(sources, self._directives, self.warnings, whole)
+        self.remarks: List[Fault] = []
+        self._said: Optional[List[Fault]] = None  # what clingo says of the first steps, once they have been ground
+        parsed = read_sources(sources, self._directives, self.remarks, whole)
         self.texts = tuple(one.source for one in parsed)
         self._delays: Optional[Delays] = None
         self._known_delays: Dict[Signature, Optional[int]] = {}
         self.parts: List[Part] = rewrite(parsed, self._directives)
-        opened = {Signature(*one) for one in self._directives.signatures}
+        opened = {one.signature for one in self._directives.opened}
         self.parts += rewrite(read_sources([closing_text(self.parts, opened)], Directives(), []), Directives())
         self._collect()
-        self._check()
+        self.faults = tuple(self._check())
+        if self.faults and not lenient:
+            raise ProgramError(self.faults)
         self._collect_patterns()
 
     @classmethod
@@ -83,6 +98,11 @@ class ReactiveProgram:
     ) -> "ReactiveProgram":
         """Take one text; ``name`` stands for the file in messages."""
         return cls([Source(name, text)], constants)
+
+    @property
+    def warnings(self) -> List[str]:
+        """What is odd but usable, as text."""
+        return [str(one) for one in self.remarks]
 
     @property
     def fingerprint(self) -> str:
@@ -225,7 +245,7 @@ class ReactiveProgram:
         self.dependencies = Dependencies()
         self.signatures: Set[Signature] = set()
         self.head_signatures: Set[Signature] = set()
-        self.open_signatures = {Signature(*one) for one in self._directives.signatures}
+        self.open_signatures = {one.signature for one in self._directives.opened}
         self.external_signatures = set(self.open_signatures)
         self._open_parts: Dict[Tuple[Signature, bool], OpenPart] = {
             (signature, fact): open_part(signature, fact)
@@ -292,76 +312,67 @@ class ReactiveProgram:
                     return part.parameter
         return "t"
 
-    def _evaluate_directives(self, control: clingo.Control) -> None:
-        """Give windows, the first step and the constants in patterns their values."""
-        names = {s.name for part in self.parts for s in part.statements if s.ast_type == ASTType.Definition}
-        values = {name: control.get_const(name) for name in names | set(self.constants)}
-        self._values = {name: value for name, value in values.items() if value is not None}
+    def _evaluate_directives(self, control: Optional[clingo.Control]) -> List[Fault]:
+        """Give windows, the first step and the constants in patterns their values; return what has none."""
         faults: List[Fault] = []
-        self.windows = sorted({self._number(one, faults) for one in self._directives.windows} | {1})
-        first = [self._number(one, faults) for one in self._directives.first_steps]
+        self._values = constant_values(self.parts, self.constants, control)
+        self.windows = sorted({number_of(one, self._values, faults) for one in self._directives.windows} | {1})
+        first = [number_of(one, self._values, faults) for one in self._directives.first_steps]
         self.first_step = min([1, *first[-1:]])
         self.forgets = self._directives.forgets
         for one in self.forgets:
-            self._number(one, faults, **{one.parameter: 1})
-        if faults:
-            raise ProgramError(faults)
-
-    def _number(self, placed: Placed, faults: List[Fault], **parameters: int) -> int:
-        """Return the value of a directive's term under constants and ``parameters``; 1 and a fault for none."""
-        values = dict(self._values, **{name: clingo.Number(value) for name, value in parameters.items()})
-        terms: List[AST] = []
-        try:
-            parse_string(f"value({placed.value}).", terms.append, logger=lambda code, text: None)
-        except RuntimeError:
-            faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no term"))
-            return 1
-        value = evaluate(terms[-1].head.atom.symbol.arguments[0], values)
-        if value is None or value.type != clingo.SymbolType.Number:
-            mend = "write a number, or a name that a #const gives a number"
-            faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no number", mend))
-            return 1
-        return value.number
+            number_of(one, self._values, faults, **{one.parameter: 1})
+        return faults
 
     def forgotten_at(self, step: int) -> List[int]:
         """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
-        return [self._number(one, [], **{one.parameter: step}) for one in self.forgets]
+        return [number_of(one, self._values, [], **{one.parameter: step}) for one in self.forgets]
 
-    def _check(self) -> None:
-        """Raise ProgramError with all faults that show before anything is grounded, or in the first steps."""
+    def _check(self) -> List[Fault]:
+        """Return all faults that show before anything is grounded, or in the first steps; note what is odd."""
         messages = Messages()
         faults = checks.wrong_arities(self.parts)
+        control: Optional[clingo.Control] = None
         try:
             control = self._control(messages)
-            self._evaluate_directives(control)
         except ProgramError as error:
-            raise ProgramError([*faults, *error.faults]) from None
+            faults += error.faults
+        faults += self._evaluate_directives(control)
         odd = checks.missing_parts(self.parts)
         odd += checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self._values)
         if checks.uses_keywords(self.parts):
             faults += [one for one in odd if "volatile part" not in one.message]
             odd = [one for one in odd if one not in faults]
-        odd += remarks.undefined(self.parts, self.head_signatures | self.external_signatures)
-        odd += messages.new_remarks(self.parameter_at)
-        self.warnings += [str(one) for one in odd]
-        self.warnings += remarks.unknown_constants(self.parts, self.constants)
-        if not faults and checks.suspicious_heads(self.parts, self._values):
-            faults += self._redefinitions(control, messages)
-        if faults:
-            raise ProgramError(faults)
+        self.survey = Survey(self.parts, self._values, self._directives.opened)
+        self.remarks += [*odd, *undefined(self.survey), *messages.new_remarks(self.parameter_at)]
+        self.remarks += given_values(self.survey, self.constants)
+        if not faults and control is not None and suspicious_heads(self.parts, self._values):
+            faults += self._try(control, messages)
+        return faults
 
     def redefinition_of(self, atom: str) -> List[Fault]:
         """Return a fault for each rule that may have defined ``atom``, so far defined by another step's, once more."""
-        suspects = checks.suspicious_heads(self.parts, self._values)
+        suspects = suspicious_heads(self.parts, self._values)
         try:
             named = {signature_of(parse_atom(atom))}
         except ProgressionError:  # clingo has no name for it
             named = suspects
-        found = checks.redefined_by(self.parts, atom or "an atom", named)
-        return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice")]
+        found = redefined_by(self.parts, atom or "an atom", named)
+        return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice", kind="redefinition")]
 
-    def _redefinitions(self, control: clingo.Control, messages: Messages) -> List[Fault]:
+    def said_of_steps(self) -> List[Fault]:
+        """Return what clingo says of the first steps, which are ground for it unless they have been."""
+        if self._said is None and not self.faults:
+            messages = Messages()
+            self._try(self._control(messages), messages)
+        return self._said or []
+
+    def _try(self, control: clingo.Control, messages: Messages) -> List[Fault]:
+        """Ground the first steps; return the faults that show, and note what clingo says of them."""
+        self._said = []
         try:
-            return checks.redefinitions(control, self.parts, self.first_step)
+            faults = Trial(control, self.first_step).redefinitions(self.parts)
         except RuntimeError as error:
             return messages.faults(error, self.parameter_at)
+        self._said = [one for one in messages.new_remarks(self.parameter_at) if one not in self.remarks]
+        return faults

@@ -1,7 +1,7 @@
 """Program texts: read from files with what they include, translated from gringo 3's dialect, parsed by clingo."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
 
@@ -45,7 +45,7 @@ class Parsed(NamedTuple):
 
 
 def read_sources(
-    sources: Sequence[Source], found: Directives, warnings: List[str], whole: bool = False
+    sources: Sequence[Source], found: Directives, remarks: List[Fault], whole: bool = False
 ) -> List[Parsed]:
     """Parse ``sources`` and what they include, in either dialect; add oClingo's directives to ``found``.
 
@@ -59,7 +59,8 @@ def read_sources(
     try:
         results = translate_program([(source.name, source.text) for source in collector.sources])
         texts = [result.text for result in results]
-        warnings.extend(warning for result in results for warning in result.warnings)
+        for source, result in zip(collector.sources, results):
+            remarks.extend(_remark(source.name, warning) for warning in result.warnings)
     except ProgramError as error:
         faults.extend(error.faults)
     parsed = [_parse(source, text, found, faults) for source, text in zip(collector.sources, texts)]
@@ -109,9 +110,15 @@ def _parse(source: Source, text: str, found: Directives, faults: List[Fault]) ->
     return Parsed(source, statements)
 
 
+def _remark(name: str, text: str) -> Fault:
+    """Return what the translation says of a file, NAME:LINE:COLUMN: MESSAGE."""
+    line, column, message = text[len(name) + 1 :].split(":", 2)
+    return Fault(name, int(line), int(column), message.strip(), kind="translation")
+
+
 def _named(fault: Fault, name: str) -> Fault:
     message = fault.message.replace("<string>", name)
-    return Fault(name if fault.file == "<string>" else fault.file, fault.line, fault.column, message, fault.mend)
+    return replace(fault, file=name if fault.file == "<string>" else fault.file, message=message)
 
 
 #: What nodes of a kind have below them; clingo works it out anew for each node.

@@ -11,9 +11,9 @@ from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import is_action_of
+from rosoclingo.oclingo.program.lint.predicates import likely
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.remarks import likely
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
 from rosoclingo.oclingo.progression.strings import holds_string_apart
 from rosoclingo.oclingo.progression.terms import signature_of

@@ -3,7 +3,7 @@
 import pytest
 
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
-from rosoclingo.oclingo.program import checks
+from rosoclingo.oclingo.program.lint.trial import suspicious_heads
 
 STEPS = "#program cumulative(t).\n{ m(t) }.\n#program volatile(t).\n"
 
@@ -32,7 +32,7 @@ def faults(text):
 )
 def test_heads_that_two_steps_may_define(rules, suspects):
     program = ReactiveProgram.from_text(f"{{ d(1..2) ; e }}. #program cumulative(t). {rules} #program volatile(t).")
-    assert " ".join(sorted(map(str, checks.suspicious_heads(program.parts, {})))) == suspects
+    assert " ".join(sorted(map(str, suspicious_heads(program.parts, {})))) == suspects
 
 
 def test_a_redefinition_is_told_of_rules_alone():

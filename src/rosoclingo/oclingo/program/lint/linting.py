@@ -1,0 +1,71 @@
+"""All that may be wrong with a program, at once and in order; what a comment silences is left out."""
+
+from typing import Iterable, List, Mapping, Optional, Sequence, Tuple
+
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.program import checks
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
+from rosoclingo.oclingo.program.lint.constants import words_for_numbers
+from rosoclingo.oclingo.program.lint.kinds import ERROR, KINDS, WARNING, Finding
+from rosoclingo.oclingo.program.lint.predicates import contradictions, never_matching, unfounded, unused
+from rosoclingo.oclingo.program.lint.silence import Silences
+from rosoclingo.oclingo.program.lint.steps import histories, stepless
+from rosoclingo.oclingo.program.lint.talk import missing_words, statuses
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+
+Texts = Iterable[Tuple[str, str]]
+
+
+def lint_sources(
+    sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
+) -> Tuple[Optional[ReactiveProgram], List[Fault]]:
+    """Return a program, which may have faults, and what may be wrong with it; None where it can't even be read.
+
+    With ``whole`` all that the sources include is among them.
+    """
+    try:
+        program = ReactiveProgram(sources, constants, whole, lenient=True)
+    except ProgramError as error:
+        return None, list(error.faults)
+    return program, lint_program(program)
+
+
+def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[Fault]:
+    """Return what may be wrong with a program, with its faults; silenced or not.
+
+    ``core`` says whether it is for rosoclingo's core; without, its keywords tell.
+    """
+    survey, values = program.survey, ArgumentValues(program.survey)
+    found = [*program.faults, *program.remarks, *program.said_of_steps()]
+    found += [*unused(survey), *never_matching(survey, values), *unfounded(survey, values), *contradictions(survey)]
+    found += [*stepless(survey), *words_for_numbers(survey)]
+    if checks.uses_keywords(program.parts) if core is None else core:
+        found += [*missing_words(survey), *statuses(survey, values), *histories(survey)]
+    proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
+    return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
+
+
+def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[Finding]:
+    """Return the faults that no comment in ``texts`` silences, each once, in the order of files and lines.
+
+    Those that are ``grave``, a program's own faults, are errors whatever their kinds are, and can't be silenced.
+    """
+    listed = list(texts)
+    order = {name: number for number, (name, _) in enumerate(listed)}
+    silences, errors = Silences(listed), set(grave)
+    told = dict.fromkeys([*faults, *silences.faults])
+    found = [
+        Finding(one, ERROR if one in errors else KINDS[one.kind].severity)
+        for one in told
+        if one in errors or not silences.covers(one)
+    ]
+    return sorted(found, key=lambda one: (order.get(one.fault.file, len(order)), one.fault.line, one.fault.column))
+
+
+def is_error(finding: Finding) -> bool:
+    """Tell whether a finding keeps the program from being used."""
+    return finding.severity == ERROR
+
+
+__all__ = ["ERROR", "WARNING", "Finding", "findings", "is_error", "lint_program", "lint_sources"]

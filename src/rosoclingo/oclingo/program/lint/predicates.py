@@ -1,0 +1,196 @@
+"""Predicates that nothing defines or nothing looks at, atoms that cannot be true, names that look misspelt."""
+
+from difflib import SequenceMatcher, get_close_matches
+from typing import Collection, Dict, Iterable, Iterator, List, Optional, Set
+
+from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.checks import KEYWORDS
+from rosoclingo.oclingo.program.lint.argument_values import WILD, ArgumentValues, Rule, parted
+from rosoclingo.oclingo.program.lint.survey import LABELS, OWN, Place, Survey, fault_at
+from rosoclingo.oclingo.program.signatures import occurrences
+from rosoclingo.oclingo.progression.terms import Signature
+
+#: What others tell a program; the other keywords they hear of it, besides what it shows.
+TOLD = ("_request", "_return", "_failed", "_cancel")
+HEARD = frozenset(one for one in KEYWORDS.values() if one.name not in TOLD)
+
+_ALIKE = 0.8  # so alike, of 1, are names of which one may be a slip of the other
+_SHORTEST = 4  # names with fewer letters are alike by chance
+_MANY = 6  # values that a message lists
+
+
+def undefined(survey: Survey) -> List[Fault]:
+    """Return, once for each, the predicates that the program mentions though nothing can make them true."""
+    found: List[Fault] = []
+    defined = survey.known
+    for signature in dict.fromkeys([*survey.using, *survey.shown]):
+        if signature in defined | survey.silenced:
+            continue
+        node = survey.using[signature][0].occurrence.term if signature in survey.using else survey.shown[signature]
+        message = f"no rule and no #external defines {signature}: it is never true"
+        found.append(fault_at(node, "undefined", message, _mend(signature, defined)))
+    return found
+
+
+def _mend(signature: Signature, known: Set[Signature]) -> str:
+    near = likely(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
+    if near is not None:
+        return f"is {near} meant? else write #defined {signature}."
+    return f"write a rule or an #external for it, or #defined {signature}."
+
+
+def likely(signature: Signature, known: Iterable[Signature]) -> Optional[Signature]:
+    """Return the one of ``known`` that ``signature`` may have been meant to be, None where nothing is like it."""
+    names: Dict[str, List[Signature]] = {}
+    for one in sorted(known):
+        if one != signature and not one.name.startswith(OWN):
+            names.setdefault(one.name, []).append(one)
+    close = get_close_matches(signature.name, names, 1)
+    if not close:
+        return None
+    return min(names[close[0]], key=lambda one: abs(one.arity - signature.arity))
+
+
+# ---- nothing looks at it --------------------------------------------------------------------------------------------
+
+
+def unused(survey: Survey) -> List[Fault]:
+    """Return the predicates that nothing looks at: those that look misspelt, others where not all is shown anyway."""
+    found: List[Fault] = []
+    looked_at = {one for one in survey.using if _is_used(survey, one)} | survey.shown.keys() | HEARD
+    for signature in [*survey.opened, *survey.declaring, *survey.defining]:
+        if signature in looked_at:
+            continue
+        meant = _slip_of(signature, looked_at | {*KEYWORDS.values()}, survey.shows)
+        told = survey.defining.get(signature, survey.declaring.get(signature))
+        if meant is not None:
+            mend = f"is {meant} meant?"
+            found += _at(survey, signature, told, "misspelt", mend)
+        elif survey.shows:
+            found += _at(survey, signature, told, "unused", f"use it, #show {signature}. or leave it out")
+    return found
+
+
+def _is_used(survey: Survey, signature: Signature) -> bool:
+    """Tell whether the predicate is looked at elsewhere than where it defines itself."""
+    return any(not _defines_alone(one.statement, signature) for one in survey.using[signature])
+
+
+def _defines_alone(statement: AST, signature: Signature) -> bool:
+    heads = {one.signature for one in occurrences(statement) if one.head}
+    return statement.ast_type == ASTType.Rule and heads == {signature}
+
+
+def _at(survey: Survey, signature: Signature, told: Optional[List[Place]], kind: str, mend: str) -> Iterator[Fault]:
+    if told is None:
+        opened = survey.opened[signature]
+        yield Fault(opened.file, opened.line, 1, f"nothing looks at the external {signature}", mend, kind)
+    elif told[0].occurrence.term.location.begin.filename != LABELS:
+        what = "the external " if told[0].declares else ""
+        shown = "" if told[0].declares or not survey.shows else ", and nothing shows it"
+        yield told[0].fault(kind, f"nothing looks at {what}{signature}{shown}", mend)
+
+
+def _slip_of(signature: Signature, used: Collection[Signature], shows: bool) -> Optional[Signature]:
+    """Return what of the ``used`` predicates a predicate that is not used may stand for."""
+    same = [one for one in used if one.name == signature.name and one.positive == signature.positive]
+    if same and shows:
+        return min(same, key=lambda one: abs(one.arity - signature.arity))
+    alike = [one for one in sorted(used) if one.arity == signature.arity and _alike(one.name, signature.name)]
+    return max(alike, key=lambda one: _likeness(one.name, signature.name), default=None)
+
+
+def _alike(one: str, other: str) -> bool:
+    short = min(len(one), len(other)) < _SHORTEST or one.startswith("_") != other.startswith("_")
+    return one != other and not short and _likeness(one, other) >= _ALIKE
+
+
+def _likeness(one: str, other: str) -> float:
+    return SequenceMatcher(None, one, other).ratio()
+
+
+# ---- what can never be true -----------------------------------------------------------------------------------------
+
+
+def never_matching(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the atoms in bodies with an argument that nothing gives their predicate."""
+    found = []
+    for signature, used in survey.using.items():
+        if signature in survey.known and values.is_possible(signature):
+            found += [fault for place in used for fault in _mismatch(place, values)]
+    return found
+
+
+def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
+    term = place.occurrence.term
+    position = values.fits(term, place.part.parameter)
+    if position is not None:
+        argument = parted(term)[1][position]
+        known = sorted(str(one).replace(str(WILD), "_") for one in values.of(place.signature, position) or ())
+        message = f"{place.signature} is never true with {argument} as argument {position + 1}"
+        yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
+
+
+def likely_value(text: str, known: Collection[str]) -> str:
+    """Return which of the values ``known`` may be meant by ``text``, or which there are."""
+    close = get_close_matches(text, list(known), 1)
+    if close:
+        return f"is {close[0]} meant?"
+    shown = sorted(known)[:_MANY]
+    return "it may be {}{}".format(", ".join(shown), " ..." if len(known) > _MANY else "")
+
+
+def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the predicates with rules that need one another in a circle, so that none is ever true."""
+    needs: Dict[Signature, Set[Signature]] = {}
+    excused: Set[Signature] = set()
+    for rule in values.rules:
+        signature = parted(rule.head)[0]
+        if not values.is_possible(signature):
+            missing = {one for one in _needed(rule) if not values.is_possible(one)}
+            needs.setdefault(signature, set()).update(missing)
+            excused.update(() if missing else {signature})
+    before = -1
+    while before < len(excused):
+        before = len(excused)
+        excused |= {one for one, missing in needs.items() if missing & excused}
+    found = []
+    for signature in needs.keys() - excused:
+        names = ", ".join(map(str, sorted(needs[signature])))
+        message = f"{signature} is never true: its rules need {names}, and no fact or choice is at the bottom of these"
+        told = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
+        found.append(told[0].fault("unfounded", message, "write the rule by which it begins"))
+    return found
+
+
+def _needed(rule: Rule) -> List[Signature]:
+    return [parted(term)[0] for term in rule.atoms]
+
+
+def contradictions(survey: Survey) -> List[Fault]:
+    """Return the bodies that can't hold, since they have an atom and its negation or compare a term with itself."""
+    found = []
+    for _, statement, _ in survey.statements:
+        literals = [one for one in _body(statement) if one.ast_type == ASTType.Literal]
+        plain = {str(one.atom) for one in literals if one.sign == Sign.NoSign}
+        for one in literals:
+            if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
+                message = f"{one.atom} and not {one.atom} stand in one body: it never holds"
+                found.append(fault_at(one, "contradiction", message, "leave one of them out"))
+            elif one.atom.ast_type == ASTType.Comparison and _compares_nothing(one):
+                message = f"{one.atom} never holds"
+                found.append(fault_at(one, "contradiction", message, "compare it with something else"))
+    return found
+
+
+def _body(statement: AST) -> List[AST]:
+    return list(statement.body) if hasattr(statement, "body") else []
+
+
+def _compares_nothing(literal: AST) -> bool:
+    strict = (ComparisonOperator.NotEqual, ComparisonOperator.LessThan, ComparisonOperator.GreaterThan)
+    guards = literal.atom.guards
+    same = len(guards) == 1 and str(guards[0].term) == str(literal.atom.term) != "_"
+    return same and literal.sign == Sign.NoSign and guards[0].comparison in strict

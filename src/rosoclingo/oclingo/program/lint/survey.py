@@ -1,0 +1,124 @@
+"""A program as the lint looks at it: its statements, and who defines, declares, uses and shows which predicate."""
+
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.directives import Opened
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.progression.terms import Signature
+
+OWN = "__oclingo"
+"""How the names of rosoclingo's own predicates begin."""
+
+MADE = ("<program>", "<string>")
+"""Files of statements that rosoclingo adds to a program."""
+
+LABELS = "~labels"
+"""The file of the facts by which the core tells a program its labels."""
+
+
+class Place(NamedTuple):
+    """An atom in a program."""
+
+    part: Part
+    statement: AST
+    occurrence: Occurrence
+
+    @property
+    def signature(self) -> Signature:
+        """The atom's predicate."""
+        return self.occurrence.signature
+
+    @property
+    def declares(self) -> bool:
+        """Whether an ``#external`` declares the atom."""
+        return self.occurrence.head and self.statement.ast_type == ASTType.External
+
+    @property
+    def defines(self) -> bool:
+        """Whether a rule has the atom in its head."""
+        return self.occurrence.head and self.statement.ast_type == ASTType.Rule
+
+    def fault(self, kind: str, message: str, mend: str) -> Fault:
+        """Return a fault at the atom."""
+        return fault_at(self.occurrence.term, kind, message, mend)
+
+
+def fault_at(node: AST, kind: str, message: str, mend: str) -> Fault:
+    """Return a fault at a statement or a term."""
+    begin = node.location.begin
+    return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
+
+
+def places(parts: Sequence[Part]) -> Iterator[Place]:
+    """Yield every atom of the parts."""
+    for part in parts:
+        for statement, occurrence in part.atoms:
+            yield Place(part, statement, occurrence)
+
+
+class Survey:
+    """What the statements of a program are about; rosoclingo's own ones are left out.
+
+    Attributes:
+        parts: the program's parts.
+        constants: the values of its constants.
+        opened: the predicates of ``#external p/n.``, each with its place.
+        statements: the statements with their parts and atoms.
+        defining: for each predicate its atoms in heads of rules.
+        declaring: for each predicate its atoms in ``#external`` statements.
+        using: for each predicate its other atoms.
+        shown: the predicates of ``#show p/n.``, each with its statement.
+        shows: whether there is any ``#show``; without, all is shown.
+        silenced: the predicates of ``#defined p/n.``
+
+    """
+
+    def __init__(
+        self, parts: Sequence[Part], constants: Mapping[str, clingo.Symbol], opened: Sequence[Opened] = ()
+    ) -> None:
+        self.parts, self.constants = parts, dict(constants)
+        self.opened: Dict[Signature, Opened] = {one.signature: one for one in opened}
+        self.statements: List[Tuple[Part, AST, List[Occurrence]]] = []
+        self.defining: Dict[Signature, List[Place]] = {}
+        self.declaring: Dict[Signature, List[Place]] = {}
+        self.using: Dict[Signature, List[Place]] = {}
+        self.shown: Dict[Signature, AST] = {}
+        self.silenced: Set[Signature] = set()
+        self.shows = False
+        for part in parts:
+            for statement, found in part.found:
+                if statement.location.begin.filename not in MADE:
+                    self._take(part, statement, found)
+
+    def _take(self, part: Part, statement: AST, found: List[Occurrence]) -> None:
+        self.statements.append((part, statement, found))
+        kind = statement.ast_type
+        self.shows |= kind in (ASTType.ShowSignature, ASTType.ShowTerm)
+        if kind == ASTType.ShowSignature and statement.name:  # "#show." is one without a name
+            self.shown.setdefault(Signature(statement.name, statement.arity, bool(statement.positive)), statement)
+        if kind == ASTType.Defined:
+            self.silenced.add(Signature(statement.name, statement.arity, bool(statement.positive)))
+        for one in found:
+            place = Place(part, statement, one)
+            if not one.signature.name.startswith(OWN):
+                where = self.defining if place.defines else self.declaring if place.declares else self.using
+                where.setdefault(one.signature, []).append(place)
+
+    @property
+    def known(self) -> Set[Signature]:
+        """The predicates that a rule or an external may make true."""
+        return {*self.defining, *self.declaring, *self.opened}
+
+    def is_external(self, signature: Signature) -> bool:
+        """Tell whether the program declares such externals."""
+        return signature in self.declaring or signature in self.opened
+
+    @property
+    def first_file(self) -> str:
+        """The file in which the program begins."""
+        return str(self.parts[0].header.location.begin.filename) if self.parts else "<program>"

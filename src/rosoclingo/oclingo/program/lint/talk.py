@@ -1,0 +1,99 @@
+"""What a program for the core has to say and to hear: goals, actions, returns, and the statuses of goals."""
+
+from typing import Dict, FrozenSet, List, Optional, Set
+
+import clingo
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
+from rosoclingo.oclingo.program.lint.predicates import likely_value
+from rosoclingo.oclingo.program.lint.survey import Survey
+from rosoclingo.oclingo.progression.terms import Signature
+
+REQUEST = Signature("_request", 2)
+STATUS = Signature("_status", 3)
+WORDS = ("accepted", "rejected", "succeeded", "canceled", "aborted")
+"""What may be said of a goal, alone or around a reason."""
+
+
+def missing_words(survey: Survey) -> List[Fault]:
+    """Return what the core misses in a program: goals that come in, actions that go out, returns of these."""
+    found = []
+    acts = ACTION in survey.defining
+    if not survey.is_external(REQUEST):
+        message = f"the program takes no goals: it declares no external {REQUEST}"
+        found.append(_of_all(survey, "no-request", message, f"write #external {REQUEST}."))
+    if acts and not survey.is_external(RETURN):
+        message = f"the program never learns how its actions end: it declares no external {RETURN}"
+        mend = f"write #external {RETURN}. and rules for values that are no success"
+        found.append(_of_all(survey, "no-return", message, mend))
+    if not acts:
+        message = f"the program plans no actions: no rule defines {ACTION}"
+        found.append(_of_all(survey, "no-action", message, "write rules for _action_lib(Action,Parameter,C)"))
+    return found
+
+
+def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
+    """Return a fault of the program as a whole: it is told at the first line, where it can be silenced."""
+    return Fault(survey.first_file, 1, 1, message, mend, kind)
+
+
+def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return what is wrong with the statuses that a program gives to goals."""
+    rules = [one for one in values.rules if parted(one.head)[0] == STATUS]
+    found: Dict[str, Fault] = {}
+    given: Optional[Set[str]] = set()
+    for rule in rules:
+        bound = values.bindings(rule)
+        word = parted(rule.head)[1][1]
+        if bound is None:
+            fault = _unreachable(rule, values)
+        else:
+            told = _words(values.value(word, rule.parameter, bound), str(word))
+            given = None if told is None or given is None else given | told
+            fault = _strange(rule, told)
+        if fault is not None:
+            found.setdefault(f"{fault.line}:{fault.column}", fault)
+    if rules and given is not None and "succeeded" not in given and survey.is_external(REQUEST):
+        message = "no rule ever says that a goal has succeeded: clients wait for ever"
+        place = survey.defining[STATUS][0]
+        found["none"] = place.fault("no-success", message, "write a rule for _status(Id,succeeded,C)")
+    return list(found.values())
+
+
+def _words(told: Optional[FrozenSet[clingo.Symbol]], text: str) -> Optional[Set[str]]:
+    """Return the words of statuses, without the reasons around which they stand; None where they may be any."""
+    if told is None:
+        name, bracket, _ = text.partition("(")
+        return {name} if bracket and name else None
+    plain = clingo.SymbolType.Function
+    return {one.name if one.type is plain and one.name and len(one.arguments) < 2 else str(one) for one in told}
+
+
+def _strange(rule: Rule, told: Optional[Set[str]]) -> Optional[Fault]:
+    strange = sorted(word for word in told or () if word not in WORDS)
+    if not strange:
+        return None
+    message = f"{strange[0]} is no status: it is one of {', '.join(WORDS)}"
+    return _at(rule, "status-word", message, likely_value(strange[0], WORDS))
+
+
+def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
+    word = parted(rule.head)[1][1]
+    for term in rule.atoms:
+        signature = parted(term)[0]
+        if not values.is_possible(signature):
+            why = f"{signature} is never true"
+            break
+        if values.fits(term, rule.parameter) is not None:
+            why = f"{term} is never true"
+            break
+    else:
+        why = "no values of its variables fit all of the body"
+    return _at(rule, "unreachable-status", f"no goal can ever be {word} by this rule: {why}", "see to its body")
+
+
+def _at(rule: Rule, kind: str, message: str, mend: str) -> Fault:
+    begin = parted(rule.head)[1][1].location.begin
+    return Fault(begin.filename, begin.line, begin.column, message, mend, kind)

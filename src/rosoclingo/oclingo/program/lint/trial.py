@@ -1,0 +1,103 @@
+"""A trial: the first steps are ground, to see which heads two of them define and what clingo says."""
+
+from typing import Dict, List, Sequence, Set
+
+import clingo
+from clingo.ast import ASTType
+from clingo.backend import Observer
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.lint.argument_values import parted
+from rosoclingo.oclingo.program.lint.survey import places
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
+
+_TRIAL_STEPS = 3
+_TRIAL_RULES = 50_000  # a fraction of a second of grounding
+
+
+class _TrialTooLargeError(Exception):
+    """A trial grounding has come to its bound."""
+
+
+class _Heads(Observer):
+    """Notes which atoms rules define; ends a grounding of too many rules, which may have no end."""
+
+    def __init__(self) -> None:
+        self.fresh: Set[int] = set()
+        self._left = _TRIAL_RULES
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A rule; raises _TrialTooLargeError where there are too many."""
+        self._left -= 1
+        if self._left < 0:
+            raise _TrialTooLargeError
+        self.fresh.update(head)
+
+
+def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
+    """Return the predicates that rules of steps define without, or with differing, steps in them."""
+    offsets: Dict[Signature, Set[object]] = {}
+    stepped: Set[Signature] = set()
+    for place in places(parts):
+        if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
+            signature, step = place.occurrence.signature, place.part.parameter
+            found = (
+                {time_offset(one, step, constants) for one in parted(place.occurrence.term)[1]} - {None}
+                if step
+                else set()
+            )
+            offsets.setdefault(signature, set()).update(found or {None})
+            stepped.update({signature} if step else ())
+    return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
+
+
+class Trial:
+    """The first steps of a program, ground for a look at them; without their end where there is too much to ground.
+
+    Attributes:
+        twice: an atom of each predicate that two steps define.
+
+    """
+
+    def __init__(self, control: clingo.Control, first: int) -> None:
+        """Ground base and the steps from ``first`` on ``control``, which has the program loaded.
+
+        Raises RuntimeError as clingo does, details go to the control's logger.
+        """
+        self.twice: Dict[Signature, str] = {}
+        observer = _Heads()
+        control.register_observer(observer)
+        twice: Set[int] = set()
+        try:
+            control.ground([("base", [])])
+            defined = set(observer.fresh)
+            for step in range(first, first + _TRIAL_STEPS):
+                observer.fresh.clear()
+                control.ground([(name, [clingo.Number(step)]) for name in ("cumulative", "volatile")])
+                twice |= observer.fresh & defined
+                defined |= observer.fresh
+        except _TrialTooLargeError:
+            return  # what is too large for a trial is not judged: a real grounding tells
+        for one in control.symbolic_atoms if twice else ():
+            if one.literal in twice:
+                self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
+
+    def redefinitions(self, parts: Sequence[Part]) -> List[Fault]:
+        """Return the heads that two steps define."""
+        return [fault for one in sorted(self.twice) for fault in redefined_by(parts, self.twice[one], {one})]
+
+
+def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
+    """Return a fault for each rule of a step with a head of ``signatures``; ``name`` is the atom in question."""
+    message = f"redefinition: {name} is defined by the rules of two steps"
+    mend = "give the head the step, like p(t), or move the rule to base"
+    return [
+        place.fault("redefinition", message, mend)
+        for place in places(parts)
+        if place.occurrence.head
+        and place.part.parameter
+        and place.occurrence.signature in signatures
+        and place.statement.ast_type == ASTType.Rule
+    ]

@@ -1,0 +1,55 @@
+"""The programs that the lint must have nothing to say of, and what it says of any other."""
+
+import json
+import re
+from functools import lru_cache
+from pathlib import Path
+
+from rosoclingo.oclingo.program.lint.linting import findings, lint_sources
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+
+ROOT = Path(__file__).resolve().parents[2]
+ENCODINGS, DATA = ROOT / "encodings", ROOT / "test" / "data"
+FILES = {
+    "mailbot": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"],
+    "house": [ENCODINGS / "house.lp", ENCODINGS / "home.lp"],
+    "paper": [ENCODINGS / "paper.lp"],
+    "two_offices": [ENCODINGS / "mailbot.lp", DATA / "two_offices.lp"],
+    **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "two_arms")},
+}
+GOLDEN = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
+
+
+def block(page, number):
+    """The text of a block of a document, counted from 0."""
+    text = (ROOT / "doc" / page).read_text(encoding="utf-8")
+    return re.findall(r"^```\w*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[number]
+
+
+@lru_cache(maxsize=None)
+def program(name):
+    """The sources of a program with all that they include, each named as below its folder."""
+    if name == "garden":
+        return (Source("garden.lp", block("tutorial.md", 0)),)
+    if name == "lift":
+        return (Source("lift.lp", block("oclingo_service.md", 0)),)
+    if name in FILES:
+        texts = ReactiveProgram.from_files(FILES[name]).texts
+        return tuple(Source(short(one.name), one.text) for one in texts)
+    return tuple(Source(f"{name}.lp", one["program"]) for one in GOLDEN if one["name"] == name)
+
+
+def short(name):
+    """A file's name below the folder of the encodings."""
+    path = Path(name).resolve()
+    return path.relative_to(ENCODINGS).as_posix() if ENCODINGS in path.parents else path.name
+
+
+NAMES = (*FILES, "garden", "lift", *(one["name"] for one in GOLDEN))
+
+
+def lint(sources, constants=None):
+    """What the lint says of the sources, in which all is that they include."""
+    read, faults = lint_sources(sources, constants, whole=True)
+    return findings(faults, [(one.name, one.text) for one in sources], faults if read is None else read.faults)

@@ -1,0 +1,224 @@
+"""Each of these faults, put into a program in which nothing is wrong, is found in its place, with its kind and mend.
+
+They are seeded in the shipped programs, in the tutorial's and in oClingo's own ones.
+"""
+
+import lint_programs
+import pytest
+
+from rosoclingo.oclingo.program.lint.kinds import KINDS
+from rosoclingo.oclingo.program.sources import Source
+
+RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/statuses.lp"
+
+#: Program, file, what stands in it, what is put there instead (the finding stands where @ is), kind, words of it.
+SEEDS = [
+    # names that look misspelt, in bodies, in heads, in #show and #external
+    ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "is open/2 meant?"),
+    ("mailbot", RULES, "_moves(t)       :- _act", "@_movs(t)       :- _act", "misspelt", "is _moves/1 meant?"),
+    ("mailbot", "mailbot.lp", "order(Id,From,To,t)", "@oder(Id,From,To,t)", "misspelt", "is order/4 meant?"),
+    ("mailbot", "mailbot.lp", "place(L)        :-", "@plaice(L)        :-", "misspelt", "is place/1 meant?"),
+    ("mailbot", "office.lp", "start(office1).", "@strat(office1).", "misspelt", "is start/1 meant?"),
+    ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "is _seen/3 meant?"),
+    ("paper", "paper.lp", "bound(Id,To,t)        :-", "@bond(Id,To,t)        :-", "misspelt", "is bound/3 meant?"),
+    ("paper", "paper.lp", "not moved(t)", "not @move(t)", "undefined", "is moved/1 meant?"),
+    ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "is _request/2 meant?"),
+    ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "is watered/2 meant?"),
+    ("garden", "garden.lp", "#show _explain/3.", "@#show _explian/3.", "undefined", "is _explain/3 meant?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- @cal(F,t).", "undefined", "is call/2 meant?"),
+    ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @v(t-1).", "undefined", "write a rule or an #external for it"),
+    ("bodies", "bodies.lp", "e(X,t) : v(X)", "e(X,t) : @value(X)", "undefined", "value/1"),
+    # numbers of arguments
+    ("paper", "paper.lp", "at(L,t-1), not moved(t)", "@at(t-1), not moved(t)", "undefined", "is at/2 meant?"),
+    ("garden", "garden.lp", "done(A,P,t)     :-", "@done(P,t)     :-", "misspelt", "is done/3 meant?"),
+    ("lift", "lift.lp", "at(0,0).", "@at(0,0,0).", "misspelt", "is at/2 meant?"),
+    ("bound", "bound.lp", "not c(t)", "not @c(t,1)", "undefined", "is c/1 meant?"),
+    # what nothing looks at
+    ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "leave it out"),
+    ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
+    ("mailbot", "office.lp", "start(office1).", "start(office1).\n@lamp(office1).", "unused", "#show lamp/1."),
+    # values that nothing gives
+    ("mailbot", FAULTS, "tells(A,missing,R), _action_lib", "tells(A,@mising,R), _action_lib", "no-match", "is missing"),
+    (
+        "mailbot",
+        STATUSES,
+        "_told = 20",
+        "_told = 20.\n:- place(@offce1).\n#const _more = 20",
+        "no-match",
+        "is office1 meant?",
+    ),
+    ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "is tap meant?"),
+    ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "is fill meant?"),
+    ("paper", "paper.lp", "done(pickup,Id,t)", "done(@pick_up,Id,t)", "no-match", "is pickup meant?"),
+    ("house", "home.lp", "start(hallway).", "start(hallway).\n:- room(@kitchn).", "no-match", "is kitchen meant?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
+    # rules that need one another, and bodies that never hold
+    ("bound", "bound.lp", "c(t) :- e(t).", "@c(t) :- d(t).\nd(t) :- c(t).", "unfounded", "its rules need d/1"),
+    ("lift", "lift.lp", "up(t), F < 5.", "up(t), F < 5, @not up(t).", "contradiction", "up(t) and not up(t)"),
+    ("garden", "garden.lp", "V != P.\nfailed(t)", "@V != V.\nfailed(t)", "contradiction", "V != V never holds"),
+    # steps
+    ("garden", "garden.lp", "asked(t)      :-", "@asked        :-", "no-step", "like asked(t)"),
+    (
+        "mailbot",
+        FAULTS,
+        "failed(A,t)     :- _fail",
+        "@_broken(A) :- _failure(A,R,t).\nfailed(A,t) :- _fail",
+        "no-step",
+        "(A,t)",
+    ),
+    (
+        "lift",
+        "lift.lp",
+        "open(F,t) :- call(F,t).",
+        "open(F,t) :- call(F,t).\n@called(F) :- call(F,t).",
+        "redefinition",
+        "called(0)",
+    ),
+    (
+        "paper",
+        "paper.lp",
+        "at(L,t)         :- at(L,t-1)",
+        "@at(L,t+1)       :- at(L,t)",
+        "no-step",
+        "of the steps t and t+1",
+    ),
+    (
+        "volatile_query",
+        "volatile_query.lp",
+        "s(t).",
+        "@s :- a(t).\n{ a(t) }.",
+        "redefinition",
+        "s is defined by the rules of two steps",
+    ),
+    ("grow", "grow.lp", "w(t) :- w(t-1).", "@w(t+1) :- w(t).", "redefinition", "give the head the step"),
+    ("bound", "bound.lp", "c(t) :- e(t).", "c(t) :- @e(t+1).", "late-external", "write #external e(t+1)."),
+    (
+        "bodies",
+        "bodies.lp",
+        'v("hello',
+        'd(1) :- @e(1,1).\nv("hello',
+        "late-external",
+        "move the rule to the cumulative",
+    ),
+    ("back", "back.lp", "#volatile t.", "", "missing-part", "the program has no volatile part"),
+    # looks back
+    (
+        "garden",
+        "garden.lp",
+        "watered(P,t) :- done(water,P,t)",
+        "watered(P,t) :- @done(water,P,T), T <= t",
+        "history",
+        "t-T < 60",
+    ),
+    ("paper", "paper.lp", "done(pickup,Id,t).", "@_action_lib(pickup,Id,_), busy(t).", "history", "t-T < 60"),
+    (
+        "battery",
+        "battery.lp",
+        "#program cumulative(t).",
+        "all(W,I) :- @_request(do(W,I),C).\n#program cumulative(t).",
+        "history",
+        "base",
+    ),
+    # what the core and a program say to one another
+    (
+        "paper",
+        "paper.lp",
+        "cancelled(Id,t)       :- _request(cancel(Id),t)",
+        "cancelled(Id,t) :- @_request(cancel(Id))",
+        "keyword-arity",
+        "_request(Goal,C)",
+    ),
+    (
+        "garden",
+        "garden.lp",
+        "_status(P,accepted,t)      :-",
+        "@_status(P,accepted)      :-",
+        "keyword-arity",
+        "_status(Id,",
+    ),
+    ("mailbot", RULES, '_says(pickup,"picks up {}")', '@_says("picks up {}")', "keyword-arity", "_says(Action,Text)"),
+    ("two_arms", "two_arms.lp", "#external _request/2.", "", "no-request", "write #external _request/2."),
+    ("paper", "paper.lp", "#external _return/3.", "", "no-return", "write #external _return/3."),
+    ("mailbot", RULES, "#external _return/3.", "", "no-return", "write #external _return/3."),
+    (
+        "two_arms",
+        "two_arms.lp",
+        "_action_lib(A,P,t) :- todo",
+        "act(A,P,t) :- todo",
+        "no-action",
+        "_action_lib(Action,Parameter,C)",
+    ),
+    (
+        "garden",
+        "garden.lp",
+        "_status(P,canceled,t)      :-",
+        "_status(P,@cancelled,t)      :-",
+        "status-word",
+        "is canceled meant?",
+    ),
+    ("mailbot", STATUSES, "_status(Id,accepted,t)", "_status(Id,@acepted,t)", "status-word", "is accepted meant?"),
+    (
+        "mailbot",
+        STATUSES,
+        "_ended(Id,canceled,0,t)      :- deliv",
+        "_ended(Id,cancled,0,t)     :- deliv",
+        "status-word",
+        "cancled",
+    ),
+    ("garden", "garden.lp", "_status(P,succeeded,t)     :-", "_status(P,accepted,t)     :-", "no-success", ""),
+    (
+        "garden",
+        "garden.lp",
+        "_status(P,succeeded,t)     :- w",
+        "_status(P,@succeeded,t)     :- at(oak,t), w",
+        "unreachable-status",
+        "at(oak,t) is never",
+    ),
+    # constants, and what clingo has to say
+    ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
+    ("mailbot", "delivery/search.lp", "t-T < _window.", "t-T < @_windw+0.", "no-number", "is _window meant?"),
+    ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
+    ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
+    ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0)\n", "syntax", "syntax error"),
+    ("paper", "paper.lp", "#program base.", "@#program bse.", "unknown-part", "base, cumulative(t) and volatile(t)"),
+    ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "is history meant?"),
+]
+
+
+def seeded(name, file, old, new):
+    """The sources of a program with the fault in it, and the line and column at which it stands."""
+    found, place = [], None
+    for one in lint_programs.program(name):
+        if one.name == file:
+            assert one.text.count(old) >= 1, f"{old} is not in {file}"
+            before, _, after = one.text.partition(old)
+            offset = len(before) + max(new.find("@"), 0)
+            text = before + new.replace("@", "", 1) + after
+            place = text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
+            one = Source(file, text)
+        found.append(one)
+    assert place is not None, f"{name} has no file {file}"
+    return found, place
+
+
+@pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), SEEDS)
+def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
+    sources, (line, column) = seeded(name, file, old, new)
+    found = lint_programs.lint(sources)
+    told = "\n".join(map(str, found))
+    mine = [one for one in found if one.fault.kind == kind and words in str(one)]
+    assert mine, f"nothing of the kind {kind} with {words}:\n{told}"
+    if "@" in new:
+        places = {(one.fault.file, one.fault.line) for one in mine}
+        assert (file, line) in places, f"not at {file}:{line}:{column}\n{told}"
+
+
+@pytest.mark.parametrize("kind", sorted(KINDS))
+def test_each_kind_is_seeded(kind):
+    elsewhere = {
+        "translation", "clingo", "unknown-constant", "constant-value", "negative-constant", "stream-syntax",
+        "stream-fact", "no-interface", "idle-interface", "no-label", "idle-label",
+        "unheard-fact", "configuration", "message-type",
+    }  # fmt: skip
+    assert kind in elsewhere or any(seed[4] == kind for seed in SEEDS)

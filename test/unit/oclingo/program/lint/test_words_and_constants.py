@@ -1,0 +1,128 @@
+"""What a program for the core lacks, and what is said of values that are given to its constants."""
+
+import lint_programs
+import pytest
+
+from rosoclingo.oclingo import ReactiveProgram, parse_term
+from rosoclingo.oclingo.program.lint.constants import given_values
+from rosoclingo.oclingo.program.lint.linting import findings, lint_program
+from rosoclingo.oclingo.program.sources import Source
+
+ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < 3."
+EXTERNALS = "#external _request/2. #external _return/3."
+HEEDED = ":- _request(X,1). :- _return(X,Y,1)."
+CONSTANTS = """#const n = 3.
+#const twice = 2*n.
+#const start = office1.
+#const low = -4.
+#const zero = 0.
+#const pair = (1,2).
+#const odd = "x"+1.
+#const back = 2*odd.
+a(n,twice,start,low,free,f(g)) :- b(1..n)."""
+
+
+@pytest.mark.parametrize(
+    ("text", "kinds"),
+    [
+        (EXTERNALS + HEEDED + ACTION, []),
+        ("#external _return(go,V,1) : V = 1. #external _request(do(1),2). :- _request(X,2). :- _return(X,Y,1)." + ACTION, []),
+        (ACTION, ["no-request", "no-return"]),
+        ("#external _request/2." + ACTION, ["no-return"]),
+        (EXTERNALS + "#program cumulative(t). #program volatile(t).", ["no-action"]),
+        ("#external _request/2. #program cumulative(t). #program volatile(t).", ["no-action"]),
+        ("#program cumulative(t). a(t). #program volatile(t).", ["no-request", "no-action"]),
+        (EXTERNALS + ACTION.partition("#program volatile")[0], ["missing-part"]),
+    ],
+)
+def test_what_a_program_for_the_core_lacks(text, kinds):
+    for _ in range(2):  # however often one asks
+        program = ReactiveProgram.from_text(text, "home.lp")
+        assert [one.kind for one in lint_program(program, core=True)] == kinds
+
+
+@pytest.mark.parametrize("text", ["#program cumulative(t). a(t). #program volatile(t).", "#cumulative t. #volatile t."])
+def test_a_program_without_keywords_is_not_for_the_core(text):
+    assert lint_program(ReactiveProgram.from_text(text, "home.lp")) == []
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        ({"n": "7", "start": "office2", "low": "5", "free": "x"}, []),
+        ({"start": "7"}, []),
+        (
+            {"n": "three"},
+            [("constant-value", "n is three, but the program's own value is 3 (home.lp:1) (give a number)")],
+        ),
+        (
+            {"twice": '"9"'},
+            [("constant-value", 'twice is "9", but the program\'s own value is 6 (home.lp:2) (give a number)')],
+        ),
+        (
+            {"n": "-1"},
+            [("negative-constant", "own value is 3 (home.lp:1) (is a negative number meant?)")],
+        ),
+        ({"low": "-1"}, []),
+        ({"n": "0"}, []),
+        ({"zero": "-1"}, []),
+        ({"pair": "7", "odd": "7", "back": "7"}, []),  # what they are is not a number
+        ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
+        ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (is start meant?)")]),
+        ({"zzz": "1"}, [("unknown-constant", "(its constants are back, low, n, odd, pair, start, twice, zero)")]),
+        ({"zzz": "1", "n": "f(x)"}, [("unknown-constant", "no #const zzz"), ("constant-value", "give a number")]),
+    ],
+)
+def test_values_of_constants(given, found):
+    survey = ReactiveProgram.from_text(CONSTANTS, "home.lp").survey
+    told = given_values(survey, {name: parse_term(value) for name, value in given.items()})
+    assert [one.kind for one in told] == [kind for kind, _ in found]
+    assert all(words in str(one) for one, (_, words) in zip(told, found))
+
+
+def test_a_program_without_constants():
+    told = lint_programs.lint([Source("home.lp", "a(1).\n#cumulative t.\n#volatile t.\n")], {"n": "1"})
+    assert list(map(str, told)) == ["constant n: the program has no #const n (it has none) [unknown-constant]"]
+    assert told[0].severity == "error"
+
+
+@pytest.mark.parametrize("name", ["mailbot", "house"])
+def test_constants_of_the_shipped_programs(name):
+    assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []
+
+
+# ---- what is silenced ------------------------------------------------------------------------------------------------
+
+ODD = "#cumulative t.\n#volatile t.\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        ("a :- b.", ["undefined"]),
+        ("a :- b. % check: ok undefined", []),
+        ("a :- b. %   check:ok   unused , undefined (because)", []),
+        ("% check: ok undefined\na :- b.", []),
+        ("a :- c. % check: ok undefined\n", []),
+        ("a. % check: ok undefined\na :- b.", ["undefined"]),
+        ("% check: ok undefined\n\na :- b.", ["undefined"]),
+        ("a :- b. % check: ok unused", ["undefined"]),
+        ("a :- b. % check: ok", ["silence", "undefined"]),
+        ("a :- b. % check: ok undefind", ["silence", "undefined"]),
+        ("a :- b(1), % check: ok undefined\n c(2).", ["undefined"]),
+    ],
+)
+def test_findings_are_silenced_by_line(text, left):
+    sources = [Source("p.lp", text + "\n" + ODD)]
+    assert sorted(one.fault.kind for one in lint_programs.lint(sources)) == left
+
+
+def test_an_error_is_not_silenced():
+    sources = [Source("p.lp", "#cumulative t.\n{ a(t) }.\nb :- a(t). % check: ok redefinition no-step\n#volatile t.\n")]
+    assert [one.fault.kind for one in lint_programs.lint(sources)] == ["redefinition"]
+
+
+def test_findings_come_in_the_order_of_files_and_lines():
+    sources = [Source("z.lp", "a :- c.\na :- b.\n" + ODD), Source("a.lp", "a :- d.\n")]
+    told = findings(lint_program(ReactiveProgram(sources)), [(one.name, one.text) for one in sources])
+    assert [(one.fault.file, one.fault.line) for one in told] == [("z.lp", 1), ("z.lp", 2), ("a.lp", 1)]
