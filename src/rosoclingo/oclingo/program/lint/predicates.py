@@ -14,7 +14,9 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 #: What others tell a program; the other keywords they hear of it, besides what it shows.
 TOLD = ("_request", "_return", "_failed", "_cancel")
-HEARD = frozenset(one for one in KEYWORDS.values() if one.name not in TOLD)
+HEARD = frozenset(
+    {Signature("_draws", 2), Signature("_draws", 3), *(one for one in KEYWORDS.values() if one.name not in TOLD)}
+)
 
 _ALIKE = 0.8  # so alike, of 1, are names of which one may be a slip of the other
 _SHORTEST = 4  # names with fewer letters are alike by chance
