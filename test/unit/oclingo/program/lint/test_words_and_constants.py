@@ -26,7 +26,11 @@ a(n,twice,start,low,free,f(g)) :- b(1..n)."""
     ("text", "kinds"),
     [
         (EXTERNALS + HEEDED + ACTION, []),
-        ("#external _return(go,V,1) : V = 1. #external _request(do(1),2). :- _request(X,2). :- _return(X,Y,1)." + ACTION, []),
+        (
+            "#external _return(go,V,1) : V = 1. #external _request(do(1),2). :- _request(X,2). :- _return(X,Y,1)."
+            + ACTION,
+            [],
+        ),
         (ACTION, ["no-request", "no-return"]),
         ("#external _request/2." + ACTION, ["no-return"]),
         (EXTERNALS + "#program cumulative(t). #program volatile(t).", ["no-action"]),
