@@ -59,10 +59,7 @@ class Responder:
     @property
     def processor_time(self):
         """Seconds of processor time of the core's process, without its solver's."""
-        master = rosgraph.Master(rospy.get_name())
-        pid = rosgraph.Master(rospy.get_name(), master.lookupNode(f"/{self.space}/rosoclingo")).getPid()
-        with open(f"/proc/{pid}/stat") as file:
-            return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+        return processor_time(f"/{self.space}/rosoclingo")
 
     def batch(self, count):
         """Send goals at once and answer until they have ended."""
@@ -94,12 +91,24 @@ def _cycle(message):
     return parse_atom(message.facts[0]).arguments[2].number
 
 
-def play(responders, batches, count):
-    """Let the cores work in turns; return the processor time of a cycle of each, in ms."""
+def processor_time(node):
+    """Seconds of processor time of a node's process."""
+    master = rosgraph.Master(rospy.get_name())
+    pid = rosgraph.Master(rospy.get_name(), master.lookupNode(node)).getPid()
+    with open(f"/proc/{pid}/stat") as file:
+        return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+
+
+def begin(responders, count):
+    """Let each core do its first work, which loads libraries."""
     for responder in responders:
         responder.wait()
-        responder.batch(count)  # the first plans load libraries
+        responder.batch(count)
         responder.responses.clear()
+
+
+def play(responders, batches, count):
+    """Let the cores work in turns; return the processor time of a cycle of each, in ms."""
     before = [responder.processor_time for responder in responders]
     for _ in range(batches):
         for responder in responders:
@@ -130,10 +139,7 @@ def main():
     parser.add_argument("--batches", type=int, default=20, help="batches of requests (default: %(default)s)")
     parser.add_argument("--requests", type=int, default=3, help="requests in a batch (default: %(default)s)")
     options = parse(parser, batches=5)
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
+    port = own_master()
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         for space, journal, wait in (("without", "none", []), ("with", folder, ["--wait"])):
             command = ["roslaunch", *wait, "-p", str(port), "rosoclingo", "core.launch", f"journal:={journal}"]
@@ -141,14 +147,24 @@ def main():
             stack.enter_context(launched(command, environment))
         rospy.init_node("bench_response", disable_signals=True)
         responders = [Responder("without"), Responder("with")]
+        begin(responders, options.requests)
         cycles = play(responders, options.batches, options.requests)
         found = [*report(responders[0], cycles[0]), *report(responders[1], cycles[1], " with a journal")]
         write(options.json, found)
 
 
+def own_master():
+    """Have a master of its own in the environment; return its port."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
+    return port
+
+
 @contextlib.contextmanager
 def launched(command, environment):
-    """A launch file that runs."""
+    """A launch file, or another command, that runs."""
     launch = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield
