@@ -14,6 +14,7 @@ WITHOUT_ROS = ["rosoclingo", "rosoclingo.oclingo", "rosoclingo.oclingo.*"]
 LIBRARIES = ("clingo",)
 
 COMMANDS = [
+    "check = rosoclingo.oclingo.service.check_command:main",
     "oclingo = rosoclingo.oclingo.service.command:main",
     "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",
 ]

@@ -78,6 +78,7 @@ NODES = (
 COMMANDS = {  # with what they have of ROS
     "request": (("nodes/request.py", "request"),),
     "play_scenario": (("nodes/scenarios/player.py", "ScenarioPlayer"), ("nodes/account_node.py", "AccountNode")),
+    "check": (),
     "demo": (),
     "watch": (("nodes/account_node.py", "AccountNode"),),
     "replay": (),
@@ -212,7 +213,7 @@ def command_lines(script: str) -> Iterator[str]:
     text = (ROOT / "scripts" / script).read_text(encoding="utf-8")
     own = describe(ast.get_docstring(ast.parse(text)) or "")
     yield from ("", f"### {script}", "", own.words)
-    if "argparse" in text or script in ("oclingo", "replay"):
+    if "argparse" in text or script in ("check", "gringo3to5", "oclingo", "replay"):
         yield from ("", "**Arguments**", "", *argument_lines(script))
     yield from section_lines([own, *descriptions(COMMANDS[script])])
 

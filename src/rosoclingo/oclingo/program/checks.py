@@ -4,7 +4,6 @@ A program that uses rosoclingo's keywords is held to them; any other one, writte
 is odd.
 """
 
-import re
 from typing import Dict, List, Sequence, Set, Tuple
 
 import clingo
@@ -12,7 +11,7 @@ from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN
-from rosoclingo.oclingo.program.lint.survey import Place, places
+from rosoclingo.oclingo.program.lint.survey import Place, places, written
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.progression.terms import Signature
@@ -99,7 +98,7 @@ def late_externals(
 
 
 def _late(use: Place, declaration: Place) -> Tuple[str, str]:
-    term, known = _text(use.occurrence.term), _text(declaration.occurrence.term)
+    term, known = written(use.occurrence.term), written(declaration.occurrence.term)
     if not use.part.parameter:
         return (
             f"external {term} is used in base but declared only step by step, so that the rule never sees it",
@@ -109,11 +108,6 @@ def _late(use: Place, declaration: Place) -> Tuple[str, str]:
         f"external {term} is declared too late: at the step of the rule only {known} is declared",
         f"write #external {term}.",
     )
-
-
-def _text(term: AST) -> str:
-    """Return the term without clingo's brackets around sums."""
-    return re.sub(r"\(([^(),]*[-+*/][^(),]*)\)(?=[,)])", r"\1", str(term))
 
 
 def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol]) -> bool:

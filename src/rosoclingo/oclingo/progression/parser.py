@@ -3,7 +3,7 @@
 Raises nothing but :class:`ProgressionError`, with line and column of the text that was given.
 """
 
-from typing import Callable, Dict, Iterator, List, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.progression.terms import TokenStream, read_atom, read_number, read_term
@@ -25,6 +25,13 @@ from rosoclingo.oclingo.progression.updates import (
 )
 
 
+class PlacedUpdate(NamedTuple):
+    """An update of a text, and where it has its items: lines and columns, from 1."""
+
+    update: StreamUpdate
+    places: Tuple[Tuple[int, int], ...]
+
+
 def parse_update(text: str) -> StreamUpdate:
     """Return the one update that ``text`` holds; raise :class:`ProgressionError` where it holds none or more."""
     updates = parse_updates(text)
@@ -40,9 +47,15 @@ def parse_updates(text: str) -> List[StreamUpdate]:
 
 def iterate_updates(text: str) -> Iterator[StreamUpdate]:
     """Yield the updates of ``text`` one by one; a fault is raised when its update's turn comes."""
+    return (one.update for one in iterate_placed(text))
+
+
+def iterate_placed(text: str) -> Iterator[PlacedUpdate]:
+    """Yield the updates of ``text`` as :func:`iterate_updates` does, with the places of their items."""
     tokens = TokenStream(text)
     while tokens.next.kind != "end":
-        yield _UpdateReader(tokens).read()
+        reader = _UpdateReader(tokens)
+        yield PlacedUpdate(reader.read(), tuple(reader.places))
 
 
 class _UpdateReader:
@@ -53,6 +66,7 @@ class _UpdateReader:
         self._step: Optional[int] = None
         self._bound: Optional[int] = None
         self._items: List[Item] = []
+        self.places: List[Tuple[int, int]] = []
         self._warnings: List[str] = []
 
     def read(self) -> StreamUpdate:
@@ -61,9 +75,14 @@ class _UpdateReader:
             if self._tokens.next.kind != "directive":
                 if self._tokens.next.kind == "end":
                     self._tokens.fail("update without end: expected a statement or '#endstep.'")
+                self._place()
                 self._items.append(_read_statement(self._tokens))
             elif self._read_directive():
                 return StreamUpdate(self._step, self._bound, tuple(self._items), tuple(self._warnings))
+
+    def _place(self) -> None:
+        """Note where an item begins."""
+        self.places.append((self._tokens.next.line, self._tokens.next.column))
 
     def _read_directive(self) -> bool:
         """Read a directive and tell whether it ends the update."""
@@ -71,6 +90,7 @@ class _UpdateReader:
         if name == "#step":
             self._read_step()
         elif name in _DIRECTIVES:
+            self._place()
             self._tokens.take()
             self._items.append(_DIRECTIVES[name](self._tokens))
         elif name == "#endstep":

@@ -1,8 +1,11 @@
 """Values on a command line; argparse tells whoever wrote them what is wrong."""
 
 import argparse
+from typing import Dict, Sequence
 
-__all__ = ["duration", "port", "positive", "seconds"]
+from rosoclingo.oclingo.errors import Fault, ProgramError
+
+__all__ = ["constants_of", "duration", "port", "positive", "seconds"]
 
 
 def positive(text: str) -> int:
@@ -38,3 +41,13 @@ def seconds(text: str) -> float:
     if not value:
         raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
     return value
+
+
+def constants_of(words: Sequence[str]) -> Dict[str, str]:
+    """Return the values of ``-c NAME=VALUE`` by their names; raise ProgramError for words that are none."""
+    faults = [
+        Fault(f"-c {word}", 0, 0, "no constant", "write NAME=VALUE") for word in words if not word.partition("=")[1]
+    ]
+    if faults:
+        raise ProgramError(faults)
+    return {word.partition("=")[0]: word.partition("=")[2] for word in words}

@@ -8,13 +8,14 @@ import shutil
 import signal
 import sys
 from pathlib import Path
-from typing import Any, Dict, List, NoReturn, Optional, Sequence, Tuple
+from typing import Any, List, NoReturn, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo.errors import Fault, ProgramError, SolverError
+from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.oclingo.service.arguments import duration, port, positive, seconds
+from rosoclingo.oclingo.service.arguments import constants_of, duration, port, positive, seconds
+from rosoclingo.oclingo.service.check_command import check
 from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
@@ -94,7 +95,15 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
         help="ask for updates at a prompt; Ctrl-C ends a search, Ctrl-D the session",
     )
     parser.add_argument(
-        "--json", action="store_true", help="with --stream or --interactive: print one JSON object for each update"
+        "--check",
+        action="store_true",
+        help="say what may be wrong with the program, and with the updates of --stream; nothing is solved. Exit "
+        "code: 0 nothing, 1 something was found, 2 a file can't be read",
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="with --stream or --interactive: print one JSON object for each update; with --check: one of all findings",
     )
     parser.add_argument("--host", help=f"address to listen on (default: {DEFAULT_HOST}, this machine only)")
     parser.add_argument(
@@ -109,11 +118,14 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     options = parser.parse_intermixed_args(words)
     files, models = _files_and_models(options.words)
     _check(parser, options, files)
+    if options.check:
+        options.files = files
+        return check(options)
     signal.signal(signal.SIGTERM, _terminate)
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(encoding="utf-8", errors="replace")
     try:
-        constants = _constants(options.const)
+        constants = constants_of(options.const)
         program = ReactiveProgram([_source(file) for file in files], constants)
         for text in program.warnings:
             _say(f"warning: {text}")
@@ -193,8 +205,10 @@ def _files_and_models(words: Sequence[str]) -> Tuple[List[str], int]:
 def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: Sequence[str]) -> None:
     """Refuse options that don't go together."""
     serves = options.stream is None and not options.interactive
-    if options.json and serves:
-        parser.error("--json needs --stream or --interactive")
+    if options.json and serves and not options.check:
+        parser.error("--json needs --stream, --interactive or --check")
+    if options.check and options.interactive:
+        parser.error("--check looks at files, it doesn't go with --interactive")
     if not serves and (options.port is not None or options.host is not None):
         parser.error("--host and --port are the service's, they don't go with --stream or --interactive")
     if options.plan_time is not None and not options.shortest:
@@ -203,15 +217,6 @@ def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: 
         parser.error("standard input holds updates: name a program file")
     if files.count("-") > 1:
         parser.error("standard input can be read once only")
-
-
-def _constants(words: Sequence[str]) -> Dict[str, str]:
-    faults = [
-        Fault(f"-c {word}", 0, 0, "no constant", "write NAME=VALUE") for word in words if not word.partition("=")[1]
-    ]
-    if faults:
-        raise ProgramError(faults)
-    return {word.partition("=")[0]: word.partition("=")[2] for word in words}
 
 
 def _source(file: str) -> Source:

@@ -181,7 +181,7 @@ def test_faults_of_files_and_options_end_it_with_a_line_each(files, capsys, word
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["program.lp", "--json"], "--json needs --stream or --interactive"),
+        (["program.lp", "--json"], "--json needs --stream, --interactive or --check"),
         (["program.lp", "--port", "70000"], "'70000' is no number from 0 to 65535"),
         (["program.lp", "--imax", "0"], "'0' is no number from 1"),
         (["program.lp", "--imax", "x"], "'x' is no number"),

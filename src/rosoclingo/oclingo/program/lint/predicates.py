@@ -8,7 +8,7 @@ from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import WILD, ArgumentValues, Rule, parted
-from rosoclingo.oclingo.program.lint.survey import LABELS, OWN, Place, Survey, fault_at
+from rosoclingo.oclingo.program.lint.survey import LABELS, OWN, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -131,7 +131,7 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
     if position is not None:
         argument = parted(term)[1][position]
         known = sorted(str(one).replace(str(WILD), "_") for one in values.of(place.signature, position) or ())
-        message = f"{place.signature} is never true with {argument} as argument {position + 1}"
+        message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
 
 
@@ -179,10 +179,10 @@ def contradictions(survey: Survey) -> List[Fault]:
         plain = {str(one.atom) for one in literals if one.sign == Sign.NoSign}
         for one in literals:
             if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
-                message = f"{one.atom} and not {one.atom} stand in one body: it never holds"
+                message = f"{written(one.atom)} and not {written(one.atom)} stand in one body: it never holds"
                 found.append(fault_at(one, "contradiction", message, "leave one of them out"))
             elif one.atom.ast_type == ASTType.Comparison and _compares_nothing(one):
-                message = f"{one.atom} never holds"
+                message = f"{written(one.atom)} never holds"
                 found.append(fault_at(one, "contradiction", message, "compare it with something else"))
     return found
 

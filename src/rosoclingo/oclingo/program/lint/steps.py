@@ -8,12 +8,10 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import parted
-from rosoclingo.oclingo.program.lint.survey import Place, Survey
+from rosoclingo.oclingo.program.lint.survey import Place, Survey, written
 from rosoclingo.oclingo.program.look_back import longest_look_back, shortest_look_back, time_offset
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature
-
-_ANONYMOUS = re.compile(r"\bAny__[0-9]+\b")
 
 
 def stepless(survey: Survey) -> List[Fault]:
@@ -35,9 +33,11 @@ def stepless(survey: Survey) -> List[Fault]:
 
 def _without_step(place: Place) -> Fault:
     term, step = place.occurrence.term, place.part.parameter
-    message = f"the head {term} has no step: once the rules of two steps define it, clingo gives up (redefinition)"
+    message = (
+        f"the head {written(term)} has no step: once the rules of two steps define it, clingo gives up (redefinition)"
+    )
     arguments = parted(term)[1]
-    example = "{}({})".format(place.signature.name, ",".join([*map(str, arguments), step]))
+    example = "{}({})".format(place.signature.name, ",".join([*map(written, arguments), step]))
     return place.fault("no-step", message, f"give it the step, like {example}, or move the rule to base")
 
 
@@ -141,22 +141,15 @@ def _endless(place: Place, position: Optional[int], survey: Survey) -> Optional[
     if position is None or position >= len(arguments) or arguments[position].ast_type != ASTType.Variable:
         return None
     step, name = place.part.parameter, arguments[position].name
-    atom = str(place.occurrence.term)
+    atom = written(place.occurrence.term)
     if not step:
         if place.signature not in survey.opened:
             return None
-        message = (
-            f"a rule of base looks at {_plain(atom)} of all cycles: none is ever over, a long run grows without end"
-        )
+        message = f"a rule of base looks at {atom} of all cycles: none is ever over, a long run grows without end"
         return place.fault("history", message, "move the rule to cumulative(t), and write the step for the cycle")
     if name in longest_look_back(place.statement, step, survey.constants):
         return None
-    shown = _plain(name)
-    message = f"{_plain(atom)} looks back at all steps: none is ever over, a long run grows without end"
+    shown = written(arguments[position])
+    message = f"{atom} looks back at all steps: none is ever over, a long run grows without end"
     bound = f"{step}-T < 60" if shown == "_" else f"{step}-{shown} < 60"
     return place.fault("history", message, f"bound it, like {bound}, or hand on what is needed from step to step")
-
-
-def _plain(text: str) -> str:
-    """Return the text with ``_`` in place of the names that anonymous variables were given."""
-    return _ANONYMOUS.sub("_", text)

@@ -1,5 +1,6 @@
 """A program as the lint looks at it: its statements, and who defines, declares, uses and shows which predicate."""
 
+import re
 from typing import Dict, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import clingo
@@ -16,6 +17,9 @@ OWN = "__oclingo"
 
 MADE = ("<program>", "<string>")
 """Files of statements that rosoclingo adds to a program."""
+
+_BRACKETS = re.compile(r"\(([^(),]*[-+*/][^(),]*)\)(?=[,)])")
+_ANONYMOUS = re.compile(r"\bAny__[0-9]+\b")
 
 LABELS = "~labels"
 """The file of the facts by which the core tells a program its labels."""
@@ -52,6 +56,11 @@ def fault_at(node: AST, kind: str, message: str, mend: str) -> Fault:
     """Return a fault at a statement or a term."""
     begin = node.location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
+
+
+def written(term: AST) -> str:
+    """Return the term as text, without clingo's brackets around sums and its names of anonymous variables."""
+    return _ANONYMOUS.sub("_", _BRACKETS.sub(r"\1", str(term)))
 
 
 def places(parts: Sequence[Part]) -> Iterator[Place]:

@@ -8,7 +8,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
 from rosoclingo.oclingo.program.lint.predicates import likely_value
-from rosoclingo.oclingo.program.lint.survey import Survey
+from rosoclingo.oclingo.program.lint.survey import Survey, written
 from rosoclingo.oclingo.progression.terms import Signature
 
 REQUEST = Signature("_request", 2)
@@ -45,17 +45,14 @@ def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
     found: Dict[str, Fault] = {}
     given: Optional[Set[str]] = set()
     for rule in rules:
-        bound = values.bindings(rule)
-        word = parted(rule.head)[1][1]
-        if bound is None:
-            fault = _unreachable(rule, values)
-        else:
-            told = _words(values.value(word, rule.parameter, bound), str(word))
-            given = None if told is None or given is None else given | told
-            fault = _strange(rule, told)
+        bound, word = values.bindings(rule), parted(rule.head)[1][1]
+        told = _words(values.value(word, rule.parameter, bound or {}), str(word))
+        given = None if told is None or given is None else given | told
+        fault = _strange(rule, told) or (_unreachable(rule, values) if bound is None else None)
         if fault is not None:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
-    if rules and given is not None and "succeeded" not in given and survey.is_external(REQUEST):
+    misspelt = any(one.kind == "status-word" and "succeeded meant" in one.mend for one in found.values())
+    if rules and given is not None and "succeeded" not in given and not misspelt and survey.is_external(REQUEST):
         message = "no rule ever says that a goal has succeeded: clients wait for ever"
         place = survey.defining[STATUS][0]
         found["none"] = place.fault("no-success", message, "write a rule for _status(Id,succeeded,C)")
@@ -87,11 +84,13 @@ def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
             why = f"{signature} is never true"
             break
         if values.fits(term, rule.parameter) is not None:
-            why = f"{term} is never true"
+            why = f"{written(term)} is never true"
             break
     else:
         why = "no values of its variables fit all of the body"
-    return _at(rule, "unreachable-status", f"no goal can ever be {word} by this rule: {why}", "see to its body")
+    return _at(
+        rule, "unreachable-status", f"no goal can ever be {written(word)} by this rule: {why}", "see to its body"
+    )
 
 
 def _at(rule: Rule, kind: str, message: str, mend: str) -> Fault:

@@ -1,0 +1,168 @@
+"""The command ``check``: what may be wrong with a program, as a compiler says it; nothing is run."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any, Dict, List, NamedTuple, Optional, Protocol, Sequence, TextIO, Tuple
+
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.program.lint.linting import Finding, findings, is_error, lint_sources
+from rosoclingo.oclingo.program.lint.stream_lint import lint_stream
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source, parse_constants
+from rosoclingo.oclingo.service.arguments import constants_of
+
+CLEAN, FOUND, UNREADABLE = 0, 1, 2
+"""The exit codes: nothing was found, something was, a file cannot be read or the command line is wrong."""
+
+_DESCRIPTION = """\
+Says what may be wrong with a reactive logic program before it runs: misspelt predicates, values that no rule gives,
+heads without their step and more. Nothing is solved, and no master is needed."""
+
+_EPILOG = """\
+A comment "% check: ok KIND" silences findings of a kind on its line or, alone on a line, on the next one. Exit code: 0
+nothing was found; 1 something was, an error or a warning; 2 a file can't be read, or the command line is wrong."""
+
+
+class Texts(NamedTuple):
+    """What is looked at: faults, and files by their names and texts, in the order in which findings are told."""
+
+    faults: List[Fault]
+    files: List[Tuple[str, str]]
+
+
+class More(Protocol):
+    """What else than program and stream a command looks at."""
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Add what names it on the command line."""
+
+    def sources(self, options: argparse.Namespace) -> List[Source]:
+        """Return what it adds to the program; raises ProgramError where a file cannot be read."""
+
+    def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
+        """Return what may be wrong with it; without the program where that could not be read."""
+
+
+def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(prog="check", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="program files, read in order (-: standard input)")
+    parser.add_argument(
+        "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; may be repeated"
+    )
+    parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are looked at as well")
+    if more is not None:
+        more.add_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
+    return parser
+
+
+def main(arguments: Optional[Sequence[str]] = None, more: Optional[More] = None) -> int:
+    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+    return check(make_parser(more).parse_args(arguments), more)
+
+
+def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
+    """Look at what the options ``files``, ``const``, ``stream`` and ``json`` name, print it; return the exit code."""
+    unreadable: List[Fault] = []
+    sources = [source for file in options.files for source in _read(file, unreadable)]
+    stream = _read(options.stream, unreadable) if options.stream else []
+    try:
+        constants = constants_of(options.const)
+        parse_constants(constants)
+        sources += more.sources(options) if more is not None else []
+    except ProgramError as error:
+        unreadable += error.faults
+    if unreadable:
+        sys.stderr.writelines(f"{fault}\n" for fault in unreadable)
+        return UNREADABLE
+    try:
+        found, files = _look(sources, constants, stream, options, more)
+    except ProgramError as error:
+        sys.stderr.write(f"{error}\n")
+        return UNREADABLE
+    (_print_json if options.json else _print_text)(found, dict(files), sys.stdout)
+    return FOUND if found else CLEAN
+
+
+def _look(
+    sources: Sequence[Source],
+    constants: Dict[str, str],
+    stream: Sequence[Source],
+    options: argparse.Namespace,
+    more: Optional[More],
+) -> Tuple[List[Finding], List[Tuple[str, str]]]:
+    """Return the findings, and all files that were looked at."""
+    program, faults = lint_sources(sources, constants)
+    grave = faults if program is None else program.faults
+    files = [(one.name, one.text) for one in (sources if program is None else program.texts)]
+    for one in stream:
+        files.append((one.name, one.text))
+        # without a program there is only its syntax to be looked at
+        faults = faults + ([] if program is None else lint_stream(program, one.text, one.name))
+    if more is not None:
+        told = more.look(options, program)
+        faults, files = faults + told.faults, files + told.files
+    return findings(faults, files, grave), files
+
+
+def _read(file: str, unreadable: List[Fault]) -> List[Source]:
+    """Return the text of a file, standard input for ``-``; where it can't be read that is noted."""
+    if file == "-":
+        return [Source("<stdin>", sys.stdin.read(), Path())]
+    try:
+        return [Source.from_file(Path(file))]
+    except ProgramError as error:
+        unreadable += error.faults
+        return []
+
+
+def _print_text(found: Sequence[Finding], files: Dict[str, str], output: TextIO) -> None:
+    lines = {name: text.splitlines() for name, text in files.items()}
+    for one in found:
+        output.write(f"{_place(one.fault)}: {one.severity}: {_words(one.fault)} [{one.fault.kind}]\n")
+        output.write(_shown(one.fault, lines.get(one.fault.file, ())))
+    errors = sum(map(is_error, found))
+    told = [_counted(errors, "error"), _counted(len(found) - errors, "warning")]
+    output.write("{} in {}\n".format(", ".join(filter(None, told)) or "nothing", _counted(len(files), "file")))
+
+
+def _place(fault: Fault) -> str:
+    return f"{fault.file}:{fault.line}:{fault.column}" if fault.line else fault.file
+
+
+def _words(fault: Fault) -> str:
+    return fault.message + (f" ({fault.mend})" if fault.mend else "")
+
+
+def _shown(fault: Fault, lines: Sequence[str]) -> str:
+    """Return the line of a fault with a mark below its column."""
+    if not 0 < fault.line <= len(lines) or not lines[fault.line - 1].strip():
+        return ""
+    line = lines[fault.line - 1].replace("\t", " ")
+    number = f"{fault.line:6} | "
+    return f"{number}{line}\n{'|':>{len(number) - 1}} {' ' * (fault.column - 1)}^\n"
+
+
+def _counted(number: int, what: str) -> str:
+    return "" if not number else f"{number} {what}{'s' * (number > 1)}"
+
+
+def _print_json(found: Sequence[Finding], files: Dict[str, str], output: TextIO) -> None:
+    errors = sum(map(is_error, found))
+    told: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
+    told["findings"] = [
+        {
+            "kind": one.fault.kind,
+            "severity": one.severity,
+            "file": one.fault.file,
+            "line": one.fault.line,
+            "column": one.fault.column,
+            "message": one.fault.message,
+            "mend": one.fault.mend,
+        }
+        for one in found
+    ]
+    output.write(json.dumps(told, indent=2) + "\n")

@@ -1,0 +1,49 @@
+"""doc/check.md: its files are written, its commands run, what they print is compared; its table has all kinds."""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.oclingo.program.lint.kinds import KINDS
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "doc" / "check.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def test_the_table_is_that_of_the_kinds():
+    rows = re.findall(r"^\| `([\w-]+)` \| (\w+) \| (.*) \|$", PAGE, re.MULTILINE)
+    assert rows == [(name, kind.severity, kind.meaning) for name, kind in KINDS.items()]
+
+
+def matches(shown, printed):
+    """Whether a command has printed what is shown; three dots stand for any lines."""
+    pattern = "".join(r"(.*\n)*" if line == "..." else re.escape(line) + "\n" for line in shown.splitlines())
+    return re.fullmatch(pattern, printed) is not None
+
+
+def test_the_page_is_true(tmp_path):
+    pytest.importorskip("genpy", reason="types of messages are looked at")
+    files, commands, end = [], 0, 0
+    for match in BLOCK.finditer(PAGE):
+        before = PAGE[end : match.start()].strip().rpartition("\n\n")[2]
+        named = re.search(r"`(\w+\.\w+)`[^`]*:\Z|\A`(\w+\.\w+)`", before)
+        if match.group(1) != "console" and named:
+            files.append(named.group(1) or named.group(2))
+            (tmp_path / files[-1]).write_text(match.group(2), encoding="utf-8")
+        elif match.group(1) == "console":
+            first, _, shown = match.group(2).partition("\n")
+            words = shlex.split(first)
+            assert words[:3] == ["$", "rosrun", "rosoclingo"]
+            command = [sys.executable, str(ROOT / "scripts" / words[3]), *words[4:]]
+            done = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True, check=False, timeout=300)
+            assert done.returncode in (0, 1)
+            assert matches(shown, done.stdout), f"{first}\n{done.stdout}"
+            commands += 1
+        end = match.end()
+    assert "lamp.lp" in files
+    assert commands == PAGE.count("\n$ ") > 2
