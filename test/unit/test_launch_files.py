@@ -100,15 +100,28 @@ def test_the_mailbot_in_another_world():
     assert parameters(config, "/amcl/")["initial_pose_x"] == 3.0
 
 
-@pytest.mark.parametrize("file", ["mailbot.launch", "house.launch"])
-@pytest.mark.parametrize("again", [True, False])
-def test_the_core_goes_on_or_everything_ends_with_it(file, again):
-    config = load(file, **({"core_respawn": "true"} if again else {}))
+LAUNCH_FILES = {"core.launch": "respawn", "mailbot.launch": "core_respawn", "house.launch": "core_respawn"}
+
+
+@pytest.mark.parametrize("file", LAUNCH_FILES)
+@pytest.mark.parametrize(
+    ("given", "again", "journal"),
+    [
+        ({}, True, "auto"),
+        ({"journal": "/tmp/kept"}, True, "/tmp/kept"),
+        ({"journal": "none"}, False, "none"),
+        ({"RESPAWN": "false"}, False, "auto"),
+        ({"RESPAWN": "true", "journal": "none"}, True, "none"),
+    ],
+)
+def test_the_core_goes_on_or_everything_ends_with_it(file, given, again, journal):
+    config = load(file, **{LAUNCH_FILES[file] if key == "RESPAWN" else key: value for key, value in given.items()})
     core = node(config, "rosoclingo")
     assert (core.respawn, core.required) == (again, not again)
     found = parameters(config, "/rosoclingo/")
-    assert (found["journal"], found["resume"]) == ("auto" if again else "none", "ask")
-    assert node(config, "pickup_interface").respawn
+    assert (found["journal"], found["resume"], found["required"]) == (journal, "ask", True)
+    if file != "core.launch":
+        assert node(config, "pickup_interface").respawn
 
 
 def test_a_journal_of_ones_own():

@@ -4,9 +4,6 @@ import xmlrpc.client
 from http.client import HTTPException
 from typing import Any
 
-import rosgraph
-import rospy
-
 __all__ = ["FAULTS", "address_of", "api"]
 
 #: What a call may raise where nobody answers, or not as ROS does.
@@ -31,4 +28,7 @@ def api(uri: str) -> Any:
 
 def address_of(node: str) -> str:
     """Return where a node has its interface, empty where the master does not know it; raises FAULTS."""
+    import rosgraph  # here, as what a script lacks may be ROS itself
+    import rospy
+
     return str(api(rosgraph.get_master_uri()).lookupNode(rospy.get_name(), node)[2] or "")

@@ -39,6 +39,7 @@ def test_all_parameters(program):
         "plan_time": 3,
         "journal": "~/kept",
         "resume": "yes",
+        "required": True,
     }
     found = core_parameters(values)
     assert found == CoreParameters(
@@ -51,6 +52,7 @@ def test_all_parameters(program):
         3.0,
         "~/kept",
         "yes",
+        True,
         {"office1": [1.0, 2.0, 0.0]},
     )
 
@@ -163,10 +165,11 @@ def test_a_constant_with_which_the_program_cannot_be_loaded(tmp_path):
 
 def test_documented_defaults_are_the_real_ones():
     node = Path(module.__file__).with_name("core_node.py").read_text()
-    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|true|false|soon)\)", node))
+    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|[a-z]+)\)", node))
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
     real.update(search_timeout=CoreSettings.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
     real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
     real.update(overtaking_limit=CoreSettings.overtaking_limit)
-    real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time)
+    real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time, journal=CoreParameters.journal)
+    real.update(resume=CoreParameters.resume, required=CoreParameters.required)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real

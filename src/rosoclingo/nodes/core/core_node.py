@@ -78,12 +78,16 @@ class CoreNode:
             goals to give up, and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit.
             The check under way still ends.
         ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
-        ~journal (str, default none): the folder in which the core writes down all that it needs to go on after it was
+        ~journal (str, default auto): the folder in which the core writes down all that it needs to go on after it was
             killed; ``auto`` for one below ``rosoclingo`` in ROS_HOME that is named after the node, its master and the
-            program; ``none`` for none.
+            program; ``none`` for none. Of those for ``auto``, what no core has written to for a week is removed, but
+            for the latest 20.
         ~resume (str, default ask): whether to go on with what is in the journal. ``ask``: where the roslaunch that has
             started the core of the journal starts this one again; else it begins anew, the journal is set aside, and
             open goals in it are told. ``yes``: always, and it does not start where it can't. ``no``: never.
+        ~required (bool, default false): in a launch file that starts the core again when it ends (``respawn``), have
+            roslaunch end where that cannot help: the core cannot start, another node has taken its name, or it fails
+            by a fault of its own within a minute of having been started again.
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
             In place of its cycle a fact may say ``now``: the next actions that go out heed it already.

@@ -14,7 +14,7 @@ import rospy
 
 from rosoclingo.nodes.core.loading import AUTO, NONE, CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.journal.folder import TakenError
+from rosoclingo.reasoning.journal.folder import TakenError, tidy
 from rosoclingo.reasoning.journal.lines import Header
 from rosoclingo.reasoning.journal.resuming import Found, open_journal
 from rosoclingo.runs.recorded_run import RunProgram
@@ -29,6 +29,8 @@ def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> Found:
     description = RunProgram.of(run, program, parameters.deciding).text()
     header = Header(run, program.fingerprint, _launch(), description)
     found = take_journal(_folder(parameters.journal, header.program), parameters.resume, header)
+    if parameters.journal == AUTO:
+        tidy(_shelf(), time.time())
     for remark in found.remarks:
         (rospy.logwarn if found.odd else rospy.loginfo)("%s: %s", rospy.get_name(), remark)
     return found
@@ -54,7 +56,11 @@ def _folder(given: str, program: str) -> Optional[Path]:
     if given != AUTO:
         return None if given in ("", NONE) else Path(given).expanduser()
     words = f"{rospy.get_name()}-{rosgraph.get_master_uri().partition('://')[2]}-{program[:8]}"
-    return Path(rospkg.get_ros_home()) / "rosoclingo" / re.sub(r"[^\w.-]+", "_", words.strip("/"))
+    return _shelf() / re.sub(r"[^\w.-]+", "_", words.strip("/"))
+
+
+def _shelf() -> Path:
+    return Path(rospkg.get_ros_home()) / "rosoclingo"
 
 
 def _launch() -> str:

@@ -27,7 +27,8 @@ class CoreParameters:
     """The parameters of the core node.
 
     ``places`` are the poses of labels in the map (x, y, yaw; m, rad), where they are given. ``recovery_timeout`` and
-    ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or NONE.
+    ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or NONE. ``required`` is read by
+    :mod:`rosoclingo.common.launched`, whether or not the rest can be.
     """
 
     program_files: Tuple[str, ...]
@@ -37,8 +38,9 @@ class CoreParameters:
     recovery_timeout: float = 5.0
     plan: str = PLANS[0]
     plan_time: float = 1.0
-    journal: str = NONE
+    journal: str = AUTO
     resume: str = RESUMES[0]
+    required: bool = False
     places: Mapping[str, List[float]] = field(default_factory=dict)
 
     @property
@@ -76,6 +78,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         plan_time=given.at("plan_time").number(CoreParameters.plan_time, low=0.0, wanted="seconds"),
         journal=given.at("journal").text(CoreParameters.journal, empty=True, wanted="a folder, auto or none"),
         resume=_resume(given.at("resume")),
+        required=given.at("required").flag(CoreParameters.required),
     )
     given.check()
     return found

@@ -5,7 +5,7 @@ import errno
 import fcntl
 import os
 from pathlib import Path
-from typing import Optional
+from typing import List, Optional
 
 from rosoclingo.common import durable
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, changes, line_of, read
@@ -18,6 +18,9 @@ LONG = 256 * 1024
 
 #: Seconds until it is tried again to write, after a write that failed.
 RETRY = 10.0
+
+#: Which folders of a shelf stay: the latest so many, and those written to in so many seconds.
+STAY, YOUNG = 20, 7 * 24 * 3600.0
 
 
 class TakenError(JournalError):
@@ -54,9 +57,11 @@ class JournalFolder:
         self._size = self._first_size = self._number = 0
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not os.path.samestat(os.fstat(self._lock), os.stat(folder / "lock")):
+                raise BlockingIOError(errno.EAGAIN, "the folder was removed meanwhile")
         except OSError as error:
             self.close()
-            if error.errno not in (errno.EACCES, errno.EAGAIN):
+            if error.errno not in (errno.EACCES, errno.EAGAIN, errno.ENOENT):
                 raise
             raise TakenError(
                 f"another core has the journal in {folder}: end it, or give this one another folder by ~journal"
@@ -103,6 +108,14 @@ class JournalFolder:
         durable.sync_folder(self.path.parent)
         return aside
 
+    def clear(self) -> List[str]:
+        """Remove the journal and what was set aside; return the names of the files that were there; raises OSError."""
+        self._drop_file()
+        found = sorted(self.path.parent.glob(f"{NAME}*"))
+        for one in found:
+            one.unlink()
+        return [one.name for one in found]
+
     def close(self) -> None:
         """Leave the folder to others."""
         self._drop_file()
@@ -114,6 +127,33 @@ class JournalFolder:
         if self._file is not None:
             os.close(self._file)
             self._file = None
+
+
+def tidy(shelf: Path, now: float) -> None:
+    """Remove old journals among the folders of a shelf, but those that a core has; ``now`` is as files tell times.
+
+    A folder with anything else in it stays, and so does what cannot be removed.
+    """
+    with contextlib.suppress(OSError):
+        found = sorted(((_last_written(one), one) for one in shelf.iterdir() if (one / "lock").exists()), reverse=True)
+        for written, one in found[STAY:]:
+            if now - written > YOUNG:
+                _remove(one)
+
+
+def _last_written(folder: Path) -> float:
+    return max(one.stat().st_mtime for one in folder.iterdir())
+
+
+def _remove(path: Path) -> None:
+    with contextlib.suppress(OSError, TakenError):
+        folder = JournalFolder(path)
+        try:
+            folder.clear()
+            (path / "lock").unlink()
+            path.rmdir()
+        finally:
+            folder.close()
 
 
 class Journal:

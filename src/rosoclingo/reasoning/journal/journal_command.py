@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from rosoclingo.reasoning.journal.folder import NAME, JournalFolder, file_of
+from rosoclingo.reasoning.journal.folder import JournalFolder, file_of
 from rosoclingo.reasoning.journal.lines import JournalError, lines_of, read
 
 #: What can be done with a journal.
@@ -38,13 +38,10 @@ def _clear(path: Path) -> int:
         return _failed(f"{path} is no folder with a journal")
     folder = JournalFolder(path)
     try:
-        found = sorted(path.glob(f"{NAME}*"))
-        for one in found:
-            one.unlink()
+        names = ", ".join(folder.clear())
     finally:
         folder.close()
-    names = ", ".join(one.name for one in found)
-    sys.stdout.write(f"removed {names}\n" if found else f"there is no journal in {path}\n")
+    sys.stdout.write(f"removed {names}\n" if names else f"there is no journal in {path}\n")
     return 0
 
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.reasoning.journal import folder as module
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, TakenError, tidy
 from rosoclingo.reasoning.journal.lines import Header, JournalError, changes, line_of, lines_of, read
 
 HEADER = Header("run", "program", "launch")
@@ -248,6 +248,59 @@ def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
     monkeypatch.setattr(os, "replace", refuse)
     journal.write({"core": 2}, 1.0)
     assert "Read-only file system" in journal.fault
+
+
+def shelf_of(path, ages):
+    """A shelf with a journal of each age, in seconds before its time 1e9; the names are the ages."""
+    for age in ages:
+        folder = JournalFolder(path / str(age))
+        folder.begin(HEADER, {"core": 1})
+        folder.close()
+        for file in (path / str(age)).iterdir():
+            os.utime(file, (1e9 - age, 1e9 - age))
+    return path
+
+
+def test_of_a_shelf_old_journals_go_but_for_the_latest(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "STAY", 2)
+    week = int(module.YOUNG)
+    shelf = shelf_of(tmp_path, [0, 10, week - 1, week + 1, week + 2])
+    tidy(shelf, 1e9)
+    assert {one.name for one in shelf.iterdir()} == {"0", "10", str(week - 1)}
+    tidy(shelf, 1e9 + week)
+    assert {one.name for one in shelf.iterdir()} == {"0", "10"}
+
+
+def test_of_a_shelf_what_a_core_has_and_what_is_no_journal_stays(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "STAY", 0)
+    shelf = shelf_of(tmp_path, [1, 2, 3])
+    (shelf / "2" / "notes.txt").touch()
+    (shelf / "mine").mkdir()
+    (shelf / "word").touch()
+    held = JournalFolder(shelf / "1")
+    tidy(shelf, 1e9 + 2 * module.YOUNG)
+    held.close()
+    assert {one.name for one in shelf.iterdir()} == {"1", "2", "mine", "word"}
+    assert (shelf / "1" / "journal.jsonl").exists()
+
+
+def test_no_shelf_yet(tmp_path):
+    tidy(tmp_path / "none", 1e9)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_is_removed_while_it_is_taken_is_not_had(tmp_path, monkeypatch):
+    lock = module.fcntl.flock
+
+    def remove_first(file, how):
+        (tmp_path / "lock").unlink()
+        lock(file, how)
+
+    monkeypatch.setattr(module.fcntl, "flock", remove_first)
+    with pytest.raises(TakenError):
+        JournalFolder(tmp_path)
+    monkeypatch.undo()
+    JournalFolder(tmp_path).close()
 
 
 def test_a_journal_in_words(folder):

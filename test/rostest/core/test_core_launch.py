@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""core.launch as it stands: a core that was killed comes back, one that cannot start ends its roslaunch."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import contextmanager
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib.action_client import CommState
+from actionlib_msgs.msg import GoalStatus
+from rosoclingo.msg import TaskPlan
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Hands
+from interface_helpers import PATIENCE, Process, executable, is_another, process_of, wait_until
+
+ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
+NODE = "/rosoclingo"
+
+
+class Launched:
+    """A roslaunch of core.launch; ``text`` is what it has written so far."""
+
+    def __init__(self, folder, arguments, environment):
+        self._log = Path(folder) / "roslaunch.log"
+        words = [f"{name}:={value}" for name, value in arguments.items()]
+        home = {"ROS_HOME": str(folder), **environment}
+        with self._log.open("wb") as log:
+            self._process = subprocess.Popen(
+                ["roslaunch", "rosoclingo", "core.launch", *words],
+                env={**os.environ, **home},
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+
+    @property
+    def text(self):
+        return self._log.read_text(errors="replace")
+
+    @property
+    def lives(self):
+        return self._process.poll() is None
+
+    @property
+    def starts(self):
+        """How often it has started the core."""
+        return self.text.count("process[rosoclingo-")
+
+    def ends(self):
+        """Wait until it has ended by itself, and all it has started."""
+        self._process.wait(PATIENCE)
+        return self
+
+    def end(self):
+        """Ctrl-C; whatever does not heed it is killed."""
+        try:
+            os.killpg(self._process.pid, signal.SIGINT)
+            self._process.wait(PATIENCE)
+        except ProcessLookupError:
+            pass
+
+
+@contextmanager
+def core_launch(environment=None, **arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        launched = Launched(folder, arguments, environment or {})
+        try:
+            yield launched
+        finally:
+            launched.end()
+
+
+class CoreLaunch(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("core_launch_test")
+
+    @staticmethod
+    def wait_for_core():
+        rospy.wait_for_message(NODE + "/task_plan", TaskPlan, PATIENCE)
+
+    def kill(self):
+        """Kill the core, and wait for the next one."""
+        process = process_of(NODE)
+        os.kill(process, signal.SIGKILL)
+        wait_until(lambda: is_another(NODE, process), "the core to be started again")
+
+    def ends_at_once(self, launched, *words):
+        """It has ended after one start, and has said why."""
+        text = launched.ends().text
+        for word in words:
+            self.assertIn(word, text)
+        self.assertEqual(launched.starts, 1, text)
+        self.assertIn("to start it again cannot help: roslaunch ends", text)
+
+    def test_a_program_with_a_fault(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
+            file.write("#program base.\na(X).\n")
+            file.flush()
+            with core_launch(programs=f"[{file.name}]") as launched:
+                self.ends_at_once(launched, f"{file.name}:2", "unsafe")
+
+    def test_bad_parameters(self):
+        with core_launch(core_params="{horizon_limit: 0}") as launched:
+            self.ends_at_once(launched, "~horizon_limit: must be a whole number from 1 on, not 0")
+
+    def test_a_module_that_is_missing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "clingo.py").write_text("raise ModuleNotFoundError('no clingo', name='clingo')\n")
+            path = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+            with core_launch({"PYTHONPATH": path}) as launched:
+                self.ends_at_once(launched, "core: clingo is not installed for")
+
+    def test_a_core_that_was_killed_goes_on_until_another_one_has_its_name(self):
+        with core_launch(programs=f"[{ERRANDS}]") as launched:
+            hands, client = Hands(), Client()
+            hands.wait_for(NODE)
+            goal = client.send("do(walk,1)")
+            command = hands.take()
+            self.kill()
+            self.assertEqual(hands.take(), command)
+            hands.at_once = True  # and again, as the new core may not hear yet
+            wait_until(lambda: hands.succeed(command) or CommState.DONE in goal.states, "the goal to end")
+            goal.ends_as(GoalStatus.SUCCEEDED)
+            self.assertEqual(len(set(hands.runs)), 1)
+            self.assertTrue(launched.lives)
+            self.assertEqual(launched.starts, 2)
+            with Process(executable("core"), "__name:=rosoclingo", f"_program_files:=[{ERRANDS}]", "_journal:=none"):
+                self.assertIn("new node registered with same name", launched.ends().text)
+            self.assertEqual(launched.starts, 2)
+
+    def test_a_journal_that_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder, core_launch(programs=f"[{ERRANDS}]", journal=folder) as launched:
+            self.wait_for_core()
+            file = Path(folder) / "journal.jsonl"
+            text = file.read_bytes()
+            file.write_bytes(text.replace(b'"run"', b'"ruN"', 1))
+            os.kill(process_of(NODE), signal.SIGKILL)
+            self.assertIn("line 1 is not as it was written", launched.ends().text)
+            self.assertEqual(launched.starts, 2)
+
+    def test_without_a_journal_everything_ends_with_the_core(self):
+        with core_launch(programs=f"[{ERRANDS}]", journal="none") as launched:
+            self.wait_for_core()
+            os.kill(process_of(NODE), signal.SIGKILL)
+            self.assertIn("REQUIRED process [rosoclingo-", launched.ends().text)
+            self.assertEqual(launched.starts, 1)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "core_launch", CoreLaunch, sys.argv)

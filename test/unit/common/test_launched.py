@@ -1,0 +1,169 @@
+"""A node ends the roslaunch that would start it again in vain, and nothing else."""
+
+import os
+import signal
+import threading
+from xmlrpc.server import SimpleXMLRPCServer
+
+import pytest
+
+from rosoclingo.common import launched
+from rosoclingo.common.launched import Required
+
+NODE = "/robot/core"
+
+
+class Failed(Exception):
+    """What a start may raise."""
+
+
+class Serving:
+    """XML-RPC servers that answer with values: those of ROS's master and of roslaunch, as far as they are asked."""
+
+    def __init__(self):
+        self._servers = []
+
+    def add(self, **answers):
+        """The address of a server with these functions, which return ``(1, "", VALUE)`` for their values."""
+        server = SimpleXMLRPCServer(("localhost", 0), logRequests=False, allow_none=True)
+        for name, value in answers.items():
+            server.register_function(lambda *given, value=value: (1, "", value(*given)), name)
+        threading.Thread(target=server.serve_forever, args=[0.01], daemon=True).start()
+        self._servers.append(server)
+        return "http://localhost:{}".format(server.server_address[1])
+
+    def close(self):
+        """End all servers."""
+        for server in self._servers:
+            server.shutdown()
+            server.server_close()
+
+
+@pytest.fixture
+def serving():
+    servers = Serving()
+    yield servers
+    servers.close()
+
+
+@pytest.fixture
+def ended(monkeypatch):
+    """The processes to which a signal was sent, with its number."""
+    signals = []
+    monkeypatch.setattr(launched.os, "kill", lambda *signal: signals.append(signal))
+    monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core", "__log:=/tmp/core.log"])
+    monkeypatch.setenv("ROS_NAMESPACE", "robot")
+    return signals
+
+
+def roslaunch(serving, process=None, children=(), **info):
+    """A roslaunch with two processes."""
+    infos = {"other": {"pid": 1, "respawn": True, "spawn_count": 9}, "core-2": info}
+    return serving.add(
+        get_pid=lambda: os.getppid() if process is None else process,
+        get_node_names=lambda: list(infos),
+        process_info=infos.get,
+        list_children=lambda: list(children),
+    )
+
+
+def master(serving, monkeypatch, *launches, **parameters):
+    """A master that knows these roslaunches, and others that have gone."""
+    uris = {str(number): uri for number, uri in enumerate(["http://localhost:1", *launches])}
+    values = {"/roslaunch/uris": uris, f"{NODE}/required": True, **parameters}
+    monkeypatch.setenv("ROS_MASTER_URI", serving.add(getParam=lambda _caller, key: values[key]))
+
+
+def own(**changes):
+    """What a roslaunch says of this process."""
+    return {"pid": os.getpid(), "respawn": True, "spawn_count": 1, **changes}
+
+
+THE_END = [(os.getppid(), signal.SIGINT)]
+
+
+@pytest.mark.parametrize("error", [Failed("a fault"), SystemExit(1), SystemExit("clingo is not installed")])
+def test_a_start_that_fails_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
+    master(serving, monkeypatch, roslaunch(serving, process=1), roslaunch(serving, **own()))
+    with pytest.raises(type(error)), Required():
+        raise error
+    assert ended == THE_END
+    assert f"{NODE}: to start it again cannot help: roslaunch ends" in capsys.readouterr().err
+
+
+def test_a_roslaunch_on_another_machine_is_a_child_of_one_that_is_known(serving, ended, monkeypatch):
+    master(serving, monkeypatch, roslaunch(serving, process=1, children=[roslaunch(serving, **own())]))
+    with pytest.raises(Failed), Required():
+        raise Failed
+    assert ended == THE_END
+
+
+@pytest.mark.parametrize("error", [SystemExit(0), SystemExit(None), KeyboardInterrupt()])
+def test_an_end_that_is_none_of_its_faults_ends_nothing(serving, ended, monkeypatch, error):
+    master(serving, monkeypatch, roslaunch(serving, **own()))
+    with pytest.raises(type(error)), Required():
+        raise error
+    assert ended == []
+
+
+@pytest.mark.parametrize("changes", [{"respawn": False}, {"pid": 1}], ids=["it would not", "of another"])
+def test_a_roslaunch_that_would_not_start_it_again_goes_on(serving, ended, monkeypatch, changes):
+    master(serving, monkeypatch, roslaunch(serving, **own(**changes)))
+    with pytest.raises(Failed), Required():
+        raise Failed
+    assert ended == []
+
+
+@pytest.mark.parametrize("value", [False, "yes", 0])
+def test_a_node_that_is_not_required_ends_nothing(serving, ended, monkeypatch, value):
+    master(serving, monkeypatch, roslaunch(serving, **own()), **{f"{NODE}/required": value})
+    with pytest.raises(Failed), Required():
+        raise Failed
+    assert ended == []
+
+
+def test_a_node_by_hand_asks_nobody(ended, monkeypatch, capsys):
+    monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core"])
+    monkeypatch.delenv("ROS_MASTER_URI", raising=False)
+    with pytest.raises(Failed), Required():
+        raise Failed
+    assert (ended, capsys.readouterr().err) == ([], "")
+
+
+@pytest.mark.parametrize("uri", ["http://localhost:1", None])
+def test_where_no_master_answers_it_is_said(ended, monkeypatch, capsys, uri):
+    monkeypatch.delenv("ROS_MASTER_URI", raising=False)
+    if uri:
+        monkeypatch.setenv("ROS_MASTER_URI", uri)
+    with pytest.raises(Failed), Required():
+        raise Failed
+    assert ended == []
+    assert "whether to end its roslaunch is not known" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("starts", "seconds", "ends"), [(1, 0.0, False), (2, 0.0, True), (2, 1000.0, False)], ids=["first", "again", "late"]
+)
+def test_a_fault_of_its_own_ends_the_roslaunch_where_it_comes_back_at_once(
+    serving, ended, monkeypatch, starts, seconds, ends
+):
+    now = [5.0]
+    monkeypatch.setattr(launched.time, "monotonic", lambda: now[0])
+    master(serving, monkeypatch, roslaunch(serving, **own(spawn_count=starts)))
+    with pytest.raises(SystemExit), Required() as required:
+        required.is_up(None)
+        now[0] += seconds
+        raise SystemExit(1)
+    assert ended == (THE_END if ends else [])
+
+
+@pytest.mark.parametrize(("reason", "ends"), [("[/c] Reason: new node registered with same name", True), ("x", False)])
+def test_a_node_whose_name_another_one_takes_ends_the_roslaunch(serving, ended, monkeypatch, reason, ends):
+    rospy, hooks = pytest.importorskip("rospy"), []
+    monkeypatch.setattr(rospy.core, "add_preshutdown_hook", hooks.append)
+    master(serving, monkeypatch, roslaunch(serving, **own()))
+    with pytest.raises(SystemExit), Required() as required:
+        required.is_up(None)
+        hooks[0](f"external shutdown request from [/master]: [{reason}]")
+        raise SystemExit(0)
+    assert ended == (THE_END if ends else [])
