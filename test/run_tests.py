@@ -39,7 +39,7 @@ LINTERS: Dict[str, List[str]] = {
 GROUPS = ("lint", "unit", "rostest", "python38", "install", "pip")  # and "quick"
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
-ONCE = ("burst", "crowd", "late_world", "request_lost")  # long, and not about what differs: not on Python 3.8 as well
+ONCE = ("burst", "core_disk", "core_launch", "crowd", "late_world", "request_lost")  # long, or about no language
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")

@@ -117,6 +117,13 @@ class SentGoal:
         """Wait until the server has it."""
         wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
 
+    def has_arrived(self):
+        """Whether the server has it; if not it is sent again, with its id, as a core that was killed may not have it."""
+        if self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK:
+            return True
+        self._client.pub_goal.publish(self.handle.comm_state_machine.action_goal)
+        return False
+
     def cancel(self):
         """Cancel it once the server has it; actionlib's own cancel may make a goal lost, also one that has ended."""
         self.arrived()

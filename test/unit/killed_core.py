@@ -86,7 +86,12 @@ class Fate:
 
 
 class World:
-    """Clients and interfaces, who outlive the core: goals by their numbers, what was done, and what was told of it."""
+    """Clients and interfaces, who outlive the core: goals by their numbers, what was done, and what was told of it.
+
+    This one is of errands; ``program`` and ``horizon_limit`` are the core's.
+    """
+
+    program, horizon_limit = PROGRAM, 8
 
     def __init__(self):
         self.goals, self.cancelled = {}, set()
@@ -115,11 +120,19 @@ class World:
     def do(self, action, good):
         """An action ends well or not; one that has ended stays as it is. Returns its answer."""
         if self.answers[action] is None:
-            good = good or str(action.interface) == "quick"
-            self.done[str(action.parameter)] += good
-            value = action.parameter if good else "failed"
-            self.answers[action] = f"_return({action.interface},{value},{action.cycle})"
+            self.answers[action] = f"_return({action.interface},{self.execute(action, good)},{action.cycle})"
         return self.answers[action]
+
+    def execute(self, action, good):
+        """What an action does; returns its value."""
+        good = good or str(action.interface) == "quick"
+        self.done[str(action.parameter)] += good
+        return action.parameter if good else "failed"
+
+    @staticmethod
+    def text(key, kind):
+        """A goal's text."""
+        return "do(" if kind == "nonsense" else f"do({kind},{key})"
 
     def check(self):
         """Each goal has ended as the world has it."""
@@ -144,8 +157,9 @@ class Node:
         kept = folder.read()
         record = None if kept is None else kept.state
         self.keeper = Keeper(self._tell, Journal(folder, Header("run", "program")), lambda: 0.0)
-        limits = CoreSettings(horizon_limit=8, search_timeout=0.0, action_timeout=0.0, preempt=preempt, goals_at_once=3)
-        self.core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), self.keeper, limits, record=record)
+        limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
+        program = world.program
+        self.core = KeptCore(program, lambda: shortest(program), self.keeper, limits, record=record)
         self.keeper.attach(self.core, record)
         for action in self.core.awaited:
             world.command(action)
@@ -207,7 +221,7 @@ class Play:
                     self._cancel_one()
                 for key, kind in self.world.goals.items():
                     if key not in self.world.ends and key not in self._node.keeper.clients:
-                        self._node.goal(key, text_of(key, kind))
+                        self._node.goal(key, self.world.text(key, kind))
                 self._greet()
                 self._node.run()
             except KilledError:
@@ -255,7 +269,7 @@ class Play:
         """A client sends a goal."""
         key = str(len(self.world.goals) + 1)
         self.world.goals[key] = kind
-        self._node.goal(key, text_of(key, kind))
+        self._node.goal(key, self.world.text(key, kind))
 
     def cancel(self, number):
         """A client cancels a goal."""
@@ -274,11 +288,6 @@ class Play:
     def fact(self, fact):
         """Something else is told."""
         self._node.core.receive("sensor", [fact])
-
-
-def text_of(key, kind):
-    """A goal's text."""
-    return "do(" if kind == "nonsense" else f"do({kind},{key})"
 
 
 #: What happens in a play, and the kills of a fate.

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""The core is killed at any time: each goal ends once with a true status, and nothing is done twice."""
+"""The core is killed at any time: each goal ends once with a true status, and nothing is done twice.
+
+ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS how many there are.
+"""
 
 import os
 import random
@@ -25,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client
 from interface_helpers import PATIENCE, wait_until
 
-KILLS = 20
+SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "10")))
 SUCCEEDED, RECALLED, PREEMPTED = GoalStatus.SUCCEEDED, GoalStatus.RECALLED, GoalStatus.PREEMPTED
 
 
@@ -89,7 +92,7 @@ class World:
 
 class CoreKilled(unittest.TestCase):
     def setUp(self):
-        self.source = random.Random(int(os.environ.get("ROSOCLINGO_SEED", "1")))
+        self.source = random.Random(SEED)
         self.world, self.client, self.goals = World(self.source), Client(), []
         self.cancelled, self.killed = set(), set()
         self.addCleanup(self.world.close)
@@ -116,10 +119,7 @@ class CoreKilled(unittest.TestCase):
 
     def is_there(self):
         """Whether the core has the goals that were sent; those that it has lost before it told of them come again."""
-        lost = [one for one in self.goals if one.handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK]
-        for one in lost:
-            self.client.raw.pub_goal.publish(one.handle.comm_state_machine.action_goal)
-        return not lost
+        return all([goal.has_arrived() for goal in self.goals])
 
     def send(self, *kinds):
         """Send a goal of each kind."""

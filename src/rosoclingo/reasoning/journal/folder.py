@@ -5,7 +5,7 @@ import errno
 import fcntl
 import os
 from pathlib import Path
-from typing import List, Optional
+from typing import List, NamedTuple, Optional, Union
 
 from rosoclingo.common import durable
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, changes, line_of, read
@@ -178,7 +178,7 @@ class Journal:
 
         ``now`` is in seconds of a clock that only goes forward, ``time``, which is written too, of the run's clock.
         """
-        if self.fault and now - self._tried < self._retry:
+        if self.fault and not self.is_due(now):
             return
         try:
             self._write(state, time)
@@ -188,6 +188,10 @@ class Journal:
             self.fault = f"the journal {self._folder.path} cannot be written: {error.strerror or error}"
             with contextlib.suppress(OSError):
                 self._folder.set_aside("stale")
+
+    def is_due(self, now: float) -> bool:
+        """Whether it is time to try again, where something could not be written."""
+        return bool(self.fault) and now - self._tried >= self._retry
 
     def _write(self, state: State, time: Optional[float]) -> None:
         if self._written is None or self._folder.is_long:
@@ -201,3 +205,22 @@ class Journal:
     def close(self) -> None:
         """Write no more."""
         self._folder.close()
+
+
+class NoJournal(NamedTuple):
+    """In the place of a journal that was wanted, and why there is none: its ``fault``."""
+
+    fault: str
+
+    def write(self, state: State, now: float, time: Optional[float] = None) -> None:
+        """Write nothing."""
+
+    def is_due(self, now: float) -> bool:
+        """It is not tried again."""
+        return False
+
+    def close(self) -> None:
+        """Nobody waits for it."""
+
+
+AnyJournal = Union[Journal, NoJournal]

@@ -4,7 +4,7 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Se
 
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, Observer
 from rosoclingo.reasoning.goals import GoalState, Outcome
-from rosoclingo.reasoning.journal.folder import Journal
+from rosoclingo.reasoning.journal.folder import AnyJournal
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.records import Record, group
 
@@ -57,7 +57,7 @@ class Keeper:
     def __init__(
         self,
         tell: Observer,
-        journal: Optional[Journal],
+        journal: Optional[AnyJournal],
         now: Callable[[], float],
         time: Optional[Callable[[], float]] = None,
     ) -> None:
@@ -109,11 +109,14 @@ class Keeper:
             self._write()
 
     def send(self, keep_ends: bool = False) -> None:
-        """Write down the state after a step of the core, and let out what it told.
+        """Write down the state after a step of the core, and let out what it told; also while nothing happens.
 
         With ``keep_ends`` goals that have ended stay written down until :meth:`forget`: their clients may not hear yet.
         """
         if not self._events:
+            if self._journal is not None and self._journal.is_due(self._now()):
+                self._look()
+                self._write()
             return
         events, self._events = self._events, []
         ends = [key for key in map(self._note, events) if key is not None]

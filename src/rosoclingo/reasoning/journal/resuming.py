@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
 
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import AnyJournal, Journal, JournalFolder, NoJournal
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, launch_of
 from rosoclingo.reasoning.records import group
 
@@ -17,7 +17,7 @@ class Found(NamedTuple):
     ``remarks`` say what was found; where one is ``odd``, it is a warning.
     """
 
-    journal: Optional[Journal]
+    journal: Optional[AnyJournal]
     run: str
     state: Optional[State] = None
     remarks: Sequence[str] = ()
@@ -27,20 +27,20 @@ class Found(NamedTuple):
 def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:
     """Take the journal in a folder, None for none; ``fresh`` is the header of a run that begins now.
 
-    Raises JournalError where another core has it, or where it cannot be used though it should be. A folder that cannot
-    be written is told: the core goes on without a journal.
+    Raises JournalError where another core has it, or where it cannot be used though it should be. Of a folder that
+    cannot be written the journal tells: the core goes on without.
     """
     if folder is None:
         return Found(None, fresh.run)
     try:
         place = JournalFolder(folder)
     except OSError as error:
-        return Found(None, fresh.run, None, [f"no journal is kept, {folder} cannot be written: {error.strerror}"], True)
+        return Found(NoJournal(f"no journal is kept, {folder} cannot be written: {error.strerror}"), fresh.run)
     try:
         return _open(place, resume, fresh)
     except OSError as error:
         place.close()
-        return Found(None, fresh.run, None, [f"no journal is kept in {folder}: {error.strerror}"], True)
+        return Found(NoJournal(f"no journal is kept in {folder}: {error.strerror}"), fresh.run)
     except JournalError:
         place.close()
         raise

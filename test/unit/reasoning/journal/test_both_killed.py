@@ -5,14 +5,18 @@ The interfaces remember what they have begun and answered as the real ones do; t
 
 import contextlib
 import tempfile
+from collections import Counter
 from pathlib import Path
 
+import office_world
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from killed_core import HAPPENED, KILLS, Fate, KilledError, Play, World
+from killed_core import HAPPENED, KEYS, KILLS, Fate, KilledError, Play, World
+from shipped import shipped
 
 from rosoclingo.interfaces.memory import ActionMemory
+from rosoclingo.reasoning import GoalState
 
 
 class Interfaces(World):
@@ -88,8 +92,7 @@ class Interfaces(World):
 
     def _end(self, goal, good):
         action, _ = self._servers[goal]
-        self.done[str(action.parameter)] += good
-        self._servers[goal] = (action, action.parameter if good else "failed")
+        self._servers[goal] = (action, self.execute(action, good))
 
     def do(self, action, good):
         """What a server does ends well or not, whoever hears of it."""
@@ -111,6 +114,49 @@ class Interfaces(World):
             self._memory.note_answered(str(action.atom), facts)
             self._fate.pass_instant()
             self.said.append(list(facts))
+
+
+class Mailbot(Interfaces):
+    """The same around the mailbot's program: kinds of goals are pairs of offices, and the key is the package.
+
+    Robot and packages are modelled apart from the program. Nothing fails so often that a goal is given up.
+    """
+
+    horizon_limit = 30
+
+    def __init__(self, folder, fate):
+        super().__init__(folder, fate)
+        self._office, self._failures = office_world.World(), Counter()
+
+    @property
+    def program(self):
+        """What the core reasons with."""
+        return shipped("mailbot.lp", "office.lp")
+
+    @staticmethod
+    def text(key, kind):
+        """A goal's text."""
+        return "goal({},{},{})".format(*kind, key)
+
+    def execute(self, action, good):
+        """The robot does something that it can do, or fails to."""
+        for key, (origin, _) in self.goals.items():
+            self._office.places.setdefault(key, origin)
+        self._failures[str(action.parameter)] += not good
+        if not good and self._failures[str(action.parameter)] < 3:
+            return "failed"
+        self._office.do(action)
+        return action.parameter
+
+    def check(self):
+        """Each goal has ended, and its package is where the end says."""
+        for key, (origin, target) in self.goals.items():
+            place = self._office.places.get(key, origin)
+            if self.ends[key] is GoalState.SUCCEEDED:
+                assert place == target
+            else:
+                assert self.ends[key] in (GoalState.RECALLED, GoalState.PREEMPTED)
+                assert (key in self.cancelled, place) == (True, origin)
 
 
 class BothPlay(Play):
@@ -150,11 +196,11 @@ class BothPlay(Play):
             self.world.do(awaited[which % len(awaited)], good)
 
 
-def played(script, kills=()):
+def played(script, kills=(), kind=Interfaces):
     """Play a script with kills."""
     fate = Fate(kills)
     with tempfile.TemporaryDirectory() as name, fate.rules():
-        world = Interfaces(Path(name) / "interfaces", fate)
+        world = kind(Path(name) / "interfaces", fate)
         return BothPlay(Path(name) / "core", fate, preempt=False, world=world).play(script), fate
 
 
@@ -190,3 +236,19 @@ def test_either_is_killed_at_every_instant():
 @given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS)
 def test_both_are_killed_again_and_again(script, kills):
     played(script, kills)
+
+
+PAIRS = st.permutations(office_world.OFFICES).map(lambda offices: tuple(offices[:2]))
+ORDERED = st.one_of(
+    st.tuples(st.just("goal"), PAIRS),
+    st.tuples(st.just("cancel"), KEYS),
+    *[st.tuples(st.just("answer"), KEYS, st.booleans())] * 3,
+)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=max(5, settings.default.max_examples // 5))
+@given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
+def test_each_package_of_the_mailbot_is_where_it_belongs(script, kills):
+    played(script, kills, Mailbot)

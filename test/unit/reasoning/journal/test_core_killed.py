@@ -1,12 +1,19 @@
 """The core is killed at any instant: each goal ends once, as it should, and nothing is done twice."""
 
+import copy
 import tempfile
 from pathlib import Path
 
 import pytest
+from core_driver import shortest
 from hypothesis import given
 from hypothesis import strategies as st
-from killed_core import HAPPENED, KILLS, Fate, Play
+from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play
+
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import JournalError, group_of, history, read
 
 
 def played(script, kills=(), preempt=False):
@@ -43,6 +50,39 @@ def test_killed_at_every_instant():
         for cut in (0, 500, 1000) if instant in fate.writes else (0,):
             play, _ = played(SCRIPT, [(instant, cut, cut < 1000)])
             assert play.kills == 1
+
+
+@pytest.fixture(scope="module")
+def journal():
+    """What a core that nobody kills writes, from its first line on."""
+    with tempfile.TemporaryDirectory() as name:
+        fate = Fate()
+        with fate.rules(), pytest.MonkeyPatch.context() as patch:
+            patch.setattr(folder, "LONG", 10**9)
+            Play(Path(name), fate, preempt=False).play(SCRIPT)
+        return (Path(name) / folder.NAME).read_bytes()
+
+
+@pytest.mark.slow
+def test_cut_at_every_byte_it_is_the_state_before_that_line(journal):
+    states = [copy.deepcopy(state) for state, _ in history(journal)[1]]
+    assert len(states) > 20
+    whole = journal.index(b"\n", journal.index(b"\n") + 1)
+    for end in range(len(journal) + 1):
+        if end <= whole:
+            with pytest.raises(JournalError, match="line [12] is missing"):
+                read(journal[:end])
+        else:
+            assert read(journal[:end]).state == states[journal.count(b"\n", 0, end) - 2]
+
+
+@pytest.mark.slow
+def test_each_state_of_a_journal_is_that_of_the_core_that_goes_on_from_it(journal):
+    limits = CoreSettings(8, 0.0, goals_at_once=3, search_timeout=0.0)
+    for state, _ in history(journal)[1]:
+        own = {name: value for name, value in state.items() if group_of(name) != "client"}
+        core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
+        assert core.record() == own
 
 
 @pytest.mark.slow

@@ -204,10 +204,10 @@ def test_the_journal_stays_small(start, monkeypatch):
     assert max(sizes) < 4 * len(json.dumps(node.on_disk)) + 20_000
 
 
-def kept(journal):
+def kept(journal, now=lambda: 0.0):
     """A core that has not begun, its keeper, and what that lets out."""
     told = []
-    keeper = Keeper(told.append, journal, lambda: 0.0)
+    keeper = Keeper(told.append, journal, now)
     core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
     return core, keeper, told
@@ -241,8 +241,8 @@ def test_without_a_journal_all_goes_out(tmp_path):
 
 
 def test_what_is_wrong_with_the_journal_is_told(tmp_path, monkeypatch):
-    place = JournalFolder(tmp_path)
-    _, keeper, _ = kept(Journal(place, Header("run", "program")))
+    place, now = JournalFolder(tmp_path), [0.0]
+    _, keeper, _ = kept(Journal(place, Header("run", "program")), lambda: now[-1])
     assert keeper.fault == ""
 
     def refuse(*_):
@@ -253,4 +253,11 @@ def test_what_is_wrong_with_the_journal_is_told(tmp_path, monkeypatch):
         keeper.add("a", Client("do(walk,1)", (1, 2)))
         keeper.keep()
         assert os.strerror(errno.ENOSPC) in keeper.fault
+    now.append(folder.RETRY - 0.1)
+    keeper.send()
+    assert keeper.fault
+    now.append(folder.RETRY)
+    keeper.send()
+    assert keeper.fault == ""
+    assert place.read().state["client:a"] == Client("do(walk,1)", (1, 2)).record(), "though nothing has happened"
     keeper.close()

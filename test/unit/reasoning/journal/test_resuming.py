@@ -114,9 +114,8 @@ def test_a_journal_that_cannot_be_read(folder):
     (folder / "journal.jsonl").mkdir(parents=True)
     for _ in range(2):
         found = open_journal(folder, "ask", AGAIN)
-        assert found[:3] == (None, "second", None)
-        assert found.odd
-        assert found.remarks == [f"no journal is kept in {folder}: Is a directory"]
+        assert found[1:3] == ("second", None)
+        assert found.journal.fault == f"no journal is kept in {folder}: Is a directory"
 
 
 def test_one_goal_of_a_core_that_had_hardly_begun(folder):
@@ -132,9 +131,8 @@ def test_a_folder_that_cannot_be_written(folder, monkeypatch):
 
     monkeypatch.setattr(os, "open", refuse)
     found = opened(folder, "ask", AGAIN)
-    assert found.journal is None
-    assert found.odd
-    assert "Read-only file system" in found.remarks[0]
+    found.journal.write({"core": 1}, 0.0)
+    assert found.journal.fault == f"no journal is kept, {folder} cannot be written: Read-only file system"
 
 
 def test_a_journal_that_went_stale_is_told(folder, left):

@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""Core and interfaces are killed in the middle of actions: each package is where it belongs, nothing is done twice.
+
+ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS how many there are.
+"""
+
+import os
+import random
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+import tf2_ros
+from actionlib.action_client import CommState
+from actionlib.action_server import ActionServer
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from geometry_msgs.msg import TransformStamped
+from move_base_msgs.msg import MoveBaseAction
+from rosoclingo.msg import DeliverActionResult, InterfaceIO, PackageStates, PickupActionResult
+
+from rosoclingo.reasoning.keywords import CORE
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client
+from interface_helpers import PATIENCE, kill, wait_for_server, wait_to_hear, wait_until
+
+SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "10")))
+OFFICES = ("office1", "office2", "office3", "office4")
+INTERFACES = {"pickup": "pickup_interface", "deliver": "deliver_interface", "move_base": "move_base_interface"}
+ALL = tuple(INTERFACES.values())
+
+
+class Base:
+    """A move_base that is where it was sent after a moment, which tf tells."""
+
+    def __init__(self):
+        self._broadcaster = tf2_ros.StaticTransformBroadcaster()
+        self._stand(1.9, 0.0)
+        self._server = ActionServer("move_base", MoveBaseAction, self._begin, self._cancel, auto_start=False)
+        self._server.start()
+
+    def _stand(self, x, y):
+        transform = TransformStamped(child_frame_id="base_link")
+        transform.header.frame_id = "map"
+        transform.transform.translation.x, transform.transform.translation.y = x, y
+        transform.transform.rotation.w = 1.0
+        self._broadcaster.sendTransform(transform)
+
+    def _begin(self, handle):
+        handle.set_accepted()
+        threading.Timer(0.3, self._arrive, [handle]).start()
+
+    def _arrive(self, handle):
+        if handle.get_goal_status().status == GoalStatus.ACTIVE:
+            place = handle.get_goal().target_pose.pose.position
+            self._stand(place.x, place.y)
+            handle.set_succeeded()
+
+    @staticmethod
+    def _cancel(handle):
+        handle.set_canceled()
+
+
+class World:
+    """What the office shows: the way of each package, which server is at work, and what it has refused."""
+
+    def __init__(self):
+        self.ways, self.refused, self.runs, self.most = {}, [], set(), 0
+        self._active = {}
+        heard = [rospy.Subscriber("packages", PackageStates, self._note_packages, queue_size=None)]
+        for server in INTERFACES:
+            heard.append(rospy.Subscriber(f"{server}/status", GoalStatusArray, self._note_status, server))
+        for server, kind in (("pickup", PickupActionResult), ("deliver", DeliverActionResult)):
+            heard.append(rospy.Subscriber(f"{server}/result", kind, self._note_result, queue_size=None))
+        wait_to_hear(*heard)
+        rospy.Subscriber("out_rosoclingo", InterfaceIO, self._note_run, queue_size=None)
+
+    def _note_packages(self, message):
+        self.most = max(self.most, sum(one.carried for one in message.packages))
+        for one in message.packages:
+            way, place = self.ways.setdefault(one.id, []), "robot" if one.carried else one.location
+            if way[-1:] != [place]:
+                way.append(place)
+
+    def _note_status(self, message, server):
+        self._active[server] = any(one.status == GoalStatus.ACTIVE for one in message.status_list)
+
+    def _note_result(self, message):
+        if message.status.status == GoalStatus.ABORTED:
+            self.refused.append(message.result.message)
+
+    def _note_run(self, message):
+        if message.interface == CORE:
+            self.runs.update(message.facts)
+
+    def acts(self, server):
+        """Whether a server is at work."""
+        return self._active.get(server, False)
+
+    def way(self, package, origin):
+        """Where a package has been since it lay in its office."""
+        way = self.ways.get(str(package), [])
+        return way[1:] if way[:1] == [origin] else way
+
+
+class MailbotKilled(unittest.TestCase):
+    def setUp(self):
+        self.source = random.Random(SEED)
+        self.base, self.world, self.client = Base(), World(), Client()
+        wait_for_server(self.client.raw)
+        self.goals, self.cancelled = [], set()
+
+    def test_killed_again_and_again(self):
+        for number in range(KILLS):
+            self.send()
+            if self.source.random() < 0.5:
+                self.cancel(self.send())
+            self.kill_at(number)
+        wait_until(self.all_have_arrived, "the last goals to arrive")
+        for goal, package, origin, target in self.goals:
+            status, _ = goal.wait(2 * PATIENCE)
+            self.check(goal, status, package, origin, target)
+        self.assertEqual(self.world.refused, [], "the office was asked for what could not be")
+        self.assertEqual(len(self.world.runs), 1, "a core that goes on is of the same run")
+        self.assertLessEqual(self.world.most, 3)
+
+    def send(self):
+        """Send a goal for a package of its own."""
+        origin, target = self.source.sample(OFFICES, 2)
+        package = 10 + len(self.goals)
+        goal = self.client.send(f"goal({origin},{target},{package})")
+        self.goals.append((goal, package, origin, target))
+        return goal
+
+    def cancel(self, goal):
+        """Cancel a goal at once, or when its package is on the robot."""
+        package = str(self.goals[-1][1])
+        wait_until(self.all_have_arrived, "the goals to arrive")
+        if self.source.random() < 0.5:
+            wait_until(lambda: "robot" in self.world.ways.get(package, []), "the package to be on the robot")
+        self.cancelled.add(goal)
+        goal.cancel()
+
+    def all_have_arrived(self):
+        return all([goal.has_arrived() for goal, *_ in self.goals])
+
+    def kill_at(self, number):
+        """Kill interfaces, alone or with the core, while a server is at work or at any instant."""
+        server = (*INTERFACES, None)[number % 4]
+        own = [INTERFACES[server]] if server else self.source.sample(ALL, 1)
+        victims = self.source.choice([own, ALL]) if number % 8 < 4 else [CORE, *self.source.choice([[], own, ALL])]
+        if server:
+            wait_until(lambda: self.all_have_arrived() and self.world.acts(server), f"{server} to be at work")
+        kill(*victims)
+
+    def check(self, goal, status, package, origin, target):
+        """A goal has ended once, and its package is where the end says."""
+        way, told = self.world.way(package, origin), f"{goal.text}: {self.world.ways.get(str(package))}"
+        self.assertEqual(goal.states.count(CommState.DONE), 1, told)
+        if status == GoalStatus.SUCCEEDED:
+            self.assertEqual(way, ["robot", target], told)
+        else:
+            self.assertIn(status, (GoalStatus.RECALLED, GoalStatus.PREEMPTED), told)
+            self.assertIn(goal, self.cancelled, told)
+            self.assertIn(way, ([], ["robot", origin]), told)
+
+
+if __name__ == "__main__":
+    rospy.init_node("mailbot_killed_test")
+    rostest.rosrun("rosoclingo", "mailbot_killed", MailbotKilled, sys.argv)
