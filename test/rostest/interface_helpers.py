@@ -8,7 +8,7 @@ import subprocess
 import threading
 import time
 import xmlrpc.client
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import rosgraph
 import rospy
@@ -152,7 +152,8 @@ def full_disk(process, room=0):
     try:
         yield
     finally:
-        resource.prlimit(process, resource.RLIMIT_FSIZE, limit)
+        with suppress(ProcessLookupError):  # it may have been killed
+            resource.prlimit(process, resource.RLIMIT_FSIZE, limit)
 
 
 def wait_for_diagnosis(name, condition, what):

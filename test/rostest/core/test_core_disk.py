@@ -96,7 +96,7 @@ class CoreDisk(unittest.TestCase):
             runs = self.kill()
         wait_until(lambda: set(self.hands.runs) - runs, "another run")
         wait_until(lambda: any(f"before {self.stale} could have all" in line for line in list(self.said)), "a warning")
-        lost.ends_as(GoalStatus.LOST)
+        self.assertEqual(lost.wait()[0], GoalStatus.LOST)
         goal, command = self.begin("do(walk,4)")
         self.hands.at_once = True
         wait_until(lambda: self.hands.succeed(command) or CommState.DONE in goal.states, "the goal to end")

@@ -100,7 +100,9 @@ class KeptCore(Core):
         self._planner.lookahead = lookahead
         plan, latest = record["plan"], record["latest"]
         self._plan = None if plan is None else plan_of(plan)
-        self._latest = cycle, plan_of(plan if latest is None else latest)
+        used = self._plan if latest is None else plan_of(latest)
+        assert used is not None
+        self._latest = cycle, used
         self._goals.restore(record)
         self._feeder.restore(record, self._goals.by_key)
         self._execution.restore(record)
