@@ -118,7 +118,7 @@ class SentGoal:
         wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
 
     def has_arrived(self):
-        """Whether the server has it; if not it is sent again, with its id, as a core that was killed may not have it."""
+        """Whether the server has it; if not it is sent again, with its id: a core that was killed may lack it."""
         if self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK:
             return True
         self._client.pub_goal.publish(self.handle.comm_state_machine.action_goal)

@@ -13,7 +13,7 @@ from rosoclingo.common.launched import Required
 NODE = "/robot/core"
 
 
-class Failed(Exception):
+class StartError(Exception):
     """What a start may raise."""
 
 
@@ -30,7 +30,7 @@ class Serving:
             server.register_function(lambda *given, value=value: (1, "", value(*given)), name)
         threading.Thread(target=server.serve_forever, args=[0.01], daemon=True).start()
         self._servers.append(server)
-        return "http://localhost:{}".format(server.server_address[1])
+        return f"http://localhost:{server.server_address[1]}"
 
     def close(self):
         """End all servers."""
@@ -82,7 +82,7 @@ def own(**changes):
 THE_END = [(os.getppid(), signal.SIGINT)]
 
 
-@pytest.mark.parametrize("error", [Failed("a fault"), SystemExit(1), SystemExit("clingo is not installed")])
+@pytest.mark.parametrize("error", [StartError("a fault"), SystemExit(1), SystemExit("clingo is not installed")])
 def test_a_start_that_fails_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
     master(serving, monkeypatch, roslaunch(serving, process=1), roslaunch(serving, **own()))
     with pytest.raises(type(error)), Required():
@@ -93,8 +93,8 @@ def test_a_start_that_fails_ends_the_roslaunch(serving, ended, monkeypatch, erro
 
 def test_a_roslaunch_on_another_machine_is_a_child_of_one_that_is_known(serving, ended, monkeypatch):
     master(serving, monkeypatch, roslaunch(serving, process=1, children=[roslaunch(serving, **own())]))
-    with pytest.raises(Failed), Required():
-        raise Failed
+    with pytest.raises(StartError), Required():
+        raise StartError
     assert ended == THE_END
 
 
@@ -109,24 +109,24 @@ def test_an_end_that_is_none_of_its_faults_ends_nothing(serving, ended, monkeypa
 @pytest.mark.parametrize("changes", [{"respawn": False}, {"pid": 1}], ids=["it would not", "of another"])
 def test_a_roslaunch_that_would_not_start_it_again_goes_on(serving, ended, monkeypatch, changes):
     master(serving, monkeypatch, roslaunch(serving, **own(**changes)))
-    with pytest.raises(Failed), Required():
-        raise Failed
+    with pytest.raises(StartError), Required():
+        raise StartError
     assert ended == []
 
 
 @pytest.mark.parametrize("value", [False, "yes", 0])
 def test_a_node_that_is_not_required_ends_nothing(serving, ended, monkeypatch, value):
     master(serving, monkeypatch, roslaunch(serving, **own()), **{f"{NODE}/required": value})
-    with pytest.raises(Failed), Required():
-        raise Failed
+    with pytest.raises(StartError), Required():
+        raise StartError
     assert ended == []
 
 
 def test_a_node_by_hand_asks_nobody(ended, monkeypatch, capsys):
     monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core"])
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
-    with pytest.raises(Failed), Required():
-        raise Failed
+    with pytest.raises(StartError), Required():
+        raise StartError
     assert (ended, capsys.readouterr().err) == ([], "")
 
 
@@ -135,10 +135,18 @@ def test_where_no_master_answers_it_is_said(ended, monkeypatch, capsys, uri):
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
     if uri:
         monkeypatch.setenv("ROS_MASTER_URI", uri)
-    with pytest.raises(Failed), Required():
-        raise Failed
+    with pytest.raises(StartError), Required():
+        raise StartError
     assert ended == []
     assert "whether to end its roslaunch is not known" in capsys.readouterr().err
+
+
+def live(happens, code):
+    """A node comes up, something happens, and it ends."""
+    with Required() as required:
+        required.is_up(None)
+        happens()
+        raise SystemExit(code)
 
 
 @pytest.mark.parametrize(
@@ -150,10 +158,8 @@ def test_a_fault_of_its_own_ends_the_roslaunch_where_it_comes_back_at_once(
     now = [5.0]
     monkeypatch.setattr(launched.time, "monotonic", lambda: now[0])
     master(serving, monkeypatch, roslaunch(serving, **own(spawn_count=starts)))
-    with pytest.raises(SystemExit), Required() as required:
-        required.is_up(None)
-        now[0] += seconds
-        raise SystemExit(1)
+    with pytest.raises(SystemExit):
+        live(lambda: now.insert(0, now[0] + seconds), 1)
     assert ended == (THE_END if ends else [])
 
 
@@ -162,8 +168,6 @@ def test_a_node_whose_name_another_one_takes_ends_the_roslaunch(serving, ended, 
     rospy, hooks = pytest.importorskip("rospy"), []
     monkeypatch.setattr(rospy.core, "add_preshutdown_hook", hooks.append)
     master(serving, monkeypatch, roslaunch(serving, **own()))
-    with pytest.raises(SystemExit), Required() as required:
-        required.is_up(None)
-        hooks[0](f"external shutdown request from [/master]: [{reason}]")
-        raise SystemExit(0)
+    with pytest.raises(SystemExit):
+        live(lambda: hooks[0](f"external shutdown request from [/master]: [{reason}]"), 0)
     assert ended == (THE_END if ends else [])

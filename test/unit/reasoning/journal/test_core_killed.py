@@ -70,7 +70,7 @@ def test_cut_at_every_byte_it_is_the_state_before_that_line(journal):
     whole = journal.index(b"\n", journal.index(b"\n") + 1)
     for end in range(len(journal) + 1):
         if end <= whole:
-            with pytest.raises(JournalError, match="line [12] is missing"):
+            with pytest.raises(JournalError, match=r"line [12] is missing"):
                 read(journal[:end])
         else:
             assert read(journal[:end]).state == states[journal.count(b"\n", 0, end) - 2]
