@@ -1,7 +1,11 @@
 """Tables of a run that grow and change, with what is new in them since some moment."""
 
+import json
 import math
 from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+from rosoclingo.reasoning.keywords import name_of, shortened
+from rosoclingo.runs.topic_atoms import action_in
 
 Record = Dict[str, Any]
 
@@ -114,6 +118,25 @@ class Words:
     def entry(self, text: str) -> Any:
         """Return what is told of a text."""
         return text
+
+
+class ActionWords(Words):
+    """Actions as pages name them."""
+
+    def entry(self, text: str) -> Record:
+        """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
+        action = action_in(text)
+        if action is None:
+            return {"interface": shortened(text), "parameter": "", "cycle": 0}
+        return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
+
+
+class Shapes(Words):
+    """What is drawn on the map, as JSON."""
+
+    def entry(self, text: str) -> Record:
+        """Return what a page draws."""
+        return dict(json.loads(text))
 
 
 class Track:

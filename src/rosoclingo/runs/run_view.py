@@ -6,7 +6,7 @@ thing that anybody asked, told or did.
 
 import json
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, parse_update
@@ -20,9 +20,9 @@ from rosoclingo.reasoning.keywords import (
 from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account, reason_of
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_tables import Record, Revision, Table, Track, Words, simplified
+from rosoclingo.runs.run_tables import ActionWords, Record, Revision, Shapes, Table, Track, Words, simplified
 from rosoclingo.runs.sentences import sentences_of
-from rosoclingo.runs.topic_atoms import action_in, return_in
+from rosoclingo.runs.topic_atoms import return_in
 
 #: What to ask for later changes with.
 Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
@@ -49,23 +49,14 @@ PENDING, WAITING = "pending", "waiting"
 MOST = 50000
 
 
-class ActionWords(Words):
-    """Actions as pages name them."""
+class GoalTold(NamedTuple):
+    """How a goal stands: its status as in actionlib_msgs/GoalStatus; ``came`` is when the core had it, else 0."""
 
-    def entry(self, text: str) -> Record:
-        """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
-        action = action_in(text)
-        if action is None:
-            return {"interface": shortened(text), "parameter": "", "cycle": 0}
-        return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
-
-
-class Shapes(Words):
-    """What is drawn on the map, as JSON."""
-
-    def entry(self, text: str) -> Record:
-        """Return what a page draws."""
-        return dict(json.loads(text))
+    key: str
+    request: str
+    status: int
+    reason: str
+    came: float = 0.0
 
 
 class RunView:
@@ -85,6 +76,7 @@ class RunView:
         self._track = Track()
         self._account = Account(lambda _line: None, self._log)
         self._goals: Dict[str, int] = {}
+        self._history: Optional[Set[str]] = None  # goals that had ended when all were told first
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of actions under way, by interface and cycle
@@ -129,6 +121,25 @@ class RunView:
                 id=key, request=shortened(text, SHOWN), sent=now, ended=None, states=[[now, PENDING, ""]]
             )
             self._account.goal(now, key, shortened(text, SHOWN))
+
+    def goals(self, time: float, told: Sequence[GoalTold]) -> None:
+        """Record how all goals stand; those that have ended before the first time are history.
+
+        The topics of the action server, which may be ahead of this one, tell more closely how one goes on.
+        """
+        for key, text, number, reason, came in told:
+            still = 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] not in ENDED
+            if self._history is None and not still:
+                continue
+            is_new = key not in self._goals and key not in (self._history or ())
+            if is_new:
+                self.goal(came if 0.0 < came < time else time, key, text)
+            if number == STATUS_WORDS.index(PENDING):
+                self.feedback(time, key, f"{WAITING}: {reason}" if reason else PENDING)
+            elif is_new or not still:
+                self.status(time, key, number, reason)
+        if self._history is None:
+            self._history = {one.key for one in told} - set(self._goals)
 
     def cancel(self, time: float, key: str) -> None:
         """Record that a client cancelled a goal; an empty key stands for all of them."""
@@ -264,6 +275,7 @@ class RunView:
         start = self._start or 0.0
         fresh.begin(self._run)
         fresh._drawings, fresh._account.sentences = self._drawings, self._account.sentences
+        fresh._history = None if self._history is None else {*self._history, *self._goals}
         for goal in (record for _, record in self.tables["goals"].since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
             for time, word, reason in goal["states"][1:]:

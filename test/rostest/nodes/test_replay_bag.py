@@ -6,6 +6,7 @@ ROSOCLINGO_SEED chooses another course of things, ROSOCLINGO_GOALS how many goal
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from rosoclingo.nodes.recording.recorder import is_recording
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 
+import browser
 from carrying_stage import Stage
 from carrying_world import HOUSE, OFFICE
 from interface_helpers import Process, executable, wait_until
@@ -33,7 +35,10 @@ WORLDS = {"office": OFFICE, "house": HOUSE}
 CORE_TOPICS = [
     f"/{world}/{topic}"
     for world in WORLDS
-    for topic in ("out_rosoclingo", "rosoclingo/program", "rosoclingo/updates", "rosoclingo/task_plan")
+    for topic in (
+        "out_rosoclingo",
+        *(f"rosoclingo/{own}" for own in ("program", "updates", "task_plan", "goals", "state")),
+    )
 ]
 TOPICS = ["/rosout", "/diagnostics", *CORE_TOPICS]
 LIMIT = 1500  # seconds of wall time for a command, on the slowest machine
@@ -98,6 +103,41 @@ class ReplayBag(unittest.TestCase):
                 self.assertEqual((found["step"], found["horizon"]), (plan.cycle, plan.horizon))
                 compared += 1
         self.assertGreaterEqual(compared, 5)
+
+    def test_it_has_a_report_of_some_megabytes_at_most(self):
+        for world in WORLDS:
+            page = Path(f"{self.bag}_{world}.html")
+            code, text, error = command("report", self.bag, "--core", f"{world}/rosoclingo", "-o", page)
+            self.assertEqual((code, text, error), (0, f"report: {page}\n", ""))
+            self.assertLess(page.stat().st_size, 5_000_000)
+            run = json.loads(
+                re.search(r'id="run">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL).group(1)
+            )
+            goals = [goal for _, goal in run["goals"]]
+            self.assertGreaterEqual(len(goals), GOALS)
+            self.assertTrue(all(goal["ended"] is not None for goal in goals))
+            with rosbag.Bag(str(self.bag)) as bag:
+                told = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
+            self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in told))
+            if browser.found() is not None:
+                self.look_at(page, goals)
+
+    def look_at(self, page, goals):
+        with browser.Browser(browser.found()) as shown:
+            shown.open(page.as_uri())
+            self.assertEqual(shown.texts("#goals .state"), [goal["states"][-1][1] for goal in goals])
+            loaded = shown.wait_for("performance.getEntriesByType('navigation')[0].loadEventEnd")
+            print(f"{page.stat().st_size // 1000} kB with {len(goals)} goals, shown after {loaded:.0f} ms")
+            self.assertEqual(shown.faults, [])
+
+    def test_a_damaged_bag_is_told(self):
+        bag = Path(f"{self.bag}_cut.bag")
+        bag.write_bytes(self.bag.read_bytes()[:-1000])
+        code, text, error = command("report", bag)
+        self.assertEqual((code, text), (2, ""))
+        self.assertTrue(error.startswith(f"report: {bag}"), error)
+        self.assertIn("rosbag reindex", error)
+        self.assertNotIn("Traceback", error)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from nav_msgs.msg import Odometry
 from rosoclingo.msg import PackageState, PackageStates
 from std_msgs.msg import String
 
@@ -24,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import browser
 from core_helpers import Client, Hands
-from interface_helpers import wait_until
+from interface_helpers import Process, executable, wait_until
 
 TOPICS = [
     "/in_rosoclingo",
@@ -43,6 +44,7 @@ class WebPage(unittest.TestCase):
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
         cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
+        cls.poses = rospy.Publisher("base_pose_ground_truth", Odometry, queue_size=1)
         for topic in TOPICS:
             wait_until(lambda topic=topic: comes_to("/web", topic), f"{topic} to come to the page's node")
         cls.address = rospy.wait_for_message("web/address", String).data
@@ -113,6 +115,58 @@ class WebPage(unittest.TestCase):
         self.hands.at_once = True
         self.hands.clear()
         self.state_of("goal(office1,office4,8)", "canceled")
+        self.assertEqual(self.page.faults, [])
+
+    def test_robot_that_moves_and_a_way_that_is_blocked(self):
+        self.hands.at_once = False
+        goal = self.client.send("goal(office1,office2,50)")
+        self.state_of("goal(office1,office2,50)", "active")
+        places = [self.robot_at(x) for x in (1.0, 2.0, 3.0)]
+        self.assertGreater(places[1] - places[0], 5.0)
+        self.assertGreater(places[2] - places[1], 5.0)
+        self.hands.tell("_blocked(office3,office4,now)")
+        self.hands.at_once = True
+        self.hands.clear()
+        goal.ends_as(GoalStatus.SUCCEEDED)
+        self.state_of("goal(office1,office2,50)", "succeeded")
+        self.page.wait_for("document.querySelectorAll('.map .barrier').length === 1")
+        self.assertIn("office3 – office4: shut.", self.page.text("#map .caption"))
+        self.assertEqual(self.page.faults, [])
+
+    def robot_at(self, x):
+        """Where the robot is seen once it is told to be at ``x`` m."""
+        message = Odometry()
+        message.pose.pose.position.x, message.pose.pose.orientation.w = x, 1.0
+
+        def seen():
+            self.poses.publish(message)
+            return self.page.run(
+                f"live.model.poses.length > 0 && live.model.poses[live.model.poses.length - 1][1] === {x}"
+            )
+
+        wait_until(seen, f"the robot to be at {x} on the page")
+        return self.page.run("document.querySelector('.map .robot').getBoundingClientRect().x")
+
+    def test_hostile_words_are_refused_and_shown_as_text(self):
+        hostile = '<img src=x onerror="window.broken = 1"></script>'
+        self.client.send(hostile).ends_as(GoalStatus.REJECTED)
+        self.state_of(hostile, "rejected")
+        self.assertIn(hostile, self.page.texts("#goals code"))
+        self.assertIsNone(self.page.run("window.broken"))
+        self.assertEqual(self.page.run("document.querySelectorAll('img').length"), 0)
+        self.assertEqual(self.page.faults, [])
+
+    def test_page_that_comes_late_has_the_goals_that_are_open(self):
+        self.hands.at_once = False
+        goal = self.client.send("goal(office1,office2,60)")
+        self.state_of("goal(office1,office2,60)", "active")
+        with Process(executable("web"), "_port:=0", "__name:=late_page"):
+            self.page.open(rospy.wait_for_message("late_page/address", String).data)
+            self.state_of("goal(office1,office2,60)", "active")
+            self.hands.at_once = True
+            self.hands.clear()
+            goal.ends_as(GoalStatus.SUCCEEDED)
+            self.state_of("goal(office1,office2,60)", "succeeded")
         self.assertEqual(self.page.faults, [])
 
     def order(self, package, place):

@@ -5,7 +5,9 @@ Time flies once all nodes are up: before, each step of it would only take from t
 """
 
 import argparse
+import json
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -19,12 +21,17 @@ import rospy
 import rostest
 from rosoclingo.srv import SetSpeed
 
+from rosoclingo.nodes.pages.report_command import write_report
 from rosoclingo.nodes.recording.bag_file import active, mend
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import find_scenario, run_scenario
 from rosoclingo.oclingo import parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.reasoning.keywords import CORE
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
+
+import browser
 
 OPTIONS = argparse.Namespace()
 PATIENCE = 300.0  # seconds of wall time
@@ -101,7 +108,9 @@ class ScenarioTest(unittest.TestCase):
             recording=recording_and_flying,
         )
         self.assertEqual(outcome.faults, [], "\n".join(lines))
-        self.compare(self.read_bag(len(scenario.expect["goals"])), scenario)
+        bag = self.read_bag(len(scenario.expect["goals"]))
+        self.compare(bag, scenario)
+        self.report(bag, scenario)
 
     def read_bag(self, goals):
         """The bag of the recorder that has taken the end of so many goals; what else is on its way comes before."""
@@ -125,6 +134,29 @@ class ScenarioTest(unittest.TestCase):
         self.assertEqual(returned, bag.returns)
         for action, value in zip(bag.actions, bag.returns):
             self.assertEqual(action.arguments[0::2], value.arguments[0::2])
+
+    def report(self, bag, scenario):
+        """The report of the bag has what happened, and for the paper's run a browser shows it."""
+        page = Path(OPTIONS.bag).with_suffix(".html")
+        self.addCleanup(page.unlink)
+        write_report(Path(OPTIONS.bag), page, about={"title": scenario.title, "verdict": []})
+        data = re.search(r'id="run">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
+        run = json.loads(data.group(1))
+        ends = [goal["states"][-1][1] for _, goal in run["goals"]]
+        self.assertEqual(ends, scenario.expect["goals"])
+        self.assertEqual(len(run["actions"]), len(bag.actions))
+        self.assertEqual({bool(one["ended"]) for _, one in run["actions"]}, {True} if bag.actions else set())
+        self.assertIsNotNone(run["about"]["map"])
+        self.assertTrue(run["poses"])
+        self.assertIn("way", [shape["kind"] for shape in run["shapes"]])
+        if OPTIONS.scenario == "paper" and browser.found() is not None:
+            with browser.Browser(browser.found()) as shown:
+                shown.open(page.as_uri())
+                self.assertEqual(shown.texts("#goals .state"), ends)
+                self.assertEqual(shown.text("#verdict"), "As expected")
+                self.assertIn(" m driven", shown.text("#facts"))
+                self.assertEqual(len(shown.texts(".timeline .bar.done")), len(bag.actions) + ends.count("succeeded"))
+                self.assertEqual(shown.faults, [])
 
 
 if __name__ == "__main__":

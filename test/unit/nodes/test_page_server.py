@@ -342,6 +342,24 @@ def test_the_page_shows_what_happens(page, served):
 
 @pytest.mark.slow
 @pytest.mark.once
+@pytest.mark.parametrize("width", [320, 360, 1280])
+def test_nothing_is_wider_than_a_phone(page, served, width):
+    served.do(lambda view: view.goal(140.0, "b", f"goal({'x' * 300},1)"))
+    options = [["long" * 60, "long" * 60], ["2", "2"]]
+    fields = [{"name": name, "options": options} for name in ("package", "from", "to")]
+    served.extra = {"core": True, "orders": [{"title": "Deliver " * 20, "fields": fields}]}
+    page.size(width, 740)
+    try:
+        page.open(served.address + "/")
+        page.wait_for("document.querySelectorAll('#orders select').length === 3")
+        page.wait_for("document.querySelectorAll('#goals tbody tr').length === 2")
+        assert page.run("document.documentElement.scrollWidth") <= width
+    finally:
+        page.size(1280, 900)
+
+
+@pytest.mark.slow
+@pytest.mark.once
 def test_the_page_connects_again(page):
     with serving() as served:
         page.open(served.address + "/")

@@ -7,7 +7,7 @@ from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
 from rosoclingo.runs.recorded_run import problem_in
-from rosoclingo.runs.run_view import RunView
+from rosoclingo.runs.run_view import GoalTold, RunView
 from rosoclingo.runs.topic_atoms import run_in
 from rosoclingo.runs.topic_names import full_name
 
@@ -52,6 +52,7 @@ class RunTopics:
             "rosoclingo/result": lambda time, message: self._status(time, message.status),
             "~updates": lambda time, message: self.view.update(time, message.data),
             "~task_plan": self._plan,
+            "~goals": self._goals,
             "~state": lambda time, message: self.view.beliefs(time, message.cycle, message.atoms),
             "out_rosoclingo": self._dispatched,
             "in_rosoclingo": lambda time, message: self.view.returned(time, message.interface, message.facts),
@@ -84,6 +85,10 @@ class RunTopics:
 
     def _status(self, time: float, one: Any) -> None:
         self.view.status(time, one.goal_id.id, one.status, one.text)
+
+    def _goals(self, time: float, message: Any) -> None:
+        told = [GoalTold(one.id.id, one.request, one.status, one.reason, one.came.to_sec()) for one in message.goals]
+        self.view.goals(time, told)
 
     def _plan(self, time: float, message: Any) -> None:
         times = (message.ground_time, message.solve_time)

@@ -15,6 +15,7 @@ from tornado.netutil import bind_sockets
 
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.msg import (
+    GoalStates,
     InterfaceIO,
     PackageStates,
     ROSoClingoActionFeedback,
@@ -40,6 +41,7 @@ TYPES: Dict[str, Any] = {
     "rosoclingo/result": ROSoClingoActionResult,
     "~updates": String,
     "~task_plan": TaskPlan,
+    "~goals": GoalStates,
     "~state": State,
     "out_rosoclingo": InterfaceIO,
     "in_rosoclingo": InterfaceIO,
@@ -68,6 +70,7 @@ class WebNode:
         ~orders (list, default []): what people may order from the page, as ``doc/web_page.md`` has it; empty: nothing.
     Subscribes:
         rosoclingo/program, rosoclingo/updates (std_msgs/String), rosoclingo/task_plan (rosoclingo/TaskPlan)
+        rosoclingo/goals (rosoclingo/GoalStates): how goals stand, also those that were sent before the page was there.
         rosoclingo/state (rosoclingo/State): what the program believes.
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
         rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/feedback
