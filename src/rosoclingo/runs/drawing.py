@@ -59,13 +59,23 @@ class Drawing(NamedTuple):
 
 
 class Drawings:
-    """Tells what is drawn of atoms; ``styles`` are kind and text by predicate, ``facts`` atoms that always hold."""
+    """Tells what is drawn of atoms; ``styles`` are kind and text by predicate, ``facts`` atoms that always hold.
+
+    Attributes:
+        faults: declarations that are none, with the mend.
+
+    """
 
     def __init__(
-        self, styles: Optional[Dict[str, Tuple[Kind, str]]] = None, facts: Iterable[Symbol] = (), most: int = 10000
+        self,
+        styles: Optional[Dict[str, Tuple[Kind, str]]] = None,
+        facts: Iterable[Symbol] = (),
+        faults: Sequence[str] = (),
+        most: int = 10000,
     ) -> None:
         self._styles = dict(styles or {})
         self._facts = [str(one) for one in facts]
+        self.faults = tuple(faults)
         self._most = most
         self._known: Dict[str, Optional[Drawing]] = {}  # by texts of atoms, for these labels
         self._labels: AbstractSet[str] = frozenset()
@@ -95,17 +105,26 @@ class Drawings:
 
 
 def drawings_of(program: RunProgram) -> Drawings:
-    """Return what a program's texts want to have drawn; a kind that there is not is passed over."""
-    styles = dict(filter(None, map(_style, facts_of(program, {DRAWS}))))
-    return Drawings(styles, facts_of(program, set(styles)) if styles else ())
+    """Return what a program's texts want to have drawn; what cannot be is among the faults."""
+    styles: Dict[str, Tuple[Kind, str]] = {}
+    faults = []
+    for fact in facts_of(program, {DRAWS}):
+        fault = _fault(fact)
+        if fault:
+            faults.append(f"{fact} has nothing drawn: {fault}")
+        else:
+            name, kind, *text = fact.arguments
+            styles[name_of(name)] = Kind(str(kind)), text[0].string if text else ""
+    return Drawings(styles, facts_of(program, set(styles)) if styles else (), faults)
 
 
-def _style(fact: Symbol) -> Optional[Tuple[str, Tuple[Kind, str]]]:
-    """Return the predicate, kind and text of ``_draws(Predicate,Kind,Text)``, None for any other atom."""
-    arguments = fact.arguments
-    if fact.name != DRAWS or len(arguments) not in (2, 3) or str(arguments[1]) not in {one.value for one in Kind}:
-        return None
-    text = arguments[2] if len(arguments) == 3 else None
-    if text is not None and text.type is not SymbolType.String:
-        return None
-    return name_of(arguments[0]), (Kind(str(arguments[1])), "" if text is None else text.string)
+def _fault(fact: Symbol) -> str:
+    """Return what is wrong with a declaration, and the mend; empty where nothing is."""
+    if len(fact.arguments) not in (2, 3):
+        return f"write {DRAWS}(Predicate,Kind) or {DRAWS}(Predicate,Kind,Text)"
+    kinds = [one.value for one in Kind]
+    if str(fact.arguments[1]) not in kinds:
+        return f"{fact.arguments[1]} is no kind, write one of {', '.join(kinds)}"
+    if len(fact.arguments) == 3 and fact.arguments[2].type is not SymbolType.String:
+        return f'the text is a string, write "{fact.arguments[2]}"'
+    return ""

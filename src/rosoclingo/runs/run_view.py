@@ -92,7 +92,7 @@ class RunView:
         self.about.update(values)
         self._about_changed = self._revision.next()
 
-    def program(self, text: str) -> None:
+    def program(self, text: str, time: float = 0.0) -> None:
         """Take what a core said of its program when it began."""
         try:
             found = RunProgram.parse(text)
@@ -100,7 +100,10 @@ class RunView:
         except (RecordingError, LabelError):
             return
         self.begin(found.run)
+        known = self._drawings.faults
         self._account.sentences, self._drawings = sentences_of(found), drawings_of(found)
+        for fault in self._drawings.faults if self._drawings.faults != known else ():
+            self._account.note(self._now(time), shortened(fault, SHOWN))
         self.tell(labels={one.name: [one.x, one.y, one.yaw] for one in table})
         self._draw()
 

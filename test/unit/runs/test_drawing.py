@@ -60,13 +60,24 @@ def test_each_thing_is_drawn_once_and_other_labels_are_heeded(declared):
 
 
 @pytest.mark.parametrize(
-    "fact", ["_draws(x)", "_draws(x,nothing)", "_draws(x,way,text)", "_draws(x,way) :- y", '_draws("x(",way,"")']
+    ("fact", "fault"),
+    [
+        ("_draws(x)", "write _draws(Predicate,Kind) or _draws(Predicate,Kind,Text)"),
+        ("_draws(x,nothing)", "nothing is no kind, write one of way, open, blocked, thing, carried, mark, robot"),
+        ("_draws(x,way,text)", 'the text is a string, write "text"'),
+    ],
 )
-def test_a_declaration_that_is_none_declares_nothing(fact):
-    assert (
-        drawings(f"#program base. {fact}. x(a,b). y. #program cumulative(t). #external _request/2.").of([], LABELS)
-        == []
-    )
+def test_a_declaration_that_is_none_is_told(fact, fault):
+    program = RunProgram("run", (ProgramFile("a.lp", f"{fact}. x(a,b). _draws(y,mark). y(a).", False),), {}, "")
+    found = drawings_of(program)
+    assert found.faults == (f"{fact} has nothing drawn: {fault}",)
+    assert found.of([], LABELS) == [Drawing(Kind.MARK, ("a",), "y")]
+
+
+@pytest.mark.parametrize("rule", ["_draws(x,way) :- y", '_draws("x(",way,"")', "_draws((x;y),way)"])
+def test_what_is_no_fact_declares_nothing(rule):
+    program = RunProgram("run", (ProgramFile("a.lp", f"{rule}. x(a,b). y.", False),), {}, "")
+    assert (drawings_of(program).of([], LABELS), drawings_of(program).faults) == ([], ())
 
 
 def test_a_program_that_cannot_be_read_has_nothing_drawn():

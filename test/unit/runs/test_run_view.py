@@ -239,6 +239,17 @@ def test_beliefs_may_come_before_the_program():
     assert drawn(view.renewed()) == [(1.0, [WAY, SHUT])]
 
 
+def test_the_log_tells_of_declarations_that_are_none_once():
+    view = RunView()
+    program = RunProgram("r", (ProgramFile("floor.lp", "_draws(path,roads).", False),), {}, "").text()
+    view.program(program, 5.0)
+    view.program(program, 6.0)
+    view.goal(10.0, "a", "g(1)")
+    view.finish()
+    lines = [(one["kind"], one["text"].partition(":")[0]) for one in records(view.changes(), "log")]
+    assert lines == [("note", "_draws(path,roads) has nothing drawn"), ("request", "g(1)")]
+
+
 def test_the_log_has_the_program_s_words():
     view = RunView()
     view.program(floor())

@@ -3,7 +3,7 @@
 import pytest
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
@@ -19,7 +19,7 @@ _says(plain,no_text). _says(one). _says(X,Y) :- known(X,Y). known(1,2).
 
 
 def words(text, *actions):
-    program = RunProgram.of("run", ReactiveProgram.from_text(text), {})
+    program = RunProgram("run", (ProgramFile("words.lp", text, False),), {}, "")
     return [sentences_of(program).of(action_of(parse_atom(one))) for one in actions]
 
 

@@ -42,7 +42,7 @@ class RunTopics:
         self._exact, self._heard = len(POSES), 0.0
         self._read: Dict[str, float] = {}  # when each pose's topic was read last
         self.takes: Dict[str, Callable[[float, Any], None]] = {
-            "~program": lambda _time, message: self.view.program(message.data),
+            "~program": lambda time, message: self.view.program(message.data, time),
             "rosoclingo/goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
             "rosoclingo/cancel": lambda time, message: self.view.cancel(time, message.id),
             "rosoclingo/status": self._statuses,

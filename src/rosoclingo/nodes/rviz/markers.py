@@ -142,6 +142,8 @@ class MarkersNode:
     def _take_program(self, message: String) -> None:
         try:
             self._drawings = drawings_of(RunProgram.parse(message.data))
+            for fault in self._drawings.faults:
+                rospy.logwarn("%s", fault)
         except RecordingError as error:
             rospy.logwarn("the program's drawings are not shown: %s", error)
         self._show_drawn()
