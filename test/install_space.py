@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent
-DATA_FOLDERS = ("config", "doc", "encodings", "launch", "web", "worlds", "msg", "action")
+DATA_FOLDERS = ("config", "doc", "encodings", "launch", "templates", "web", "worlds", "msg", "action")
 
 
 def installed_share() -> Path:

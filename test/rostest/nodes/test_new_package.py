@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""The command new: what it makes is built by catkin, passes its own test, and shows that test's failure."""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import PATIENCE, executable
+
+BUILD = 'catkin_make -C "$1" -DPYTHON_EXECUTABLE="$(which python3)"'
+TEST = 'source "$1/devel/setup.bash" && rostest guard scenarios.test'
+
+
+class NewPackage(unittest.TestCase):
+    def test_it_is_built_and_passes_its_test(self):
+        with tempfile.TemporaryDirectory() as workspace:
+            sources = Path(workspace, "src")
+            sources.mkdir()
+            made = self.run_until_done([executable("new"), "guard", "--folder", str(sources)])
+            self.assertIn("guard/encodings/guard.lp", made)
+            self.run_until_done(["bash", "-c", BUILD, "build", workspace])
+            self.run_until_done(["bash", "-c", TEST, "test", workspace])
+            scenario = sources / "guard" / "scenarios" / "closed.yaml"
+            scenario.write_text(scenario.read_text().replace("[succeeded, ", "[aborted, "))
+            output = self.run_until_done(["bash", "-c", TEST, "test", workspace], fails=True)
+            self.assertIn("expected ['aborted', 'rejected'", output)
+
+    def run_until_done(self, command, fails=False):
+        """What a command prints, with the exit code that is wanted."""
+        done = subprocess.run(
+            command, check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE
+        )
+        self.assertEqual(done.returncode != 0, fails, f"{command}\n{done.stdout}")
+        return done.stdout
+
+
+if __name__ == "__main__":
+    rospy.init_node("new_package_test")
+    rostest.rosrun("rosoclingo", "new_package", NewPackage, sys.argv)

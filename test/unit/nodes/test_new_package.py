@@ -1,0 +1,67 @@
+"""A package of one's own from the templates; rostest new_package builds one and runs its test."""
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.nodes.new_package import NewPackageError, new_package
+
+TEMPLATES = Path(__file__).resolve().parents[3] / "templates" / "package"
+
+
+@pytest.fixture
+def templates(tmp_path):
+    folder = tmp_path / "templates"
+    (folder / "@NAME@").mkdir(parents=True)
+    (folder / "@NAME@" / "@NAME@.py").write_text("#!/usr/bin/env python3\nprint('@NAME@')\n", encoding="utf-8")
+    (folder / "text").write_text("ä $(find @NAME@)/@NAME@\n", encoding="utf-8")
+    return folder
+
+
+def test_the_name_is_put_into_texts_and_names(templates, tmp_path):
+    assert new_package("guard", tmp_path, templates) == [Path("guard/guard/guard.py"), Path("guard/text")]
+    assert (tmp_path / "guard" / "text").read_text(encoding="utf-8") == "ä $(find guard)/guard\n"
+    assert os.access(tmp_path / "guard" / "guard" / "guard.py", os.X_OK)
+    assert not os.access(tmp_path / "guard" / "text", os.X_OK)
+
+
+def test_the_shipped_templates_leave_no_placeholder(tmp_path):
+    files = new_package("guard", tmp_path, TEMPLATES)
+    assert {"CMakeLists.txt", "package.xml"} <= {path.name for path in files}
+    assert not [path for path in files if "@" in str(path) or "@NAME@" in (tmp_path / path).read_text()]
+
+
+def test_the_readme_names_what_is_there(tmp_path):
+    files = {str(path) for path in new_package("guard", tmp_path, TEMPLATES)}
+    named = re.findall(r"^\| `([^`]+)`", (tmp_path / "guard" / "README.md").read_text(), re.MULTILINE)
+    assert len(named) == 6
+    assert not [name for name in named if not any(file.startswith(f"guard/{name}") for file in files)]
+
+
+@pytest.mark.parametrize(
+    ("name", "likely"),
+    [("Guard", "guard"), ("my-robot 2", "my_robot_2"), ("2_arms", "arms"), ("x", None), ("", None), ("../up", "up"), ("ü", None)],
+)
+def test_what_is_no_name_is_refused(name, likely, templates, tmp_path):
+    with pytest.raises(NewPackageError) as caught:
+        new_package(name, tmp_path / "folder", templates)
+    assert str(caught.value).endswith(f"say '{likely}'" if likely else "two at least")
+
+
+def test_what_is_there_is_left_alone(templates, tmp_path):
+    (tmp_path / "guard").mkdir()
+    (tmp_path / "guard" / "mine").write_text("precious")
+    with pytest.raises(NewPackageError, match="guard is there already: choose another name, or remove it"):
+        new_package("guard", tmp_path, templates)
+    assert [path.name for path in (tmp_path / "guard").iterdir()] == ["mine"]
+
+
+def test_where_nothing_can_be_written_nothing_stays(templates, tmp_path):
+    with pytest.raises(NewPackageError, match="nowhere/guard: No such file or directory: choose another --folder"):
+        new_package("guard", tmp_path / "nowhere", templates)
+    (templates / ("@NAME@" + "x" * 245)).write_text("too long a name")
+    with pytest.raises(NewPackageError, match="File name too long"):
+        new_package("guard" * 5, tmp_path, templates)
+    assert not (tmp_path / ("guard" * 5)).exists()
