@@ -86,6 +86,7 @@ COMMANDS = {  # with what they have of ROS
     "oclingo": (),
     "gringo3to5": (),
     "journal": (),
+    "new": (),
     "stage_world": (),
     "rviz_on_map": (),
 }

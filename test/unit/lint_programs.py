@@ -15,6 +15,7 @@ FILES = {
     "mailbot": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"],
     "house": [ENCODINGS / "house.lp", ENCODINGS / "home.lp"],
     "paper": [ENCODINGS / "paper.lp"],
+    "new": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     "two_offices": [ENCODINGS / "mailbot.lp", DATA / "two_offices.lp"],
     **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "two_arms")},
 }
@@ -31,7 +32,7 @@ def block(page, number):
 def program(name):
     """The sources of a program with all that they include, each named as below its folder."""
     if name == "garden":
-        return (Source("garden.lp", block("tutorial.md", 0)),)
+        return (Source("garden.lp", block("tutorial.md", 1)),)
     if name == "lift":
         return (Source("lift.lp", block("oclingo_service.md", 0)),)
     if name in FILES:

@@ -34,6 +34,7 @@ class Tutorial(unittest.TestCase):
         self.stack = contextlib.ExitStack()
         self.addCleanup(self.stack.close)
         self.folder = self.stack.enter_context(tempfile.TemporaryDirectory())
+        self.environment = dict(os.environ, PYTHONUNBUFFERED="1")
 
     def test_the_page_is_true(self):
         files, commands, end = [], 0, 0
@@ -42,10 +43,11 @@ class Tutorial(unittest.TestCase):
                 commands += self.play(match.group(2))
             else:
                 paragraph = PAGE[end : match.start()].strip().rpartition("\n\n")[2]
-                files.append(re.search(r"`(\w+\.\w+)`", paragraph).group(1))
+                files.append(re.search(r"`(garden/[\w/]+\.\w+)`", paragraph).group(1))
                 Path(self.folder, files[-1]).write_text(match.group(2))
             end = match.end()
-        expected = ["garden.lp", "morning.txt", "labels.yaml", "interfaces.yaml", "pump.py", "garden.launch"]
+        expected = ["encodings/garden.lp", "morning.txt", "config/labels.yaml", "config/interfaces.yaml", "pump.py"]
+        expected = [f"garden/{name}" for name in [*expected, "scenarios/float.yaml"]]
         self.assertEqual(files, expected)
         self.assertEqual(commands, PAGE.count("\n$ "))
 
@@ -55,11 +57,18 @@ class Tutorial(unittest.TestCase):
         for part in parts:
             command, *shown = part.split("\n")[:-1]
             words = shlex.split(command)
-            if words[0] in STAYING:
-                self.stack.callback(self.end, subprocess.Popen(words, cwd=self.folder, start_new_session=True))
+            if words[0] == "export":
+                name, value = words[1].split("=")
+                self.environment[name] = value.replace("$PWD", self.folder).replace(f"${name}", os.environ[name])
+            elif words[0] in STAYING:
+                self.stack.callback(self.end, self.start(words))
             else:
                 self.compare(command, shown, *self.output(words, interrupted="^C" in shown))
         return len(parts)
+
+    def start(self, words, **options):
+        """A command in a terminal of its own."""
+        return subprocess.Popen(words, cwd=self.folder, env=self.environment, start_new_session=True, **options)
 
     def compare(self, command, shown, code, lines):
         """The lines that are shown come in this order, with others only where there are three dots."""
@@ -72,10 +81,7 @@ class Tutorial(unittest.TestCase):
 
     def output(self, words, interrupted):
         """Exit code and printed lines; Ctrl-C is pressed after the first line, where the page does so."""
-        environment = dict(os.environ, PYTHONUNBUFFERED="1")
-        process = subprocess.Popen(
-            words, cwd=self.folder, env=environment, stdout=subprocess.PIPE, text=True, start_new_session=True
-        )
+        process = self.start(words, stdout=subprocess.PIPE, text=True)
         alarm = threading.Timer(PATIENCE, os.killpg, (process.pid, signal.SIGKILL))
         alarm.start()
         lines = []

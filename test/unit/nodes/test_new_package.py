@@ -42,7 +42,15 @@ def test_the_readme_names_what_is_there(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "likely"),
-    [("Guard", "guard"), ("my-robot 2", "my_robot_2"), ("2_arms", "arms"), ("x", None), ("", None), ("../up", "up"), ("ü", None)],
+    [
+        ("Guard", "guard"),
+        ("my-robot 2", "my_robot_2"),
+        ("2_arms", "arms"),
+        ("x", None),
+        ("", None),
+        ("../up", "up"),
+        ("ü", None),
+    ],
 )
 def test_what_is_no_name_is_refused(name, likely, templates, tmp_path):
     with pytest.raises(NewPackageError) as caught:
