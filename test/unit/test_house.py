@@ -192,7 +192,7 @@ def test_every_interface_file_is_generated(folder):
 
 def test_every_data_folder_is_installed():
     install = re.search(r"install\(DIRECTORY ([^)]*?)\s+DESTINATION", (ROOT / "CMakeLists.txt").read_text()).group(1)
-    assert install.split() == ["config", "doc", "encodings", "launch", "web", "worlds"]
+    assert install.split() == ["config", "doc", "encodings", "launch", "templates", "web", "worlds"]
     for folder in install.split():
         assert any((ROOT / folder).iterdir()), folder
 
