@@ -74,7 +74,7 @@ class ChartsView {
 
   /** Both axes, and the functions that place a value on them. */
   axes(most, to, unit, whole = false) {
-    const [right, low] = [CHART.width - 6, CHART.height - CHART.bottom];
+    const [right, low] = [CHART.width - 16, CHART.height - CHART.bottom];
     const x = (value) => CHART.left + (value / (to || 1)) * (right - CHART.left);
     const y = (value) => low - (value / (most || 1)) * (low - CHART.top);
     const shapes = [
@@ -107,7 +107,7 @@ class ChartsView {
       bars.push(cycles.slice(at, at + group).reduce((one, other) => (sum(other) > sum(one) ? other : one)));
     }
     const most = Math.max(...bars.map((one) => one.ground + one.solve), 0.001);
-    const { x, y, shapes } = this.axes(most * 1000, cycles.length, "");
+    const { x, y, shapes } = this.axes(most * 1350, cycles.length, ""); // with room for words above the bars
     const width = (x(group) - x(0)) * 0.8;
     const bar = (name, at, from, to) =>
       svg("rect", { class: name, x: x(at * group), y: y(1000 * to), width, height: Math.max(0, y(1000 * from) - y(1000 * to)) });

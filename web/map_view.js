@@ -1,6 +1,8 @@
 "use strict";
 // The map with robot, ways, labels and things. Drawn in pixels of a picture that is 1000 wide.
 
+const HIGHEST = 640; // pixels, as page.css has it
+
 class MapView {
   constructor(parent, model) {
     this.model = model;
@@ -41,7 +43,7 @@ class MapView {
     const height = Math.max(1, (bounds.y1 - bounds.y0) * scale);
     this.at = (x, y) => [(x - bounds.x0) * scale, (bounds.y1 - y) * scale];
     this.scale = scale;
-    this.unit = 1000 / (this.picture.clientWidth || 700); // a pixel of the screen
+    this.unit = Math.max(1000 / (this.picture.clientWidth || 700), height / HIGHEST); // a pixel of the screen
     this.picture.setAttribute("viewBox", `0 0 1000 ${height.toFixed(1)}`);
     show(this.picture, this.floor(), this.ways(time), this.driven(time), this.ahead(time), this.labels(time), this.robot(time));
   }
@@ -122,18 +124,24 @@ class MapView {
     });
   }
 
+  /** Boxes side by side, as wide as their names. */
   boxes(names, x, y) {
     const size = 16 * this.unit;
-    const left = x - (names.length * size * 1.15) / 2;
-    return names.map((name, number) =>
-      svg(
+    const shown = names.map((name) => short(name, 12));
+    const widths = shown.map((name) => Math.max(size, (0.42 * name.length + 0.4) * size));
+    const gap = size * 0.15;
+    let left = x - (widths.reduce((sum, width) => sum + width, 0) + gap * (names.length - 1)) / 2;
+    return shown.map((name, number) => {
+      const at = left;
+      left += widths[number] + gap;
+      return svg(
         "g",
-        { class: "package", transform: `translate(${left + number * size * 1.15} ${y})` },
-        svg("rect", { width: size, height: size, rx: size / 6 }),
-        svg("text", { x: size / 2, y: size * 0.75, "font-size": size * (name.length > 2 ? 0.45 : 0.7) }, short(name, 4)),
-        svg("title", {}, name)
-      )
-    );
+        { class: "package", transform: `translate(${at} ${y})` },
+        svg("rect", { width: widths[number], height: size, rx: size / 6 }),
+        svg("text", { x: widths[number] / 2, y: size * 0.75, "font-size": size * 0.7 }, name),
+        svg("title", {}, names[number])
+      );
+    });
   }
 
   robot(time) {
