@@ -87,7 +87,11 @@ class Robot:
     def improve(self, seconds):
         """Improve the plan while an action runs; yield with each better plan."""
         begin = self.used
-        while self.core.improve(lambda: self.used - begin >= seconds):
+
+        def over():
+            return self.used - begin >= seconds
+
+        while self.core.improve(over) and not over():  # stopped, it does not tell whether anything is left to try
             yield self.used - begin
         self.improving += self.used - begin
 

@@ -25,6 +25,17 @@ def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
     assert once["waited"] == stream["waited"] == 0
 
 
+@pytest.mark.slow
+@pytest.mark.once
+def test_improving_ends_with_its_time():
+    floor = row(8)
+    with many_goals.Robot(floor, plan_time=0.0) as robot:
+        robot.ask(random_requests(floor, 6, seed=1))
+        steps = robot.plan()
+        assert not list(robot.improve(0.0)), "no time is left for anything"
+        assert robot.steps() == steps
+
+
 def test_requests_of_a_stream_come_with_actions_or_where_nothing_else_is_to_do():
     requests, world = random_requests(row(4), 4, seed=1), World(row(4))
     arrivals = many_goals.Arrivals(requests, gap=2)
