@@ -14,7 +14,6 @@ from typing import (
     Iterable,
     Iterator,
     List,
-    NamedTuple,
     Optional,
     Sequence,
     Set,
@@ -31,6 +30,7 @@ from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.solving.assumptions import Assumptions, Search
 from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.foresight import Foreseen, foresee
@@ -51,21 +51,6 @@ BASE = range(-(2**31), 1 - 2**31)
 
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """The part that has what steps must know of those that are retired, and its parameters."""
-
-
-class Search(NamedTuple):
-    """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last.
-
-    Where there is no answer, ``core`` are the facts in doubt because of which there is none; ``timeless`` tells that no
-    other horizon has one for the same reason. ``foreseen`` are returns that may be told, where that is recorded.
-    """
-
-    satisfiable: Optional[bool]
-    answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
-    horizon: int = 0
-    core: FrozenSet[clingo.Symbol] = frozenset()
-    foreseen: Foreseen = Foreseen()
-    timeless: bool = False
 
 
 class Grounding:
@@ -275,17 +260,18 @@ class Grounding:
         conflicts: Optional[int] = None,
         best: bool = True,
         untold: FrozenSet[clingo.Symbol] = frozenset(),
+        kept: Sequence[clingo.Symbol] = (),
     ) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
         Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the
         answers' horizons are free within the range. Only answers are looked for in which the atoms ``given`` are as
         they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
-        ``best``, or else any. Of the facts in doubt all were told but those ``untold``.
+        ``best``, or else any. Of the facts in doubt all were told but those ``untold``. What is ``kept`` is true.
         """
         self.atoms.end_definitions()
-        doubts, horizon = self._doubts.assumptions(untold) if self._doubts else [], self._ends.range(first, last)
-        assumptions: List[Any] = [*doubts, *horizon, *given]  # clasp blames the first ones first
+        literals = {one.symbol: one.literal for one in map(self._control.symbolic_atoms.__getitem__, kept) if one}
+        assumed = Assumptions(self._doubts, untold, literals, self._ends.range(first, last))
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons, foreseen = [last], [Foreseen()]
@@ -302,19 +288,17 @@ class Grounding:
                 if this._return_rules is not None:
                     foreseen.append(this._foresee(model, this._return_rules))
 
+        assumptions: List[Any] = [*assumed.literals, *given]  # clasp blames the first ones first
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
                 if stopped():
                     handle.cancel()
             result = handle.get()
-            core = set(handle.core()) if self._doubts and result.satisfiable is False else set(horizon)
+            refuted = assumed.refuted_by(handle) if result.satisfiable is False else Search(None)
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
-        if result.satisfiable:
-            return Search(True, tuple(answers), horizons[-1], foreseen=foreseen[-1])
-        blamed = self._doubts.among(core) if self._doubts else frozenset()
-        return Search(False, core=blamed, timeless=core.isdisjoint(horizon))
+        return Search(True, tuple(answers), horizons[-1], foreseen=foreseen[-1]) if self.satisfied else refuted
 
     def _foresee(self, model: clingo.Model, rules: ReturnRules) -> Foreseen:
         """Return what is foreseen of a model whose shown atoms are known."""

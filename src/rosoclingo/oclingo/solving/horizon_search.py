@@ -5,7 +5,8 @@ from typing import Any, Callable, Optional
 from weakref import WeakKeyDictionary
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.solving.grounding import Grounding, Search
+from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.transaction import Transaction
 
 

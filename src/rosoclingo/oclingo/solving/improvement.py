@@ -14,7 +14,8 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.solving.grounding import Grounding, Search
+from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 SIZE = 16

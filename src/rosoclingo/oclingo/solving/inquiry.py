@@ -5,11 +5,12 @@ which there is none (see clingo's ``SolveHandle.core``). Every other question th
 """
 
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterator, NamedTuple, Optional, Set
+from typing import Callable, FrozenSet, Iterator, NamedTuple, Optional, Sequence, Set
 
 import clingo
 
 from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.horizon_search import first_horizon
 from rosoclingo.oclingo.solving.stream_state import Setting, StreamState
 from rosoclingo.oclingo.solving.transaction import Transaction
@@ -61,29 +62,46 @@ class Inquiry:
     ) -> Verdict:
         """Tell whether there is an answer of at most ``bound`` steps, had the facts ``untold`` not been told.
 
+        Raises DroppedError and RuntimeError as a grounding made anew does.
+        """
+        found = self.search(untold, bound, halt, dropped)
+        return Verdict(found.satisfiable, found.core)
+
+    def search(
+        self,
+        untold: FrozenSet[clingo.Symbol],
+        bound: Optional[int],
+        halt: Callable[[], bool],
+        dropped: Optional[Callable[[], bool]] = None,
+        kept: Sequence[clingo.Symbol] = (),
+    ) -> Search:
+        """Look for an answer as :meth:`ask` does, in which the atoms ``kept`` are true, those of them that are ground.
+
         The longest horizon that may do is asked for last: with more steps it is easier to find an answer, but all of
         them have to be ground where there is none, unless the reason for that has nothing to do with the horizon.
-        Raises DroppedError and RuntimeError as a grounding made anew does.
         """
         transaction = self._begun(halt, dropped)
         if transaction is None:
-            return Verdict(None)
+            return Search(None)
         state = transaction.state
         state.bound = None if bound is None else state.step + bound
         core: Set[clingo.Symbol] = set()
+        blamed: Set[clingo.Symbol] = set()
         for last in self._horizons(transaction, halt):
             if halt():
-                return Verdict(None)
+                return Search(None)
             grounding = transaction.ready()
-            found = grounding.search(1, halt, first_horizon(transaction), last, best=False, untold=untold)
+            found = grounding.search(1, halt, first_horizon(transaction), last, best=False, untold=untold, kept=kept)
             if found.satisfiable is not False:
-                return Verdict(found.satisfiable)
+                return found
             core = set(found.core) if self._idles else core | found.core
+            blamed = set(found.blamed) if self._idles else blamed | found.blamed
             if grounding.conflicting:
-                return Verdict(False)
-            if last == self._end(transaction) or (found.timeless and grounding.complete):
-                return Verdict(False, frozenset(core))
-        return Verdict(None)
+                return Search(False, timeless=True)
+            timeless = found.timeless and grounding.complete
+            if last == self._end(transaction) or timeless:
+                return Search(False, core=frozenset(core), timeless=timeless, blamed=frozenset(blamed))
+        return Search(None)
 
     def _begun(self, halt: Callable[[], bool], dropped: Optional[Callable[[], bool]]) -> Optional[Transaction]:
         """Return the transaction that has taken the update; None where it was stopped."""

@@ -12,7 +12,7 @@ from typing import Callable, Iterator, List, Optional, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction

@@ -15,8 +15,9 @@ import clingo
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.foresight import goes_on
-from rosoclingo.oclingo.solving.grounding import Grounding, Search
+from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
 from rosoclingo.oclingo.solving.improvement import Improvement
 from rosoclingo.oclingo.solving.inquiry import Inquiry, Verdict

@@ -6,7 +6,7 @@ import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.solving import horizon_search
-from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, may_idle
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.oclingo.solving import improvement
-from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.improvement import Improvement, _without_idling
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 

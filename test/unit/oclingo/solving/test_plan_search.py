@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.oclingo.solving.grounding import Search
+from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.plan_search import PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 

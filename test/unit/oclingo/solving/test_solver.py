@@ -8,7 +8,8 @@ from stream_logs import cut
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, SolverError, parse_atom, parse_update
 from rosoclingo.oclingo.solving import horizon_search as idling
-from rosoclingo.oclingo.solving.grounding import Grounding, Search
+from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.solver import SolveResult
 from rosoclingo.oclingo.solving.stream_log import Plan
 

@@ -1,0 +1,54 @@
+"""What a search assumes, what came of it, and which of the assumptions are to blame where there is no answer."""
+
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+
+import clingo
+
+from rosoclingo.oclingo.solving.doubts import Doubts
+from rosoclingo.oclingo.solving.foresight import Foreseen
+
+
+class Search(NamedTuple):
+    """Result of one search: satisfiable or not, None where it was stopped; answers; horizon of the last.
+
+    Where there is no answer, ``core`` are the facts in doubt because of which there is none, ``blamed`` the atoms kept
+    because of which there is none; ``timeless`` tells that no other horizon has one for the same reason. ``foreseen``
+    are returns that may be told, where that is recorded.
+    """
+
+    satisfiable: Optional[bool]
+    answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
+    horizon: int = 0
+    core: FrozenSet[clingo.Symbol] = frozenset()
+    foreseen: Foreseen = Foreseen()
+    timeless: bool = False
+    blamed: FrozenSet[clingo.Symbol] = frozenset()
+
+
+class Assumptions:
+    """Assumptions of one search: what was told of the facts in doubt, what is kept, and where the horizon lies.
+
+    Attributes:
+        literals: they all; clasp blames the first ones first.
+
+    """
+
+    def __init__(
+        self,
+        doubts: Optional[Doubts],
+        untold: FrozenSet[clingo.Symbol],
+        kept: Dict[clingo.Symbol, int],
+        horizon: List[int],
+    ) -> None:
+        """Take the facts in doubt that are ``untold``, and the literals of what is ``kept`` and of the horizon."""
+        self._doubts, self._kept, self._horizon = doubts, kept, horizon
+        told = doubts.assumptions(untold) if doubts else []
+        self._telling = bool(told or kept)
+        self.literals = [*told, *kept.values(), *horizon]
+
+    def refuted_by(self, handle: clingo.SolveHandle) -> Search:
+        """Return the result of a search that has no answer; the horizon alone need not be asked about."""
+        core = set(handle.core()) if self._telling else set(self._horizon)
+        facts = self._doubts.among(core) if self._doubts else frozenset()
+        blamed = frozenset(one for one, literal in self._kept.items() if literal in core)
+        return Search(False, core=facts, timeless=core.isdisjoint(self._horizon), blamed=blamed)
