@@ -45,5 +45,5 @@ def test_the_page_is_true(tmp_path):
             assert matches(shown, done.stdout), f"{first}\n{done.stdout}"
             commands += 1
         end = match.end()
-    assert "lamp.lp" in files
+    assert files == ["lamp.lp", "evening.txt", "light.lp", "labels.yaml", "interfaces.yaml"]
     assert commands == PAGE.count("\n$ ") > 2

@@ -15,8 +15,9 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS
 from rosoclingo.interfaces.base import DEFAULT_MEMORY
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
-from rosoclingo.interfaces.configured import ConfiguredInterface, type_faults
+from rosoclingo.interfaces.configured import ConfiguredInterface
 from rosoclingo.interfaces.templates import uses_labels
+from rosoclingo.interfaces.type_faults import type_faults
 
 _OWN = ("server", "timeout", "server_timeout", "pause", "retries", "repeatable")
 

@@ -8,6 +8,7 @@ from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
+from rosoclingo.oclingo.program.lint.actions import Named, lint_labels
 from rosoclingo.oclingo.program.lint.constants import given_values
 from rosoclingo.oclingo.program.lint.linting import findings, is_error, lint_program
 from rosoclingo.oclingo.program.lint.survey import LABELS
@@ -99,7 +100,9 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
         raise
     _check_constants(program, parameters.constants)
     texts = [(one.name, one.text) for one in program.texts]
-    return program, [str(one) for one in findings(lint_program(program, core=True), texts)]
+    labels = [Named(str(parse_term(label)), LABELS, 0, 0) for label in parameters.labels]
+    faults = [*lint_program(program, core=True), *lint_labels(program.survey, labels)]
+    return program, [str(one) for one in findings(faults, texts)]
 
 
 def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None:

@@ -2,7 +2,9 @@
 
 Each argument of a predicate has a set of ground terms, or any. They are found by going through the rules until nothing
 changes: a head has the values that the positive atoms, equations and inequations of the body leave to its variables.
-What is open (``#external p/n.``), undefined, or a number that counts steps may be anything.
+What is open (``#external p/n.``), undefined, or a number that counts steps may be anything. Where all heads of a
+predicate have a constant as their first argument, as those of ``_action_lib(pickup,Id,t)``, it is taken for as many
+predicates as there are constants.
 """
 
 from functools import lru_cache
@@ -14,10 +16,13 @@ from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.survey import Survey
 from rosoclingo.oclingo.program.signatures import atom_terms, evaluate, term_signature
-from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 Values = Optional[FrozenSet[clingo.Symbol]]
 """The values that a term may have; None for any."""
+
+Row = List[Values]
+"""What the arguments of a predicate may be."""
 
 Bindings = Dict[str, FrozenSet[clingo.Symbol]]
 """The values that variables may have; one that is not there may have any."""
@@ -62,7 +67,8 @@ class ArgumentValues:
         used = {parted(term)[0] for rule in self.rules for term in rule.atoms}
         #: the predicates of which nothing is known: they may be true of anything
         self.free: Set[Signature] = {*survey.opened, *((used | set(survey.using)) - known)}
-        self._found: Dict[Signature, List[Values]] = {}
+        self._tagged = _tagged(self.rules)
+        self._found: Dict[Signature, Dict[Optional[clingo.Symbol], Row]] = {}
         self._spread()
 
     def is_possible(self, signature: Signature) -> bool:
@@ -73,12 +79,20 @@ class ArgumentValues:
         """Return the values of an argument."""
         if signature in self.free or signature not in self._found:
             return None
-        return self._found[signature][position]
+        return _joined(self._found[signature].values())[position]
 
-    def may_be(self, signature: Signature, position: int, symbol: clingo.Symbol) -> bool:
-        """Tell whether an argument may be ``symbol``."""
-        known = self.of(signature, position)
-        return known is None or bool(_common(known, frozenset({symbol})))
+    def misfit(self, atom: clingo.Symbol) -> Optional[Tuple[int, List[clingo.Symbol]]]:
+        """Return the position of the first argument that a ground atom can't have, and what it may be there."""
+        signature = signature_of(atom)
+        rows = {} if signature in self.free else self._found.get(signature, {})
+        if not rows:
+            return None
+        alike = [row for row in rows.values() if _may_hold(row[0], atom.arguments[0])] if atom.arguments else []
+        for position, argument in enumerate(atom.arguments):
+            known = _joined(alike or rows.values())[position]
+            if not _may_hold(known, argument):
+                return position, sorted(known or ())
+        return None
 
     def bindings(self, rule: Rule) -> Optional[Bindings]:
         """Return what the variables of a rule may be, None where its conditions can never hold."""
@@ -93,11 +107,19 @@ class ArgumentValues:
 
     def fits(self, term: AST, parameter: str) -> Optional[int]:
         """Return the position of the first argument of an atom that fits none of its values; None where all do."""
+        misfit = self.misfitting(term, parameter)
+        return None if misfit is None else misfit[0]
+
+    def misfitting(self, term: AST, parameter: str) -> Optional[Tuple[int, List[clingo.Symbol]]]:
+        """Return as well what the argument may be."""
         signature, arguments = parted(term)
-        for position, argument in enumerate(arguments):
-            known = self.of(signature, position)
+        if signature in self.free or signature not in self._found:
+            return None
+        row = self._row(signature, arguments, parameter)
+        told = _joined(self._found[signature].values()) if row is None else row
+        for position, (argument, known) in enumerate(zip(arguments, told)):
             if known is not None and not any(self._match(argument, one, parameter, {}) for one in known):
-                return position
+                return position, sorted(known)
         return None
 
     def value(self, term: AST, parameter: str, bound: Bindings) -> Values:
@@ -130,12 +152,22 @@ class ArgumentValues:
         fresh = [self.value(one, rule.parameter, bound) for one in arguments]
         if any(one is not None and not one for one in fresh):
             return None
-        known = self._found.get(signature)
-        joined = fresh if known is None else [_join(*pair) for pair in zip(known, fresh)]
+        tag = next(iter(fresh[0] or ()), None) if signature in self._tagged else None
+        rows = self._found.setdefault(signature, {})
+        known = rows.get(tag)
+        joined = fresh if known is None else _joined([known, fresh])
         if joined == known:
             return None
-        self._found[signature] = joined
+        rows[tag] = joined
         return signature
+
+    def _row(self, signature: Signature, arguments: Sequence[AST], parameter: str) -> Optional[Row]:
+        """Return the values of a predicate's arguments where the first one is as an atom has it; None for no such."""
+        rows = self._found[signature]
+        if signature not in self._tagged:
+            return next(iter(rows.values()))
+        alike = [row for tag, row in rows.items() if tag is None or self._match(arguments[0], tag, parameter, {})]
+        return _joined(alike) if alike else None
 
     def _bind(self, term: AST, parameter: str, found: Bindings) -> bool:
         """Narrow ``found`` to what an atom leaves; False where it can't be true."""
@@ -144,9 +176,9 @@ class ArgumentValues:
             return True
         if signature not in self._found:
             return False
-        return all(
-            known is None or self._narrow(argument, known, parameter, found)
-            for argument, known in zip(arguments, self._found[signature])
+        row = self._row(signature, arguments, parameter)
+        return row is not None and all(
+            known is None or self._narrow(argument, known, parameter, found) for argument, known in zip(arguments, row)
         )
 
     def _narrow(self, argument: AST, known: FrozenSet[clingo.Symbol], parameter: str, found: Bindings) -> bool:
@@ -281,7 +313,7 @@ def _restrict(found: Bindings, name: str, values: FrozenSet[clingo.Symbol]) -> b
 
 def _common(one: FrozenSet[clingo.Symbol], other: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
     """Return what both sets may hold; too much where parts of values may be anything."""
-    if not any(map(_is_open, one)) and not any(map(_is_open, other)):
+    if not any(map(is_open, one)) and not any(map(is_open, other)):
         return one & other
     return frozenset(
         value for mine, its in ((one, other), (other, one)) for value in mine if any(_may_equal(value, x) for x in its)
@@ -289,10 +321,10 @@ def _common(one: FrozenSet[clingo.Symbol], other: FrozenSet[clingo.Symbol]) -> F
 
 
 @lru_cache(maxsize=1 << 12)
-def _is_open(symbol: clingo.Symbol) -> bool:
+def is_open(symbol: clingo.Symbol) -> bool:
     """Tell whether a part of a value may be anything."""
     compound = symbol.type == clingo.SymbolType.Function and symbol.arguments
-    return symbol == WILD or bool(compound and any(map(_is_open, symbol.arguments)))
+    return symbol == WILD or bool(compound and any(map(is_open, symbol.arguments)))
 
 
 def _may_equal(one: clingo.Symbol, other: clingo.Symbol) -> bool:
@@ -303,6 +335,29 @@ def _may_equal(one: clingo.Symbol, other: clingo.Symbol) -> bool:
         return False
     pairs = list(zip(one.arguments, other.arguments))
     return bool(pairs) and len(one.arguments) == len(other.arguments) and all(_may_equal(*pair) for pair in pairs)
+
+
+def _tagged(rules: Sequence[Rule]) -> Set[Signature]:
+    """Return the predicates all of whose heads have a constant as the first of several arguments."""
+    found: Dict[Signature, bool] = {}
+    for rule in rules:
+        signature, arguments = parted(rule.head)
+        plain = len(arguments) > 1 and arguments[0].ast_type == ASTType.SymbolicTerm
+        tag = plain and str(arguments[0]) != rule.parameter
+        found[signature] = tag and found.get(signature, True)
+    return {signature for signature, tag in found.items() if tag}
+
+
+def _joined(rows: Iterable[Row]) -> Row:
+    """Return what any of some rows has."""
+    found: Row = []
+    for row in rows:
+        found = [_join(*pair) for pair in zip(found, row)] if found else row
+    return found
+
+
+def _may_hold(known: Values, symbol: clingo.Symbol) -> bool:
+    return known is None or bool(_common(known, frozenset({symbol})))
 
 
 def _join(one: Values, other: Values) -> Values:

@@ -127,10 +127,11 @@ def never_matching(survey: Survey, values: ArgumentValues) -> List[Fault]:
 
 def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
     term = place.occurrence.term
-    position = values.fits(term, place.part.parameter)
-    if position is not None:
+    misfit = values.misfitting(term, place.part.parameter)
+    if misfit is not None:
+        position, may_be = misfit
         argument = parted(term)[1][position]
-        known = sorted(str(one).replace(str(WILD), "_") for one in values.of(place.signature, position) or ())
+        known = sorted(str(one).replace(str(WILD), "_") for one in may_be)
         message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
 

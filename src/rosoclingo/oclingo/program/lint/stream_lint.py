@@ -107,13 +107,12 @@ class _Judge:
 
     def _strange_value(self, atom: clingo.Symbol, what: str) -> Iterator[Tuple[str, str]]:
         """Yield the first argument of an atom that the program never gives its predicate."""
-        signature = signature_of(atom)
-        for position, argument in enumerate(atom.arguments):
-            if not self._values.may_be(signature, position, argument):
-                known = sorted(map(str, self._values.of(signature, position) or ()))
-                message = f"{signature} is never {what} with {argument} as argument {position + 1}"
-                yield message, likely_value(str(argument), known)
-                return
+        misfit = self._values.misfit(atom)
+        if misfit is not None:
+            position, known = misfit
+            argument = atom.arguments[position]
+            message = f"{signature_of(atom)} is never {what} with {argument} as argument {position + 1}"
+            yield message, likely_value(str(argument), list(map(str, known)))
 
     def _seen_instead(self, signature: Signature) -> str:
         """Return which atoms of a predicate the rules look at."""

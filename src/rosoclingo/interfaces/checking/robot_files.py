@@ -1,0 +1,181 @@
+"""Labels and interfaces against a program: what ``check`` looks at with ``--labels`` and ``--interfaces``."""
+
+import argparse
+import sys
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+
+import clingo
+
+from rosoclingo.common.labels import LabelTable
+from rosoclingo.common.reading import Reader
+from rosoclingo.interfaces.checking.yaml_places import YamlFile
+from rosoclingo.interfaces.config import InterfaceSpec, survey
+from rosoclingo.interfaces.templates import (
+    LABEL_FIELDS,
+    FillError,
+    Scope,
+    TemplateError,
+    evaluate,
+    references,
+    texts_in,
+)
+from rosoclingo.oclingo.errors import Fault, ProgressionError
+from rosoclingo.oclingo.program.lint.actions import Actions, Labelled, Named
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
+from rosoclingo.oclingo.program.lint.predicates import likely
+from rosoclingo.oclingo.program.lint.survey import LABELS
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.terms import parse_atom, parse_term, signature_of
+from rosoclingo.oclingo.service.check_command import Texts
+
+
+class RobotFiles:
+    """The files of labels and of interfaces that are named on the command line."""
+
+    def __init__(self) -> None:
+        self._labels: Optional[YamlFile] = None
+        self._interfaces: Optional[YamlFile] = None
+
+    @staticmethod
+    def add_arguments(parser: argparse.ArgumentParser) -> None:
+        """Add what names them."""
+        parser.add_argument("--labels", metavar="FILE", help="the YAML file of the named locations")
+        parser.add_argument("--interfaces", metavar="FILE", help="the YAML file of the interfaces")
+
+    def sources(self, options: argparse.Namespace) -> List[Source]:
+        """Read the files; return what the core adds of them to the program. Raises ProgramError."""
+        self._labels = YamlFile(options.labels) if options.labels else None
+        self._interfaces = YamlFile(options.interfaces) if options.interfaces else None
+        if self._labels is None:
+            return []
+        return [Source(LABELS, "".join(f"label({one.name}).\n" for one in _label_names(self._labels)))]
+
+    def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
+        """Return what may be wrong with them, beside a program where it could be read."""
+        files = [one for one in (self._labels, self._interfaces) if one is not None]
+        faults = [fault for one in files for fault in one.faults]
+        labels = self._look_at_labels(faults)
+        specs = self._look_at_interfaces(faults)
+        if program is not None:
+            actions = Actions(program.survey, ArgumentValues(program.survey))
+            faults += self._interface_faults(actions, specs)
+            if self._labels is not None and not self._labels.faults:
+                asking = _asking(specs) if self._interfaces is not None else actions.likely_asking(labels)
+                faults += actions.without_label(labels, asking)
+            faults += self._unheard(program, specs)
+        return Texts(faults, [(one.name, one.text) for one in files])
+
+    def _look_at_labels(self, faults: List[Fault]) -> List[Named]:
+        file = self._labels
+        if file is None or file.faults:
+            return []
+        reader = Reader(file.data)
+        LabelTable.read(reader)
+        faults += [file.fault(text, "configuration") for text in reader.faults]
+        return list(_label_names(file))
+
+    def _look_at_interfaces(self, faults: List[Fault]) -> Mapping[str, InterfaceSpec]:
+        file = self._interfaces
+        if file is None or file.faults:
+            return {}
+        reader = Reader(file.data)
+        specs = survey(reader)
+        faults += [file.fault(text, "configuration") for text in reader.faults]
+        faults += [file.fault(text, "message-type") for spec in specs.values() for text in _type_faults(spec)]
+        return specs
+
+    def _interface_faults(self, actions: Actions, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
+        if self._interfaces is not None and not self._interfaces.faults:
+            named = [self._interfaces.named(key)._replace(name=spec.name) for key, spec in specs.items()]
+            yield from actions.without_interface(named)
+
+    def _unheard(self, program: ReactiveProgram, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
+        """Yield the facts of interfaces that the program does not declare external."""
+        for name, spec in specs.items():
+            told = [(index, fact) for index, rule in enumerate(spec.rules) for fact in rule.facts]
+            for index, fact in told if self._interfaces is not None else ():
+                atom = _atom_of(fact)
+                if atom is not None and signature_of(atom) not in program.external_signatures:
+                    signature = signature_of(atom)
+                    meant = likely(signature, program.external_signatures)
+                    mend = f"write #external {signature}." if meant is None else f"is {meant} meant?"
+                    text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({mend})"
+                    yield self._interfaces.fault(text, "unheard-fact")  # type: ignore[union-attr]
+
+
+def _label_names(file: YamlFile) -> Iterator[Named]:
+    """Yield the labels of a file by which the program knows them."""
+    for name in file.data if isinstance(file.data, dict) else ():
+        try:
+            term = parse_term(str(name))
+        except ProgressionError:
+            continue  # the reader of labels tells
+        yield file.named(str(name))._replace(name=str(term))
+
+
+def _asking(specs: Mapping[str, InterfaceSpec]) -> Dict[str, Labelled]:
+    """Return the actions whose goals ask for labels."""
+    found: Dict[str, Labelled] = {}
+    for spec in specs.values():
+        paths = [path for _, text in texts_in(spec.goal) for path in _label_paths(text)]
+        if paths:
+            found[spec.name] = _labelled(paths)
+    return found
+
+
+def _label_paths(text: str) -> Iterator[str]:
+    """Yield the references of a template to the terms of which it asks for the label."""
+    try:
+        told = [one.split(".") for one in references(text)]
+    except TemplateError:
+        return  # told already
+    yield from ("$" + ".".join(one[:-1]) for one in told if len(one) > 1 and one[-1] in LABEL_FIELDS)
+
+
+def _labelled(paths: List[str]) -> Labelled:
+    def asked(parameter: clingo.Symbol) -> Iterator[clingo.Symbol]:
+        """Yield the terms that the paths lead to; parameters of another form have no label there."""
+        for path in paths:
+            try:
+                term: Any = evaluate(path, Scope(parameter, 1))
+            except FillError:
+                continue
+            if isinstance(term, clingo.Symbol):
+                yield term
+
+    return asked
+
+
+def _atom_of(template: str) -> Optional[clingo.Symbol]:
+    """Return the atom of a fact's template, something in place of what is filled in; None where it tells no atom."""
+    text = template
+    for reference in _references(template):
+        text = text.replace("${" + reference + "}", "x")
+    try:
+        return parse_atom(text)
+    except ProgressionError:
+        return None
+
+
+def _references(template: str) -> Tuple[str, ...]:
+    try:
+        return tuple(references(template))
+    except TemplateError:
+        return ()
+
+
+_told: List[str] = []
+
+
+def _type_faults(spec: InterfaceSpec) -> List[str]:
+    """Return what of an entry does not fit the definitions of messages; nothing where there are none here."""
+    try:
+        from rosoclingo.interfaces.type_faults import type_faults  # noqa: PLC0415 it needs genpy, which is ROS's
+    except ModuleNotFoundError as error:
+        text = f"check: types of messages are not looked at: there is no {error.name} here\n"
+        if text not in _told:
+            _told.append(text)
+            sys.stderr.write(text)
+        return []
+    return type_faults(spec)

@@ -1,0 +1,77 @@
+"""YAML files whose faults have lines: the readers know keys, here is where each of them stands."""
+
+import re
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
+
+import yaml
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.lint.actions import Named
+from rosoclingo.oclingo.program.sources import Source
+
+_UNKNOWN = re.compile(r"unknown key '([^']*)'")
+
+
+class YamlFile:
+    """A YAML file.
+
+    Attributes:
+        name: its name.
+        text: its text.
+        data: what it holds, None where it is no YAML.
+        faults: that it is none.
+
+    """
+
+    def __init__(self, name: str) -> None:
+        """Read a file; raises ProgramError where that is not possible."""
+        source = Source.from_file(Path(name))
+        self.name, self.text = source.name, source.text
+        self.data: Any = None
+        self.faults: List[Fault] = []
+        self._places: Dict[str, Tuple[int, int]] = {}
+        try:
+            self.data = yaml.safe_load(self.text)
+            node = yaml.compose(self.text, Loader=yaml.SafeLoader)
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
+            self.faults.append(self._no_yaml(error))
+        else:
+            self._note("", node, 0)
+
+    def fault(self, text: str, kind: str) -> Fault:
+        """Return a fault that a reader found, whose text begins with the keys that lead to it."""
+        path = self._longest(text)
+        unknown = _UNKNOWN.search(text)
+        if unknown is not None:
+            inside = f"{path}.{unknown.group(1)}" if path else unknown.group(1)
+            path = inside if inside in self._places else path
+        return Fault(self.name, *self._places.get(path, (1, 1)), text, "", kind)
+
+    def named(self, key: str) -> Named:
+        """Return a key of the outermost mapping with its place."""
+        return Named(key, self.name, *self._places.get(key, (1, 1)))
+
+    def _longest(self, text: str) -> str:
+        """Return the longest of the known places with which ``text`` begins."""
+        begins = [path for path in self._places if text.startswith(path) and text[len(path) :][:1] in ("", *":. [")]
+        return max(begins, key=len, default="")
+
+    def _no_yaml(self, error: Exception) -> Fault:
+        mark: Optional[Any] = getattr(error, "problem_mark", None)
+        place = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
+        problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+        return Fault(self.name, *place, f"no YAML: {problem}", kind="configuration")
+
+    def _note(self, path: str, node: Any, depth: int) -> None:
+        """Note where the keys below a node stand."""
+        if isinstance(node, yaml.MappingNode) and depth < 32:
+            for key, value in node.value:
+                inside = f"{path}.{key.value}" if path else str(key.value)
+                self._places.setdefault(inside, (key.start_mark.line + 1, key.start_mark.column + 1))
+                self._note(inside, value, depth + 1)
+        elif isinstance(node, yaml.SequenceNode) and depth < 32:
+            for index, value in enumerate(node.value):
+                inside = f"{path}[{index}]"
+                self._places.setdefault(inside, (value.start_mark.line + 1, value.start_mark.column + 1))
+                self._note(inside, value, depth + 1)

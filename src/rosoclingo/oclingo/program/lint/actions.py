@@ -1,0 +1,129 @@
+"""Which actions a program may plan, with which parameters; against interfaces and labels."""
+
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
+
+import clingo
+from clingo.ast import AST, ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION
+from rosoclingo.oclingo.program.domains import nodes_of
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, is_open, parted
+from rosoclingo.oclingo.program.lint.predicates import likely_value
+from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
+
+Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
+"""Returns of which terms an action asks for the label, by its parameter."""
+
+
+class Named(NamedTuple):
+    """A name that a file gives to something, with the place where it stands."""
+
+    name: str
+    file: str
+    line: int
+    column: int
+
+    def fault(self, kind: str, message: str, mend: str) -> Fault:
+        """Return a fault of it."""
+        return Fault(self.file, self.line, self.column, message, mend, kind)
+
+
+class Actions:
+    """The actions that a program may plan.
+
+    Attributes:
+        all_known: whether it has no others than those of ``parameters``.
+        parameters: what the parameter of each may be, by the action's name as text; None for anything.
+
+    """
+
+    def __init__(self, survey: Survey, values: ArgumentValues) -> None:
+        self._survey = survey
+        self.all_known = True
+        self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {}
+        self._nodes: Dict[str, AST] = {}
+        for rule in values.rules:
+            bound = values.bindings(rule) if parted(rule.head)[0] == ACTION else None
+            if bound is None:
+                continue
+            name, parameter, _ = parted(rule.head)[1]
+            names = values.value(name, rule.parameter, bound)
+            if names is None or any(map(is_open, names)):
+                self.all_known = False
+                continue
+            told = values.value(parameter, rule.parameter, bound)
+            for one in map(str, names):
+                known = self.parameters.get(one, frozenset())
+                self.parameters[one] = None if told is None or known is None else known | told
+                self._nodes.setdefault(one, name)
+
+    def without_interface(self, interfaces: Sequence[Named]) -> Iterator[Fault]:
+        """Yield the actions that no interface drives, and the interfaces that no action drives."""
+        names = [one.name for one in interfaces]
+        for action, node in self._nodes.items():
+            if action not in names:
+                message = f"no interface drives the action {action}: nothing will be done for it"
+                yield fault_at(node, "no-interface", message, likely_value(action, names) if names else "")
+        for one in interfaces if self.all_known and self._nodes else ():
+            if one.name not in self.parameters:
+                message = f"the program has no action {one.name}"
+                yield one.fault("idle-interface", message, likely_value(one.name, list(self.parameters)))
+
+    def without_label(self, labels: Sequence[Named], asking: Mapping[str, Labelled]) -> Iterator[Fault]:
+        """Yield the places of the program without a label, and the labels that no action asks for.
+
+        ``asking`` are the actions that ask for labels.
+        """
+        names = {one.name for one in labels}
+        needed: Set[str] = set()
+        certain = self.all_known
+        for action, asked in asking.items():
+            parameters = self.parameters.get(action, frozenset())
+            if parameters is None or any(map(is_open, parameters)):
+                certain = False
+                continue
+            terms = sorted({term for parameter in parameters for term in asked(parameter)})
+            needed |= set(map(str, terms))
+            for term in terms:
+                if str(term) not in names:
+                    yield self._no_label(action, term, names)
+        for one in labels if certain and needed else ():
+            if one.name not in needed:
+                yield one.fault("idle-label", f"no action ever asks for the label {one.name}", _meant(one.name, needed))
+
+    def _no_label(self, action: str, term: clingo.Symbol, names: Set[str]) -> Fault:
+        message = f"there is no label {term}: the action {action} will return unknown_label for it"
+        node = self._where(str(term))
+        mend = likely_value(str(term), names) if names else ""
+        return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
+
+    def _where(self, text: str) -> Optional[AST]:
+        """Return where a term first stands among the facts of a program."""
+        for _, statement, found in self._survey.statements:
+            fact = statement.ast_type == ASTType.Rule and not statement.body and len(found) == 1 and found[0].head
+            for one in nodes_of(found[0].term) if fact and statement.location.begin.filename != LABELS else ():
+                if one.ast_type in (ASTType.SymbolicTerm, ASTType.Function) and str(one) == text:
+                    return one
+        return None
+
+    def likely_asking(self, labels: Sequence[Named]) -> Dict[str, Labelled]:
+        """Return the actions of which most parameters are labels, where nobody tells which ask for them."""
+        names = {one.name for one in labels}
+        found: Dict[str, Labelled] = {}
+        for action, parameters in self.parameters.items():
+            known = sum(str(one) in names for one in parameters or ())
+            if parameters and 2 * known > len(parameters):
+                found[action] = lambda parameter: (parameter,)
+        return found
+
+
+def _meant(name: str, needed: Set[str]) -> str:
+    mend = likely_value(name, needed)
+    return mend if mend.endswith("meant?") else f"places are {', '.join(sorted(needed))}"
+
+
+def lint_labels(survey: Survey, labels: Sequence[Named]) -> List[Fault]:
+    """Return what is wrong with labels where nothing is known of interfaces."""
+    actions = Actions(survey, ArgumentValues(survey))
+    return list(actions.without_label(labels, actions.likely_asking(labels)))

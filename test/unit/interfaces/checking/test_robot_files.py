@@ -1,0 +1,208 @@
+"""``check --labels --interfaces``: nothing is said of what is right, and each seeded fault is found at its line."""
+
+import json
+import re
+import sys
+from pkgutil import extend_path
+
+import lint_programs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import rosoclingo
+from rosoclingo.interfaces.checking.robot_files import RobotFiles
+from rosoclingo.oclingo.service import check_command
+
+CONFIG = lint_programs.ROOT / "config"
+
+
+@pytest.fixture(autouse=True)
+def workspace(monkeypatch):
+    """The messages that the build has made; unit tests take the package from its sources, where they are not."""
+    pytest.importorskip("genpy")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+
+
+def texts(name):
+    """The files of a system by their names: its program's, labels.yaml and interfaces.yaml."""
+    files = {one.name: one.text for one in lint_programs.program(name)}
+    if name == "garden":
+        labels, interfaces = lint_programs.block("tutorial.md", 3), lint_programs.block("tutorial.md", 4)
+    else:
+        world = "house" if name == "house" else "office"
+        labels = (CONFIG / f"{world}_labels.yaml").read_text()
+        interfaces = (CONFIG / "interfaces.yaml").read_text()
+    return {**files, "labels.yaml": labels, "interfaces.yaml": interfaces}
+
+
+def told(folder, files, capsys, *options):
+    """The findings of the files, written into a folder."""
+    programs = [name for name in files if name.endswith(".lp")]
+    for name, text in files.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    # what includes the others comes first, and is enough
+    named = [one for one in programs if "/" not in one and one != "delivery.lp"]
+    places = options or ("--labels", str(folder / "labels.yaml"), "--interfaces", str(folder / "interfaces.yaml"))
+    code = check_command.main([*(str(folder / one) for one in named), *places, "--json"], RobotFiles())
+    found = json.loads(capsys.readouterr().out)["findings"]
+    assert code == bool(found)
+    return found
+
+
+@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden"])
+def test_nothing_is_said_of_systems_that_are_right(name, tmp_path, capsys):
+    assert told(tmp_path, texts(name), capsys) == []
+
+
+@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden"])
+def test_nothing_is_said_of_their_labels_alone(name, tmp_path, capsys):
+    files = texts(name)
+    assert told(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
+
+
+#: System, file, what stands in it, what is put there instead (the finding stands where @ is), kind, words of it.
+SEEDS = [
+    ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "is office2 meant?"),
+    ("mailbot", "labels.yaml", "office3:", "@ofice3:", "idle-label", "is office3 meant?"),
+    ("house", "labels.yaml", "study: [6.0, 9.0]\n", "@garage: [6.0, 9.0]\n", "idle-label", "places are bathroom"),
+    ("garden", "garden.lp", "plant(palm).", "plant(@plam).", "no-label", "is palm meant?"),
+    ("garden", "labels.yaml", "tap:", "@tab:", "idle-label", "is tap meant?"),
+    ("garden", "garden.lp", "place(home). place(tap).", "place(@hom). place(tap).", "no-label", "is home meant?"),
+    ("garden", "labels.yaml", "[2.5, 2.5]", "[2.5, x]", "configuration", "tap"),
+    ("garden", "labels.yaml", "palm:", "@Palm:", "configuration", "Palm"),
+    ("mailbot", "labels.yaml", "{x: 9.9, y: 0.0, yaw", "{x: 9.9, y: 0.0, @jaw", "configuration", "unknown key 'jaw'"),
+    ("garden", "labels.yaml", "tap: [2.5", "tap: ]@[2.5", "configuration", "no YAML"),
+    ("mailbot", "interfaces.yaml", "pickup:", "@pick_up:", "idle-interface", "is pickup meant?"),
+    ("mailbot", "delivery/rules.lp", "{ _action_lib(pickup,Id", "{ _action_lib(@picup,Id", "no-interface", "is pickup"),
+    ("garden", "interfaces.yaml", "fill:", "@fil:", "idle-interface", "is fill meant?"),
+    ("garden", "interfaces.yaml", "fill:", "fil:", "no-interface", "is fil meant?"),
+    (
+        "garden",
+        "interfaces.yaml",
+        "{a: 1, b: 200}",
+        "{a: 1, @c: 200}",
+        "message-type",
+        "has no such field; it has a, b",
+    ),
+    ("garden", "interfaces.yaml", "{a: 1, b: 200}", "{@a: much, b: 200}", "message-type", "int64 is wanted"),
+    ("garden", "interfaces.yaml", "goal: {target_pose:", "goal: {@targetpose:", "message-type", "target_pose"),
+    (
+        "garden",
+        "interfaces.yaml",
+        "when: {sum: 0}",
+        "when: {total: 0}",
+        "message-type",
+        "has no field total; it has sum",
+    ),
+    (
+        "garden",
+        "interfaces.yaml",
+        "move_base_msgs/MoveBaseAction",
+        "move_base_msgs/MovebaseAction",
+        "message-type",
+        "no",
+    ),
+    ("mailbot", "interfaces.yaml", "outcome: NOT_HERE", "@outcome: NOTHERE", "message-type", "no constant NOTHERE"),
+    ("mailbot", "interfaces.yaml", "carried: true", "@caried: true", "message-type", "has no such field"),
+    ("mailbot", "interfaces.yaml", "timeout: 300.0", "@timeot: 300.0", "configuration", "is timeout meant?"),
+    ("mailbot", "interfaces.yaml", "timeout: 300.0", "@timeout: soon", "configuration", "not 'soon'"),
+    ("garden", "interfaces.yaml", "$parameter.pose", "$paramter.pose", "configuration", "is $parameter meant?"),
+    (
+        "mailbot",
+        "interfaces.yaml",
+        "return: unreachable}",
+        'return: unreachable, @facts: ["_blockd(${parameter},a,now)"]}',
+        "unheard-fact",
+        "is _blocked/3 meant?",
+    ),
+]
+
+
+def seeded(text, old, new):
+    """The text with the fault in it, and the line and column at which it stands."""
+    assert old in text
+    before, _, after = text.partition(old)
+    offset = len(before) + max(new.find("@"), 0)
+    changed = before + new.replace("@", "", 1) + after
+    return changed, (changed.count("\n", 0, offset) + 1, offset - changed.rfind("\n", 0, offset))
+
+
+@pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), SEEDS)
+def test_a_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
+    files = texts(name)
+    files[file], (line, _) = seeded(files[file], old, new)
+    found = told(tmp_path, files, capsys)
+    mine = [one for one in found if one["kind"] == kind and words in f"{one['message']} ({one['mend']})"]
+    assert mine, found
+    if "@" in new:
+        assert (str(tmp_path / file), line) in [(one["file"], one["line"]) for one in mine], found
+
+
+def test_what_is_silenced_in_yaml(tmp_path, capsys):
+    files = texts("garden")
+    files["labels.yaml"] += (
+        "porch: [1.0, 1.0]   # check: ok idle-label (for later)\n# check: ok idle-label\nroof: [1.0, 2.0]\n"
+    )
+    assert told(tmp_path, files, capsys) == []
+
+
+def test_files_that_cannot_be_read(tmp_path, capsys):
+    (tmp_path / "p.lp").write_text("#cumulative t.\n#volatile t.\n")
+    code = check_command.main([str(tmp_path / "p.lp"), "--labels", str(tmp_path / "none.yaml")], RobotFiles())
+    assert code == 2
+    assert "none.yaml: can't be read" in capsys.readouterr().err
+
+
+def test_labels_and_interfaces_of_a_program_with_syntax_errors(tmp_path, capsys):
+    files = texts("garden")
+    files["garden.lp"] = files["garden.lp"].replace("at(home,0).", "at(home,0)")
+    files["labels.yaml"] = files["labels.yaml"].replace("[2.5, 2.5]", "2.5")
+    assert sorted(one["kind"] for one in told(tmp_path, files, capsys)) == ["configuration", "syntax"]
+
+
+def test_without_ros_all_but_types_is_looked_at(tmp_path, capsys, monkeypatch):
+    for name in [one for one in sys.modules if re.match(r"genpy|rosoclingo\.interfaces\.type_faults", one)]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "genpy", None)
+    monkeypatch.setattr("rosoclingo.interfaces.checking.robot_files._told", [])
+    files = texts("garden")
+    files["interfaces.yaml"] = files["interfaces.yaml"].replace("b: 200", "c: 200").replace("fill:", "fil:")
+    programs = [
+        tmp_path / "garden.lp",
+        "--labels",
+        tmp_path / "labels.yaml",
+        "--interfaces",
+        tmp_path / "interfaces.yaml",
+    ]
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert check_command.main([*map(str, programs), "--json"], RobotFiles()) == 1
+    printed = capsys.readouterr()
+    assert sorted(one["kind"] for one in json.loads(printed.out)["findings"]) == ["idle-interface", "no-interface"]
+    assert printed.err.startswith("check: types of messages are not looked at: there is no genpy")
+
+
+YAML = st.recursive(
+    st.none() | st.booleans() | st.integers(-5, 5) | st.text("ab$.{}[]/_1", max_size=6),
+    lambda inside: (
+        st.lists(inside, max_size=3)
+        | st.dictionaries(
+            st.sampled_from(["goal", "type", "returns", "facts", "when", "a", "$1.pose", "done", "x"]), inside
+        )
+    ),
+    max_leaves=12,
+)
+
+
+@given(YAML, YAML, st.text(max_size=30))
+def test_whatever_the_files_hold(tmp_path_factory, labels, interfaces, text):
+    folder = tmp_path_factory.mktemp("files")
+    (folder / "p.lp").write_text("#cumulative t.\n{ _action_lib(a,x,t) }.\n#volatile t.\n")
+    for held in (json.dumps(labels), text):
+        (folder / "labels.yaml").write_text(held, encoding="utf-8")
+        (folder / "interfaces.yaml").write_text(json.dumps(interfaces), encoding="utf-8")
+        command = [folder / "p.lp", "--labels", folder / "labels.yaml", "--interfaces", folder / "interfaces.yaml"]
+        assert check_command.main(list(map(str, command)), RobotFiles()) in (0, 1)
