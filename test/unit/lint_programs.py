@@ -17,24 +17,26 @@ FILES = {
     "paper": [ENCODINGS / "paper.lp"],
     "new": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     "two_offices": [ENCODINGS / "mailbot.lp", DATA / "two_offices.lp"],
+    "template": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "two_arms")},
 }
 GOLDEN = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 
-def block(page, number):
-    """The text of a block of a document, counted from 0."""
+def block(page, file):
+    """The text of a file that a document shows, whose name stands in the paragraph before."""
     text = (ROOT / "doc" / page).read_text(encoding="utf-8")
-    return re.findall(r"^```\w*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[number]
+    pattern = rf"`[\w/]*{re.escape(file)}`(?:(?!\n\n).)*\n\n```\w*\n(.*?)^```$"
+    return re.search(pattern, text, re.MULTILINE | re.DOTALL).group(1)
 
 
 @lru_cache(maxsize=None)
 def program(name):
     """The sources of a program with all that they include, each named as below its folder."""
     if name == "garden":
-        return (Source("garden.lp", block("tutorial.md", 1)),)
+        return (Source("garden.lp", block("tutorial.md", "garden.lp")),)
     if name == "lift":
-        return (Source("lift.lp", block("oclingo_service.md", 0)),)
+        return (Source("lift.lp", block("oclingo_service.md", "lift.lp")),)
     if name in FILES:
         texts = ReactiveProgram.from_files(FILES[name]).texts
         return tuple(Source(short(one.name), one.text) for one in texts)

@@ -14,6 +14,7 @@ import rosoclingo
 from rosoclingo.interfaces.checking.robot_files import RobotFiles
 from rosoclingo.oclingo.service import check_command
 
+TEMPLATE = lint_programs.ROOT / "templates" / "package" / "config"
 CONFIG = lint_programs.ROOT / "config"
 
 
@@ -29,7 +30,12 @@ def texts(name):
     """The files of a system by their names: its program's, labels.yaml and interfaces.yaml."""
     files = {one.name: one.text for one in lint_programs.program(name)}
     if name == "garden":
-        labels, interfaces = lint_programs.block("tutorial.md", 3), lint_programs.block("tutorial.md", 4)
+        labels, interfaces = (
+            lint_programs.block("tutorial.md", "labels.yaml"),
+            lint_programs.block("tutorial.md", "interfaces.yaml"),
+        )
+    elif name == "template":
+        labels, interfaces = ((TEMPLATE / f"{one}.yaml").read_text() for one in ("labels", "interfaces"))
     else:
         world = "house" if name == "house" else "office"
         labels = (CONFIG / f"{world}_labels.yaml").read_text()
@@ -52,12 +58,12 @@ def told(folder, files, capsys, *options):
     return found
 
 
-@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden"])
+@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_nothing_is_said_of_systems_that_are_right(name, tmp_path, capsys):
     assert told(tmp_path, texts(name), capsys) == []
 
 
-@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden"])
+@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_nothing_is_said_of_their_labels_alone(name, tmp_path, capsys):
     files = texts(name)
     assert told(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
