@@ -10,6 +10,7 @@ import os
 import signal
 import sys
 import time
+import xmlrpc.client
 from types import TracebackType
 from typing import Any, Dict, Iterator, Optional, Type
 
@@ -80,9 +81,15 @@ def _started_by(uris: Any) -> Iterator[Dict[str, Any]]:
         with contextlib.suppress(*FAULTS):
             launch = api(uri)
             if launch.get_pid()[2] == os.getppid():
-                infos = (launch.process_info(name)[2] for name in launch.get_node_names()[2])
-                yield from (info for info in infos if info.get("pid") == os.getpid())
+                yield from (info for info in _processes(launch) if info.get("pid") == os.getpid())
             found.extend(launch.list_children()[2])
+
+
+def _processes(launch: Any) -> Iterator[Dict[str, Any]]:
+    """Yield what a roslaunch says of its processes; of a master that it has started it cannot."""
+    for name in launch.get_node_names()[2]:
+        with contextlib.suppress(xmlrpc.client.Error):
+            yield launch.process_info(name)[2]
 
 
 def _name() -> str:

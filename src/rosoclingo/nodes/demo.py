@@ -96,8 +96,11 @@ class DemoSystem:
             time.sleep(0.05)
 
     def _tail(self) -> str:
+        """The log from the first error that has ended a node, or else its last lines."""
         lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
-        return "".join("\n    " + line for line in lines[-15:])
+        fatal = (number for number, line in enumerate(lines) if "[FATAL]" in line)
+        start = next(fatal, max(0, len(lines) - 15))
+        return "".join("\n    " + line for line in lines[start : start + 15])
 
 
 def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[str], None]) -> ScenarioOutcome:

@@ -3,6 +3,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -28,13 +29,16 @@ NODE = "/rosoclingo"
 class Launched:
     """A roslaunch of core.launch; ``text`` is what it has written so far."""
 
-    def __init__(self, folder, arguments, environment):
+    def __init__(self, folder, arguments, environment, port):
         self._log = Path(folder) / "roslaunch.log"
-        words = [f"{name}:={value}" for name, value in arguments.items()]
+        words = [*(["-p", str(port)] if port else []), "rosoclingo", "core.launch"]
+        words += [f"{name}:={value}" for name, value in arguments.items()]
         home = {"ROS_HOME": str(folder), **environment}
+        if port:
+            home["ROS_MASTER_URI"] = f"http://localhost:{port}"
         with self._log.open("wb") as log:
             self._process = subprocess.Popen(
-                ["roslaunch", "rosoclingo", "core.launch", *words],
+                ["roslaunch", *words],
                 env={**os.environ, **home},
                 stdout=log,
                 stderr=log,
@@ -68,10 +72,17 @@ class Launched:
             pass
 
 
+def free_port():
+    with socket.socket() as one:
+        one.bind(("localhost", 0))
+        return one.getsockname()[1]
+
+
 @contextmanager
-def core_launch(environment=None, **arguments):
+def core_launch(environment=None, port=None, **arguments):
+    """A roslaunch of core.launch, with a master of its own where a port is given for that."""
     with tempfile.TemporaryDirectory() as folder:
-        launched = Launched(folder, arguments, environment or {})
+        launched = Launched(folder, arguments, environment or {}, port)
         try:
             yield launched
         finally:
@@ -105,8 +116,9 @@ class CoreLaunch(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write("#program base.\na(X).\n")
             file.flush()
-            with core_launch(programs=f"[{file.name}]") as launched:
-                self.ends_at_once(launched, f"{file.name}:2", "unsafe")
+            for port in (None, free_port()):
+                with core_launch(port=port, programs=f"[{file.name}]") as launched:
+                    self.ends_at_once(launched, f"{file.name}:2", "unsafe")
 
     def test_bad_parameters(self):
         with core_launch(core_params="{horizon_limit: 0}") as launched:

@@ -57,8 +57,8 @@ def ended(monkeypatch):
 
 
 def roslaunch(serving, process=None, children=(), **info):
-    """A roslaunch with two processes."""
-    infos = {"other": {"pid": 1, "respawn": True, "spawn_count": 9}, "core-2": info}
+    """A roslaunch with two processes, and a master of which it cannot tell."""
+    infos = {"master": {1: "no"}, "other": {"pid": 1, "respawn": True, "spawn_count": 9}, "core-2": info}
     return serving.add(
         get_pid=lambda: os.getppid() if process is None else process,
         get_node_names=lambda: list(infos),

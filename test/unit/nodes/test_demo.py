@@ -1,0 +1,43 @@
+"""What the demonstration says of a system that has ended by itself."""
+
+import subprocess
+from importlib import import_module
+from pkgutil import extend_path
+
+import pytest
+
+import rosoclingo
+
+LINES = ["summary"] * 20
+KILLED = ["[one] killing on exit"] * 30
+
+
+@pytest.fixture
+def demo(monkeypatch):
+    """The module, with the messages that the build has made."""
+    pytest.importorskip("rospy")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+    return import_module("rosoclingo.nodes.demo")
+
+
+@pytest.mark.parametrize(
+    ("log", "shown"),
+    [
+        ([*LINES, "[FATAL] [1.0]: /rosoclingo: a fault", "and another", *KILLED], ["/rosoclingo: a fault", "another"]),
+        ([*LINES, "RLException: no such file"], ["RLException: no such file"]),
+        (["one line"], ["one line"]),
+    ],
+    ids=["fatal", "last", "short"],
+)
+def test_the_error_is_shown_whatever_came_after_it(demo, tmp_path, log, shown):
+    system = demo.DemoSystem("mailbot", tmp_path, [])
+    system.log.write_text("\n".join(log))
+    system._process = subprocess.Popen(["true"])
+    system._process.wait()
+    with pytest.raises(demo.DemoError) as caught:
+        system.check()
+    told = str(caught.value)
+    assert str(system.log) in told
+    assert all(words in told for words in shown)
+    assert told.count("\n") <= 15
