@@ -87,6 +87,7 @@ COMMANDS = {  # with what they have of ROS
     "gringo3to5": (),
     "journal": (),
     "new": (),
+    "places": (),
     "stage_world": (),
     "rviz_on_map": (),
 }

@@ -1,0 +1,94 @@
+"""The floor of a map as a program sees it: places, which are next to each other, and how far they are apart."""
+
+from itertools import combinations
+from typing import Dict, List, NamedTuple, Tuple
+
+import numpy as np
+
+from rosoclingo.common.labels import Label, LabelError, LabelTable
+from rosoclingo.common.reading import read_yaml
+from rosoclingo.robot.navigation.costmap import Costmap, CostmapLimits
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.navigation.grid import load_map
+from rosoclingo.robot.navigation.grid_planner import GridPlanner, PlanOutcome
+
+#: A place is on the way between two others where the way over it is longer by no more than this part.
+DETOUR = 0.1
+
+Pair = Tuple[str, str]
+
+
+class FloorError(ValueError):
+    """Labels that fit no floor; the text lists all faults with what to do."""
+
+
+class Floor(NamedTuple):
+    """Labels ``places``, in order, and ``distances`` (m) of the pairs of them, in order, between which there is a way.
+
+    ``connections`` are the pairs with no third place on the way.
+    """
+
+    places: Tuple[str, ...]
+    distances: Dict[Pair, float]
+    connections: Tuple[Pair, ...]
+
+    def facts(self) -> str:
+        """The floor as facts: place/1, connection/2, distance/3, in decimetres and both directions."""
+        lines = [" ".join(f"place({place})." for place in self.places), ""]
+        lines += [f"connection({a},{b})." for a, b in self.connections]
+        lines += ["", *(f"distance({a},{b},{d}). distance({b},{a},{d})." for a, b, d in self._decimetres())]
+        return "\n".join(lines) + "\n"
+
+    def _decimetres(self) -> List[Tuple[str, str, int]]:
+        return [(a, b, max(1, round(10 * metres))) for (a, b), metres in self.distances.items()]
+
+
+def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Floor:
+    """Plan between all pairs of labels on the map alone, with the costmap's radius; raises FloorError.
+
+    A place is on the way between two others where the way over it is longer by the part ``detour`` at most.
+    """
+    planner, faults = GridPlanner(), []
+    for label in labels:
+        fault = _fault(planner, costmap, label)
+        faults += [fault] if fault else []
+    if faults:
+        raise FloorError("\n".join(faults))
+    names, distances = tuple(sorted(labels.names)), {}
+    for a, b in combinations(names, 2):
+        plan = planner.plan(costmap, _pose(labels[a]), _pose(labels[b]), 0.0)
+        if plan.outcome is PlanOutcome.FOUND:
+            distances[a, b] = plan.length
+    return Floor(names, distances, tuple(pair for pair in distances if not _between(names, distances, pair, detour)))
+
+
+def floor_program(map_file: str, labels_file: str, radius: float, detour: float = DETOUR) -> str:
+    """The floor of files (YAML) as a program, with ways that keep ``radius`` (m) from what is on the map.
+
+    Raises MapError, LabelError, FloorError.
+    """
+    labels = read_yaml(labels_file, "labels", LabelError)
+    table = LabelTable.read(labels)
+    labels.check(LabelError)
+    floor = floor_of(Costmap(load_map(map_file), CostmapLimits(robot_radius=radius)), table, detour)
+    head = f"% The floor of {map_file} with {labels_file}, made by rosoclingo's command places."
+    return f"{head}\n\n#program base.\n\n{floor.facts()}"
+
+
+def _between(names: Tuple[str, ...], distances: Dict[Pair, float], ends: Pair, detour: float) -> bool:
+    """Whether some place is on the way between two others, and not where one of them is."""
+    most = (1.0 + detour) * distances[ends]
+    parts = [[distances.get((min(place, end), max(place, end)), np.inf) for end in ends] for place in names]
+    return any(max(part) < distances[ends] and sum(part) <= most for part in parts)
+
+
+def _fault(planner: GridPlanner, costmap: Costmap, label: Label) -> str:
+    """Why nobody can be at a label; empty where one can."""
+    found = planner.plan(costmap, _pose(label), _pose(label), 0.0).outcome
+    return (
+        "" if found is PlanOutcome.FOUND else f"{label.name}: ({label.x:g}, {label.y:g}): {found.value}: move the label"
+    )
+
+
+def _pose(label: Label) -> Pose2D:
+    return Pose2D(label.x, label.y, label.yaw)
