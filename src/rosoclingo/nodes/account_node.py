@@ -15,6 +15,7 @@ from rosoclingo.nodes.words import words_in
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.sentences import Sentences
+from rosoclingo.runs.topic_atoms import run_in
 from rosoclingo.runs.topic_names import USUAL, full_name
 
 #: Topics of an account, named as :func:`full_name` takes them, and their types.
@@ -100,8 +101,11 @@ class TopicAccount:
         self.account.goals(time, [(one.id.id, one.request, one.status, one.reason) for one in message.goals])
 
     def _dispatched(self, time: float, message: InterfaceIO) -> None:
-        if message.interface != CORE:  # else the core tells of itself
+        if message.interface != CORE:
             self.account.dispatched(time, message.facts)
+            return
+        for run in filter(None, map(run_in, message.facts)):  # the core tells of itself
+            self.account.begin(run)
 
     def _statuses(self, time: float, message: GoalStatusArray) -> None:
         for one in message.status_list:

@@ -137,7 +137,14 @@ class Account:
         self._now = 0.0
         self._held: List[_Line] = []
         self._said: Set[str] = set()
+        self._run = ""
+        self._sent: Set[str] = set()  # the actions of that run
         self.summary = Summary()
+
+    def begin(self, run: str) -> None:
+        """Take the name of the core's run: the actions of another one are others, whatever their cycles."""
+        if run != self._run:
+            self._run, self._sent = run, set()
 
     def goal(self, time: float, key: str, text: str) -> None:
         """Record a goal that a client sent; once, whoever tells of it."""
@@ -202,11 +209,12 @@ class Account:
         self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}", cycle if late else 0)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
-        """Record actions on out_rosoclingo, and what ends them early."""
+        """Record actions on out_rosoclingo, once each however often they are sent, and what ends them early."""
         for text in facts:
             if text.startswith(CANCEL_ACTION):
                 self._line(time, "preempt", self._sentence(ACTION_LIB + text[len(CANCEL_ACTION) :]))
-            else:
+            elif text not in self._sent:
+                self._sent.add(text)
                 self.summary.actions.append(text)
                 self._line(time, "action", self._sentence(text), {f"plan {_cycle_of(text)}"})
 

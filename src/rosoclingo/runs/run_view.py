@@ -115,6 +115,7 @@ class RunView:
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was started again")
         self._run = run
+        self._account.begin(run)
 
     def goal(self, time: float, key: str, text: str) -> None:
         """Record a goal that a client sent."""

@@ -163,6 +163,15 @@ def test_an_action_that_is_ended_early_is_no_further_action():
     assert any(line.split()[-3:] == ["preempt", "go", "x"] for line in lines)
 
 
+def test_an_action_that_is_sent_again_is_the_same_but_in_another_run(account, lines):
+    for run in ("first", "first", "second"):
+        account.begin(run)
+        account.dispatched(1.0, ["_action_lib(go,x,1)"])
+    account.finish()
+    assert account.summary.actions == ["_action_lib(go,x,1)"] * 2
+    assert [line.split()[-2:] for line in lines if " action " in line] == [["go", "x"]] * 2
+
+
 def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
     told = [
         ("a", "g(1)", 3, "g(1) is met"),
