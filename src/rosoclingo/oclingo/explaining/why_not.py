@@ -9,6 +9,12 @@ from rosoclingo.oclingo.explaining.named_rules import NamedRule, RuleKind
 MANY = 12
 
 
+_BEYOND = (
+    "No rule stands in the way: nothing that the program can do leads there, or not in so many steps",
+    "(a place, a connection or an action may be missing).",
+)
+
+
 @dataclass(frozen=True)
 class BlamedRule:
     """A rule because of which there is no plan.
@@ -129,7 +135,9 @@ class WhyNot:
             return [text] if self.complete else ["It was not found out in time why."]
         kind = "These rules forbid it together" if len(self.rules) > 1 else "This rule forbids it"
         doubt = "" if self.complete else " (not all of it was found out in time)"
-        return [f"{kind}{doubt}:", *(line for one in self.rules for line in _lines_of(one, self.last))]
+        lines = [f"{kind}{doubt}:", *(line for one in self.rules for line in _lines_of(one, self.last))]
+        volatile = all(one.rule.kind is RuleKind.VOLATILE for one in self.rules)
+        return [*lines, *_BEYOND] if volatile and not self.never else lines
 
     def _of_facts(self) -> List[str]:
         facts = [*self.told, *self.facts]

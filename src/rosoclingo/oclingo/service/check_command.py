@@ -2,27 +2,33 @@
 
 import argparse
 import json
+import shutil
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Protocol, Sequence, TextIO, Tuple
 
-from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program.lint.linting import Finding, findings, is_error, lint_sources
 from rosoclingo.oclingo.program.lint.stream_lint import lint_stream
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source, parse_constants
-from rosoclingo.oclingo.service.arguments import constants_of
+from rosoclingo.oclingo.progression.parser import parse_updates
+from rosoclingo.oclingo.service.arguments import constants_of, positive, seconds
+from rosoclingo.oclingo.service.trial_plans import SECONDS, STEPS, Trial, Trials
 
 CLEAN, FOUND, UNREADABLE = 0, 1, 2
 """The exit codes: nothing was found, something was, a file cannot be read or the command line is wrong."""
 
 _DESCRIPTION = """\
 Says what may be wrong with a reactive logic program before it runs: misspelt predicates, values that no rule gives,
-heads without their step and more. Nothing is solved, and no master is needed."""
+heads without their step and more; with --plan, what it would do about requests, or which rules forbid it. No master is
+needed."""
 
 _EPILOG = """\
 A comment "% check: ok KIND" silences findings of a kind on its line or, alone on a line, on the next one. Exit code: 0
-nothing was found; 1 something was, an error or a warning; 2 a file can't be read, or the command line is wrong."""
+nothing was found; 1 something was, an error, a warning, or no plan for a request; 2 a file can't be read, or the
+command line is wrong."""
 
 
 class Texts(NamedTuple):
@@ -53,6 +59,24 @@ def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
         "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; may be repeated"
     )
     parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are looked at as well")
+    parser.add_argument(
+        "--plan",
+        action="append",
+        default=[],
+        metavar="REQUEST",
+        help="show the plan for a request, as in goal(office1,office2,1), after the updates of --stream, or which "
+        "rules forbid it; may be repeated",
+    )
+    parser.add_argument(
+        "--steps", type=positive, default=STEPS, metavar="N", help=f"steps that a plan may have (default: {STEPS})"
+    )
+    parser.add_argument(
+        "--seconds",
+        type=seconds,
+        default=SECONDS,
+        metavar="S",
+        help=f"time for each plan, and again for the reasons where there is none (default: {SECONDS:g})",
+    )
     if more is not None:
         more.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
@@ -79,12 +103,24 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
         sys.stderr.writelines(f"{fault}\n" for fault in unreadable)
         return UNREADABLE
     try:
-        found, files = _look(sources, constants, stream, options, more)
+        found, files, program = _look(sources, constants, stream, options, more)
+        trials = _trials(program, stream, options) if program is not None and not program.faults else []
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
-    (_print_json if options.json else _print_text)(found, dict(files), sys.stdout)
-    return FOUND if found else CLEAN
+    (_print_json if options.json else _print_text)(found, dict(files), trials, sys.stdout)
+    return FOUND if found or any(one.answer is None or one.fault for one in trials) else CLEAN
+
+
+def _trials(program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace) -> List[Trial]:
+    """Try the requests, if there are any, after the stream; what is wrong with its syntax is told elsewhere."""
+    if not getattr(options, "plan", []):  # oclingo --check has none
+        return []
+    trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[Trial]
+    for source in stream:
+        with suppress(ProgressionError):
+            found += trials.play(parse_updates(source.text))
+    return found + [trials.request(text) for text in options.plan]
 
 
 def _look(
@@ -93,8 +129,8 @@ def _look(
     stream: Sequence[Source],
     options: argparse.Namespace,
     more: Optional[More],
-) -> Tuple[List[Finding], List[Tuple[str, str]]]:
-    """Return the findings, and all files that were looked at."""
+) -> Tuple[List[Finding], List[Tuple[str, str]], Optional[ReactiveProgram]]:
+    """Return the findings, all files that were looked at, and the program where it could be read."""
     program, faults = lint_sources(sources, constants)
     grave = faults if program is None else program.faults
     files = [(one.name, one.text) for one in (sources if program is None else program.texts)]
@@ -105,7 +141,7 @@ def _look(
     if more is not None:
         told = more.look(options, program)
         faults, files = faults + told.faults, files + told.files
-    return findings(faults, files, grave), files
+    return findings(faults, files, grave), files, program
 
 
 def _read(file: str, unreadable: List[Fault]) -> List[Source]:
@@ -119,7 +155,7 @@ def _read(file: str, unreadable: List[Fault]) -> List[Source]:
         return []
 
 
-def _print_text(found: Sequence[Finding], files: Dict[str, str], output: TextIO) -> None:
+def _print_text(found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], output: TextIO) -> None:
     lines = {name: text.splitlines() for name, text in files.items()}
     for one in found:
         output.write(f"{_place(one.fault)}: {one.severity}: {_words(one.fault)} [{one.fault.kind}]\n")
@@ -127,6 +163,8 @@ def _print_text(found: Sequence[Finding], files: Dict[str, str], output: TextIO)
     errors = sum(map(is_error, found))
     told = [_counted(errors, "error"), _counted(len(found) - errors, "warning")]
     output.write("{} in {}\n".format(", ".join(filter(None, told)) or "nothing", _counted(len(files), "file")))
+    width = max(shutil.get_terminal_size((100, 24)).columns, 60)
+    output.writelines(f"\n{one.text(width)}" for one in trials)
 
 
 def _place(fault: Fault) -> str:
@@ -150,7 +188,7 @@ def _counted(number: int, what: str) -> str:
     return "" if not number else f"{number} {what}{'s' * (number > 1)}"
 
 
-def _print_json(found: Sequence[Finding], files: Dict[str, str], output: TextIO) -> None:
+def _print_json(found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], output: TextIO) -> None:
     errors = sum(map(is_error, found))
     told: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
     told["findings"] = [
@@ -165,4 +203,6 @@ def _print_json(found: Sequence[Finding], files: Dict[str, str], output: TextIO)
         }
         for one in found
     ]
+    if trials:
+        told["plans"] = [one.to_message() for one in trials]
     output.write(json.dumps(told, indent=2) + "\n")

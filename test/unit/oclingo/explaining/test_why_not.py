@@ -153,3 +153,8 @@ not s(X,t) :- go(X,t).  fine(t) :- p("%").
         (RuleKind.VOLATILE, 8, ":- not go(1,t), p(_)."),
     ]
     assert [one.variables for one in relaxed.constraints] == [("X", "Y"), (), (), ("X",), ()]
+
+
+def test_where_no_rule_stands_in_the_way_something_may_be_missing():
+    assert "No rule stands in the way" in why_not("_request(go(e),2).").text()
+    assert "No rule stands in the way" not in why_not("_request(go(d),2).").text()
