@@ -5,6 +5,8 @@ import re
 from functools import lru_cache
 from pathlib import Path
 
+import pytest
+
 from rosoclingo.oclingo.program.lint.linting import findings, lint_sources
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -41,6 +43,12 @@ def program(name):
         texts = ReactiveProgram.from_files(FILES[name]).texts
         return tuple(Source(short(one.name), one.text) for one in texts)
     return tuple(Source(f"{name}.lp", one["program"]) for one in GOLDEN if one["name"] == name)
+
+
+def marked(seeds, quick=4):
+    """The rows of a table of tests, marked as slow where they load one of the large programs, all but the first ones."""
+    large = [one for one in seeds if one[0] in ("mailbot", "house")][quick:]
+    return [pytest.param(*one, marks=[pytest.mark.slow, pytest.mark.once] if one in large else []) for one in seeds]
 
 
 def short(name):

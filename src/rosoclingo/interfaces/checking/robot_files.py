@@ -58,7 +58,7 @@ class RobotFiles:
         labels = self._look_at_labels(faults)
         specs = self._look_at_interfaces(faults)
         if program is not None:
-            actions = Actions(program.survey, ArgumentValues(program.survey))
+            actions = Actions(program.survey, ArgumentValues.of_survey(program.survey))
             faults += self._interface_faults(actions, specs)
             if self._labels is not None and not self._labels.faults:
                 asking = _asking(specs) if self._interfaces is not None else actions.likely_asking(labels)

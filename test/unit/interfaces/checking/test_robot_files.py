@@ -136,7 +136,7 @@ def seeded(text, old, new):
     return changed, (changed.count("\n", 0, offset) + 1, offset - changed.rfind("\n", 0, offset))
 
 
-@pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), SEEDS)
+@pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_a_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)
     files[file], (line, _) = seeded(files[file], old, new)

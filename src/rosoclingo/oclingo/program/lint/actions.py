@@ -8,9 +8,10 @@ from clingo.ast import AST, ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.domains import nodes_of
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, is_open, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
 from rosoclingo.oclingo.program.lint.predicates import likely_value
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
+from rosoclingo.oclingo.program.lint.term_shapes import is_open
 
 Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
 """Returns of which terms an action asks for the label, by its parameter."""
@@ -44,10 +45,10 @@ class Actions:
         self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {}
         self._nodes: Dict[str, AST] = {}
         for rule in values.rules:
-            bound = values.bindings(rule) if parted(rule.head)[0] == ACTION else None
+            bound = values.bindings(rule) if rule.head.signature == ACTION else None
             if bound is None:
                 continue
-            name, parameter, _ = parted(rule.head)[1]
+            name, parameter, _ = parted(rule.head.term)[1]
             names = values.value(name, rule.parameter, bound)
             if names is None or any(map(is_open, names)):
                 self.all_known = False
@@ -125,5 +126,5 @@ def _meant(name: str, needed: Set[str]) -> str:
 
 def lint_labels(survey: Survey, labels: Sequence[Named]) -> List[Fault]:
     """Return what is wrong with labels where nothing is known of interfaces."""
-    actions = Actions(survey, ArgumentValues(survey))
+    actions = Actions(survey, ArgumentValues.of_survey(survey))
     return list(actions.without_label(labels, actions.likely_asking(labels)))

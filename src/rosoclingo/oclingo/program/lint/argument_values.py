@@ -7,31 +7,48 @@ predicate have a constant as their first argument, as those of ``_action_lib(pic
 predicates as there are constants.
 """
 
-from functools import lru_cache
-from typing import Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
-from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.survey import Survey
-from rosoclingo.oclingo.program.signatures import atom_terms, evaluate, term_signature
+from rosoclingo.oclingo.program.lint.term_shapes import (
+    MOST,
+    WILD,
+    Bindings,
+    Inside,
+    Shape,
+    Values,
+    common,
+    fixed,
+    is_open,
+    matches,
+    restrict,
+    shape_of,
+    value_of,
+)
+from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-
-Values = Optional[FrozenSet[clingo.Symbol]]
-"""The values that a term may have; None for any."""
 
 Row = List[Values]
 """What the arguments of a predicate may be."""
 
-Bindings = Dict[str, FrozenSet[clingo.Symbol]]
-"""The values that variables may have; one that is not there may have any."""
 
-WILD = clingo.Function("__oclingo_any")
-"""Stands inside a compound value for a part that may be anything."""
+class Condition(NamedTuple):
+    """A positive atom on which a rule depends."""
 
-_MOST = 300  # so many values of one argument are told apart
-_DEEPEST = 6  # terms of more levels are not told apart
+    term: AST
+    signature: Signature
+    arguments: Tuple[Shape, ...]
+
+
+class Equation(NamedTuple):
+    """A comparison of a variable with a term: they are equal, or they differ."""
+
+    variable: str
+    other: Shape
+    equal: bool
 
 
 class Rule(NamedTuple):
@@ -39,16 +56,16 @@ class Rule(NamedTuple):
 
     Attributes:
         parameter: the step's name in the statement, empty in base.
-        head: the term of an atom.
-        atoms: the terms of the positive atoms on which it depends.
-        comparisons: the comparisons on which it depends.
+        head: an atom, as those of the body.
+        atoms: the positive atoms on which it depends.
+        equations: the comparisons on which it depends.
 
     """
 
     parameter: str
-    head: AST
-    atoms: List[AST]
-    comparisons: List[AST]
+    head: Condition
+    atoms: List[Condition]
+    equations: List[Equation]
 
 
 def parted(term: AST) -> Tuple[Signature, Sequence[AST]]:
@@ -62,14 +79,22 @@ class ArgumentValues:
 
     def __init__(self, survey: Survey) -> None:
         self._constants = survey.constants
-        self.rules = [rule for part, statement, _ in survey.statements for rule in _rules(statement, part.parameter)]
+        parts = [(statement, part.parameter) for part, statement, _ in survey.statements]
+        self.rules = [rule for statement, step in parts for rule in _rules(statement, step, survey.constants)]
         known = {*survey.defining, *survey.declaring}
-        used = {parted(term)[0] for rule in self.rules for term in rule.atoms}
+        used = {atom.signature for rule in self.rules for atom in rule.atoms}
         #: the predicates of which nothing is known: they may be true of anything
         self.free: Set[Signature] = {*survey.opened, *((used | set(survey.using)) - known)}
         self._tagged = _tagged(self.rules)
         self._found: Dict[Signature, Dict[Optional[clingo.Symbol], Row]] = {}
         self._spread()
+
+    @classmethod
+    def of_survey(cls, survey: Survey) -> "ArgumentValues":
+        """Return the values of a program, found once for all who ask."""
+        if not isinstance(survey.values, cls):
+            survey.values = cls(survey)
+        return survey.values
 
     def is_possible(self, signature: Signature) -> bool:
         """Tell whether some atom of the predicate may ever be true."""
@@ -83,49 +108,24 @@ class ArgumentValues:
 
     def misfit(self, atom: clingo.Symbol) -> Optional[Tuple[int, List[clingo.Symbol]]]:
         """Return the position of the first argument that a ground atom can't have, and what it may be there."""
-        signature = signature_of(atom)
-        rows = {} if signature in self.free else self._found.get(signature, {})
-        if not rows:
-            return None
-        alike = [row for row in rows.values() if _may_hold(row[0], atom.arguments[0])] if atom.arguments else []
-        for position, argument in enumerate(atom.arguments):
-            known = _joined(alike or rows.values())[position]
-            if not _may_hold(known, argument):
-                return position, sorted(known or ())
-        return None
+        arguments = [fixed(one) for one in atom.arguments]
+        return self._misfit(signature_of(atom), arguments)
+
+    def misfitting(self, term: AST, step: str) -> Optional[Tuple[int, List[clingo.Symbol]]]:
+        """Return the same for an atom of a rule in a part with this parameter."""
+        signature, arguments = parted(term)
+        return self._misfit(signature, [shape_of(one, step, self._constants) for one in arguments])
 
     def bindings(self, rule: Rule) -> Optional[Bindings]:
         """Return what the variables of a rule may be, None where its conditions can never hold."""
         found: Bindings = {}
-        for term in rule.atoms:
-            if not self._bind(term, rule.parameter, found):
-                return None
-        for literal in rule.comparisons:
-            if not self._compare(literal, rule.parameter, found):
-                return None
-        return found
-
-    def fits(self, term: AST, parameter: str) -> Optional[int]:
-        """Return the position of the first argument of an atom that fits none of its values; None where all do."""
-        misfit = self.misfitting(term, parameter)
-        return None if misfit is None else misfit[0]
-
-    def misfitting(self, term: AST, parameter: str) -> Optional[Tuple[int, List[clingo.Symbol]]]:
-        """Return as well what the argument may be."""
-        signature, arguments = parted(term)
-        if signature in self.free or signature not in self._found:
-            return None
-        row = self._row(signature, arguments, parameter)
-        told = _joined(self._found[signature].values()) if row is None else row
-        for position, (argument, known) in enumerate(zip(arguments, told)):
-            if known is not None and not any(self._match(argument, one, parameter, {}) for one in known):
-                return position, sorted(known)
+        if all(self._bind(atom, found) for atom in rule.atoms) and all(_compare(one, found) for one in rule.equations):
+            return found
         return None
 
-    def value(self, term: AST, parameter: str, bound: Bindings) -> Values:
+    def value(self, term: AST, step: str, bound: Bindings) -> Values:
         """Return what a term may be."""
-        found = self._value(term, parameter, bound)
-        return None if found is None or len(found) > _MOST or any(_depth(one) > _DEEPEST for one in found) else found
+        return value_of(shape_of(term, step, self._constants), bound)
 
     # ---- the search ------------------------------------------------------------------------------------------------
 
@@ -133,8 +133,8 @@ class ArgumentValues:
         """Go through the rules until nothing changes."""
         users: Dict[Signature, List[int]] = {}
         for number, rule in enumerate(self.rules):
-            for term in rule.atoms:
-                users.setdefault(parted(term)[0], []).append(number)
+            for atom in rule.atoms:
+                users.setdefault(atom.signature, []).append(number)
         waiting = dict.fromkeys(range(len(self.rules)))
         while waiting:
             number = next(iter(waiting))
@@ -145,11 +145,11 @@ class ArgumentValues:
 
     def _apply(self, rule: Rule) -> Optional[Signature]:
         """Add what a rule gives its head; return the head's predicate where there is something new."""
-        signature, arguments = parted(rule.head)
+        signature = rule.head.signature
         bound = self.bindings(rule) if signature not in self.free else None
         if bound is None:
             return None
-        fresh = [self.value(one, rule.parameter, bound) for one in arguments]
+        fresh = [value_of(one, bound) for one in rule.head.arguments]
         if any(one is not None and not one for one in fresh):
             return None
         tag = next(iter(fresh[0] or ()), None) if signature in self._tagged else None
@@ -161,138 +161,112 @@ class ArgumentValues:
         rows[tag] = joined
         return signature
 
-    def _row(self, signature: Signature, arguments: Sequence[AST], parameter: str) -> Optional[Row]:
+    def _row(self, signature: Signature, arguments: Sequence[Shape]) -> Optional[Row]:
         """Return the values of a predicate's arguments where the first one is as an atom has it; None for no such."""
         rows = self._found[signature]
         if signature not in self._tagged:
             return next(iter(rows.values()))
-        alike = [row for tag, row in rows.items() if tag is None or self._match(arguments[0], tag, parameter, {})]
+        alike = [row for tag, row in rows.items() if tag is None or matches(arguments[0], tag, {})]
         return _joined(alike) if alike else None
 
-    def _bind(self, term: AST, parameter: str, found: Bindings) -> bool:
+    def _misfit(self, signature: Signature, arguments: Sequence[Shape]) -> Optional[Tuple[int, List[clingo.Symbol]]]:
+        if signature in self.free or signature not in self._found:
+            return None
+        row = self._row(signature, arguments)
+        told = _joined(self._found[signature].values()) if row is None else row
+        for position, (argument, known) in enumerate(zip(arguments, told)):
+            if known is not None and not _may_be(argument, known):
+                return position, sorted(known)
+        return None
+
+    def _bind(self, atom: Condition, found: Bindings) -> bool:
         """Narrow ``found`` to what an atom leaves; False where it can't be true."""
-        signature, arguments = parted(term)
-        if signature in self.free:
+        if atom.signature in self.free:
             return True
-        if signature not in self._found:
-            return False
-        row = self._row(signature, arguments, parameter)
+        row = self._row(atom.signature, atom.arguments) if atom.signature in self._found else None
         return row is not None and all(
-            known is None or self._narrow(argument, known, parameter, found) for argument, known in zip(arguments, row)
+            known is None or _narrow(argument, known, found) for argument, known in zip(atom.arguments, row)
         )
 
-    def _narrow(self, argument: AST, known: FrozenSet[clingo.Symbol], parameter: str, found: Bindings) -> bool:
-        if argument.ast_type == ASTType.Variable:
-            return _restrict(found, argument.name, known)
-        taken: Dict[str, Set[clingo.Symbol]] = {}
-        matched = False
-        for symbol in known:
-            inside: Dict[str, Set[clingo.Symbol]] = {}
-            if self._match(argument, symbol, parameter, inside):
-                matched = True
-                for name, values in inside.items():
-                    taken.setdefault(name, set()).update(values)
-        known_names = [name for name, values in taken.items() if WILD not in values]
-        return matched and all(_restrict(found, name, frozenset(taken[name])) for name in known_names)
 
-    def _compare(self, literal: AST, parameter: str, found: Bindings) -> bool:
-        """Narrow ``found`` to what an equation or inequation leaves; False where that is nothing."""
-        if len(literal.atom.guards) != 1:
-            return True
-        left, guard = literal.atom.term, literal.atom.guards[0]
-        for one, other in ((left, guard.term), (guard.term, left)):
-            if one.ast_type != ASTType.Variable or one.name == "_":
-                continue
-            values = self._value(other, parameter, found)
-            if values is None:
-                continue
-            if guard.comparison == ComparisonOperator.Equal:
-                return _restrict(found, one.name, values)
-            if guard.comparison == ComparisonOperator.NotEqual and len(values) == 1 and one.name in found:
-                found[one.name] -= values
-                return bool(found[one.name])
+def _may_be(argument: Shape, known: FrozenSet[clingo.Symbol]) -> bool:
+    if argument.is_constant:
+        return bool(common(known, argument.values))
+    return any(matches(argument, one, {}) for one in known)
+
+
+def _narrow(argument: Shape, known: FrozenSet[clingo.Symbol], found: Bindings) -> bool:
+    """Narrow ``found`` to what an argument leaves that is one of ``known``; False where it can't be."""
+    if argument.variable:
+        return restrict(found, argument.variable, known)
+    taken: Inside = {}
+    matched = False
+    for symbol in known:
+        inside: Inside = {}
+        if matches(argument, symbol, inside):
+            matched = True
+            for name, values in inside.items():
+                taken.setdefault(name, set()).update(values)
+    known_names = [name for name, values in taken.items() if WILD not in values]
+    return matched and all(restrict(found, name, frozenset(taken[name])) for name in known_names)
+
+
+def _compare(one: Equation, found: Bindings) -> bool:
+    """Narrow ``found`` to what a comparison leaves; False where that is nothing."""
+    values = value_of(one.other, found)
+    if values is None:
         return True
-
-    def _match(self, term: AST, symbol: clingo.Symbol, parameter: str, inside: Dict[str, Set[clingo.Symbol]]) -> bool:
-        """Tell whether a term may be ``symbol``; what its variables are then is added to ``inside``."""
-        kind = term.ast_type
-        if kind == ASTType.Variable:
-            inside.setdefault(term.name, set()).add(symbol)
-            return True
-        if symbol == WILD:
-            for name in names_in(term):
-                inside.setdefault(name, set()).add(WILD)
-            return True
-        if kind == ASTType.Function and not term.external:
-            if symbol.type != clingo.SymbolType.Function or symbol.name != term.name:
-                return False
-            arguments = list(zip(term.arguments, symbol.arguments))
-            if len(symbol.arguments) != len(term.arguments):
-                return False
-            return all(self._match(one, value, parameter, inside) for one, value in arguments)
-        if kind == ASTType.Pool:
-            matches = [self._match(one, symbol, parameter, inside) for one in term.arguments]
-            return any(matches)  # each of them tells what its variables are
-        if kind == ASTType.SymbolicTerm and parameter and str(term) == parameter:
-            return bool(symbol.type == clingo.SymbolType.Number)
-        value = evaluate(term, self._constants) if not _mentions(term, parameter) else None
-        return value is None or value == symbol
-
-    def _value(self, term: AST, parameter: str, bound: Bindings) -> Values:
-        kind = term.ast_type
-        if kind == ASTType.Variable:
-            return bound.get(term.name)
-        if kind == ASTType.Pool:
-            return _union(self._value(one, parameter, bound) for one in term.arguments)
-        if kind == ASTType.Function and not term.external:
-            return self._compound(term, parameter, bound)
-        if kind == ASTType.Interval:
-            return self._range(term)
-        if _mentions(term, parameter):
-            return None
-        value = evaluate(term, self._constants)
-        return None if value is None else frozenset({value})
-
-    def _compound(self, term: AST, parameter: str, bound: Bindings) -> Values:
-        rows: List[Tuple[clingo.Symbol, ...]] = [()]
-        for one in term.arguments:
-            values = self.value(one, parameter, bound)
-            values = frozenset({WILD}) if values is None else values
-            if len(values) * len(rows) > _MOST:
-                return None
-            rows = [(*row, value) for row in rows for value in values]
-        return frozenset(clingo.Function(term.name, row) for row in rows)
-
-    def _range(self, term: AST) -> Values:
-        ends = [evaluate(one, self._constants) for one in (term.left, term.right)]
-        numbers = [one.number for one in ends if one is not None and one.type == clingo.SymbolType.Number]
-        if len(numbers) < 2 or numbers[1] - numbers[0] > _MOST:
-            return None
-        return frozenset(clingo.Number(one) for one in range(numbers[0], numbers[1] + 1))
+    if one.equal:
+        return restrict(found, one.variable, values)
+    if len(values) == 1 and one.variable in found and not any(map(is_open, values)):
+        found[one.variable] -= values
+        return bool(found[one.variable])
+    return True
 
 
-def _rules(statement: AST, parameter: str) -> Iterator[Rule]:
+# ---- rules ----------------------------------------------------------------------------------------------------------
+
+_Constants = Mapping[str, clingo.Symbol]
+
+
+def _rules(statement: AST, step: str, constants: _Constants) -> Iterator[Rule]:
     """Yield what a statement defines or declares."""
     body = list(statement.body) if hasattr(statement, "body") else []
     if statement.ast_type == ASTType.External:
         for term in atom_terms(statement.atom.symbol):
-            yield make_rule(parameter, term, body)
+            yield _rule(step, term, body, constants)
     elif statement.ast_type == ASTType.Rule:
-        for literal, condition in head_literals(statement.head):
+        for literal, condition in _head_literals(statement.head):
             if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
                 for term in atom_terms(literal.atom.symbol):
-                    yield make_rule(parameter, term, [*condition, *body])
+                    yield _rule(step, term, [*condition, *body], constants)
 
 
-def make_rule(parameter: str, head: AST, literals: Sequence[AST]) -> Rule:
+def _rule(step: str, head: AST, literals: Sequence[AST], constants: _Constants) -> Rule:
     """Return the rule of a head with what its body and condition say for certain."""
-    plain = [one for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
-    symbols = [one.atom.symbol for one in plain if one.atom.ast_type == ASTType.SymbolicAtom]
-    atoms = [one for one in symbols if one.ast_type != ASTType.Pool]
-    return Rule(parameter, head, atoms, [one for one in plain if one.atom.ast_type == ASTType.Comparison])
+    plain = [one.atom for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
+    symbols = [one.symbol for one in plain if one.ast_type == ASTType.SymbolicAtom]
+    atoms = [_condition(one, step, constants) for one in symbols if one.ast_type != ASTType.Pool]
+    comparisons = [one for one in plain if one.ast_type == ASTType.Comparison and len(one.guards) == 1]
+    equations = [found for one in comparisons for found in _equations(one, step, constants)]
+    return Rule(step, _condition(head, step, constants), atoms, equations)
 
 
-def head_literals(head: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
+def _condition(term: AST, step: str, constants: _Constants) -> Condition:
+    signature, arguments = parted(term)
+    return Condition(term, signature, tuple(shape_of(one, step, constants) for one in arguments))
+
+
+def _equations(comparison: AST, step: str, constants: _Constants) -> Iterator[Equation]:
+    guard = comparison.guards[0]
+    if guard.comparison in (ComparisonOperator.Equal, ComparisonOperator.NotEqual):
+        left, right = (shape_of(one, step, constants) for one in (comparison.term, guard.term))
+        for one, other in ((left, right), (right, left)):
+            if one.variable:
+                yield Equation(one.variable, other, guard.comparison == ComparisonOperator.Equal)
+
+
+def _head_literals(head: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
     """Yield the literals of a head, each with its condition."""
     if head.ast_type == ASTType.Literal:
         yield head, ()
@@ -303,47 +277,12 @@ def head_literals(head: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
                 yield one.literal, list(one.condition)
 
 
-def _restrict(found: Bindings, name: str, values: FrozenSet[clingo.Symbol]) -> bool:
-    """Let a variable have these values alone; False where none is left."""
-    if name != "_":
-        found[name] = _common(found[name], values) if name in found else values
-        return bool(found[name])
-    return bool(values)
-
-
-def _common(one: FrozenSet[clingo.Symbol], other: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
-    """Return what both sets may hold; too much where parts of values may be anything."""
-    if not any(map(is_open, one)) and not any(map(is_open, other)):
-        return one & other
-    return frozenset(
-        value for mine, its in ((one, other), (other, one)) for value in mine if any(_may_equal(value, x) for x in its)
-    )
-
-
-@lru_cache(maxsize=1 << 12)
-def is_open(symbol: clingo.Symbol) -> bool:
-    """Tell whether a part of a value may be anything."""
-    compound = symbol.type == clingo.SymbolType.Function and symbol.arguments
-    return symbol == WILD or bool(compound and any(map(is_open, symbol.arguments)))
-
-
-def _may_equal(one: clingo.Symbol, other: clingo.Symbol) -> bool:
-    if one == other or WILD in (one, other):
-        return True
-    function = clingo.SymbolType.Function
-    if one.type != function or other.type != function or one.name != other.name or one.positive != other.positive:
-        return False
-    pairs = list(zip(one.arguments, other.arguments))
-    return bool(pairs) and len(one.arguments) == len(other.arguments) and all(_may_equal(*pair) for pair in pairs)
-
-
 def _tagged(rules: Sequence[Rule]) -> Set[Signature]:
     """Return the predicates all of whose heads have a constant as the first of several arguments."""
     found: Dict[Signature, bool] = {}
     for rule in rules:
-        signature, arguments = parted(rule.head)
-        plain = len(arguments) > 1 and arguments[0].ast_type == ASTType.SymbolicTerm
-        tag = plain and str(arguments[0]) != rule.parameter
+        signature, arguments = rule.head.signature, rule.head.arguments
+        tag = len(arguments) > 1 and arguments[0].is_constant
         found[signature] = tag and found.get(signature, True)
     return {signature for signature, tag in found.items() if tag}
 
@@ -356,31 +295,6 @@ def _joined(rows: Iterable[Row]) -> Row:
     return found
 
 
-def _may_hold(known: Values, symbol: clingo.Symbol) -> bool:
-    return known is None or bool(_common(known, frozenset({symbol})))
-
-
 def _join(one: Values, other: Values) -> Values:
     joined = None if one is None or other is None else one | other
-    return None if joined is None or len(joined) > _MOST else joined
-
-
-def _union(parts: Iterable[Values]) -> Values:
-    found: FrozenSet[clingo.Symbol] = frozenset()
-    for part in parts:
-        if part is None:
-            return None
-        found |= part
-    return found
-
-
-def _mentions(term: AST, parameter: str) -> bool:
-    if term.ast_type == ASTType.SymbolicTerm:
-        return bool(parameter) and str(term) == parameter
-    return any(_mentions(getattr(term, key), parameter) for key in ("left", "right", "argument") if hasattr(term, key))
-
-
-def _depth(symbol: clingo.Symbol) -> int:
-    if symbol.type != clingo.SymbolType.Function or not symbol.arguments:
-        return 0
-    return 1 + max(map(_depth, symbol.arguments))
+    return None if joined is None or len(joined) > MOST else joined

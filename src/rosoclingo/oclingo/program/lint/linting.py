@@ -36,7 +36,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
 
     ``core`` says whether it is for rosoclingo's core; without, its keywords tell.
     """
-    survey, values = program.survey, ArgumentValues(program.survey)
+    survey, values = program.survey, ArgumentValues.of_survey(program.survey)
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
     found += [*unused(survey), *never_matching(survey, values), *unfounded(survey, values), *contradictions(survey)]
     found += [*stepless(survey), *words_for_numbers(survey)]

@@ -7,8 +7,9 @@ from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.lint.argument_values import WILD, ArgumentValues, Rule, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
 from rosoclingo.oclingo.program.lint.survey import LABELS, OWN, Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.lint.term_shapes import WILD
 from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -150,7 +151,7 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
     needs: Dict[Signature, Set[Signature]] = {}
     excused: Set[Signature] = set()
     for rule in values.rules:
-        signature = parted(rule.head)[0]
+        signature = rule.head.signature
         if not values.is_possible(signature):
             missing = {one for one in _needed(rule) if not values.is_possible(one)}
             needs.setdefault(signature, set()).update(missing)
@@ -169,7 +170,7 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
 
 
 def _needed(rule: Rule) -> List[Signature]:
-    return [parted(term)[0] for term in rule.atoms]
+    return [atom.signature for atom in rule.atoms]
 
 
 def contradictions(survey: Survey) -> List[Fault]:

@@ -64,7 +64,7 @@ class _Judge:
 
     def __init__(self, program: ReactiveProgram, name: str, updates: Sequence[PlacedUpdate]) -> None:
         self._program, self._survey, self._name = program, program.survey, name
-        self._values = ArgumentValues(program.survey)
+        self._values = ArgumentValues.of_survey(program.survey)
         statements = [item for one in updates for item in one.update.items if isinstance(item, Statement)]
         self._stated = {signature_of(one.head) for one in statements if one.head is not None}
         self._asked = {signature_of(literal.atom) for one in statements for literal in one.body}

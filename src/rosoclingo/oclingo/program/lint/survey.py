@@ -99,6 +99,7 @@ class Survey:
         self.shown: Dict[Signature, AST] = {}
         self.silenced: Set[Signature] = set()
         self.shows = False
+        self.values: object = None  # what argument_values finds of it
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:

@@ -41,11 +41,11 @@ def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
 
 def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
     """Return what is wrong with the statuses that a program gives to goals."""
-    rules = [one for one in values.rules if parted(one.head)[0] == STATUS]
+    rules = [one for one in values.rules if one.head.signature == STATUS]
     found: Dict[str, Fault] = {}
     given: Optional[Set[str]] = set()
     for rule in rules:
-        bound, word = values.bindings(rule), parted(rule.head)[1][1]
+        bound, word = values.bindings(rule), parted(rule.head.term)[1][1]
         told = _words(values.value(word, rule.parameter, bound or {}), str(word))
         given = None if told is None or given is None else given | told
         fault = _strange(rule, told) or (_unreachable(rule, values) if bound is None else None)
@@ -77,14 +77,13 @@ def _strange(rule: Rule, told: Optional[Set[str]]) -> Optional[Fault]:
 
 
 def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
-    word = parted(rule.head)[1][1]
-    for term in rule.atoms:
-        signature = parted(term)[0]
-        if not values.is_possible(signature):
-            why = f"{signature} is never true"
+    word = parted(rule.head.term)[1][1]
+    for atom in rule.atoms:
+        if not values.is_possible(atom.signature):
+            why = f"{atom.signature} is never true"
             break
-        if values.fits(term, rule.parameter) is not None:
-            why = f"{written(term)} is never true"
+        if values.misfitting(atom.term, rule.parameter) is not None:
+            why = f"{written(atom.term)} is never true"
             break
     else:
         why = "no values of its variables fit all of the body"
@@ -94,5 +93,5 @@ def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
 
 
 def _at(rule: Rule, kind: str, message: str, mend: str) -> Fault:
-    begin = parted(rule.head)[1][1].location.begin
+    begin = parted(rule.head.term)[1][1].location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)

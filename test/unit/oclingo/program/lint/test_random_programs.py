@@ -61,10 +61,10 @@ CHANGE = st.tuples(st.sampled_from(["drop", "double", "swap", "word"]), st.integ
 @pytest.mark.parametrize(
     "name",
     [
-        "garden",
-        "paper",
         "battery",
         "bodies",
+        pytest.param("garden", marks=[pytest.mark.slow, pytest.mark.once]),
+        pytest.param("paper", marks=[pytest.mark.slow, pytest.mark.once]),
         pytest.param("mailbot", marks=[pytest.mark.slow, pytest.mark.once]),
         pytest.param("house", marks=[pytest.mark.slow, pytest.mark.once]),
     ],
