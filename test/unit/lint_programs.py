@@ -46,7 +46,7 @@ def program(name):
 
 
 def marked(seeds, quick=4):
-    """The rows of a table of tests, marked as slow where they load one of the large programs, all but the first ones."""
+    """The rows of a table of tests, those of large programs marked as slow, but for the first ones."""
     large = [one for one in seeds if one[0] in ("mailbot", "house")][quick:]
     return [pytest.param(*one, marks=[pytest.mark.slow, pytest.mark.once] if one in large else []) for one in seeds]
 
