@@ -225,6 +225,26 @@ def test_a_bag_without_a_core_and_files_that_are_not_there(report, write, run, t
     assert "No such file or directory" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("heard", [True, False])
+def test_goals_whose_clients_were_not_heard(report, write, run, messages, tmp_path, heard):
+    from actionlib_msgs.msg import GoalID, GoalStatus
+    from genpy import Time
+
+    def goals(*texts):
+        states = [
+            messages.GoalState(id=GoalID(id=text), request=text, status=GoalStatus.ACTIVE, came=Time(2))
+            for text in texts
+        ]
+        return messages.GoalStates(goals=states)
+
+    said = [one for one in run() if heard or not one[1].endswith("/goal")]
+    told = [("g(1)",), ("g(1)", "g(2)"), ("g(1)", "g(2)", "g(3)")]
+    said += [(2.5 + tick, "/rosoclingo/goals", goals(*texts)) for tick, texts in enumerate(told)]
+    report(write(sorted(said, key=lambda one: one[0])))
+    found = [goal["request"] for _, goal in shown(tmp_path / "run.html")["goals"]]
+    assert found == [*([GOAL] if heard else []), "g(1)", "g(2)", "g(3)"]
+
+
 @pytest.fixture(scope="module")
 def journal(tmp_path_factory):
     """The folder of a core's journal with a goal of the mailbot."""

@@ -1,5 +1,6 @@
 """A recorded run for a page: out of a bag or a journal, without a master and without built messages."""
 
+import math
 from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
@@ -22,6 +23,12 @@ SHARED = ("map", "packages")
 
 #: Topics whose messages begin with a header and are sent again and again as they were.
 REPEATED = ("rosoclingo/status", "packages", *PATHS)
+
+#: A topic whose messages have all goals, and the one that has each once; that may lack what a client sent at its start.
+ALL_GOALS, GOAL = "~goals", "rosoclingo/goal"
+
+#: Seconds between two of those messages that are read, where there are both topics; the last one is, too.
+GOALS_APART = 10.0
 
 
 def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> RunView:
@@ -59,8 +66,16 @@ def _found(name: str, topic: str, topics: "set[str]") -> str:
 def _fresh(bag: rosbag.Bag, names: Mapping[str, str], reader: RunTopics) -> Iterator[Tuple[str, Any, bytes, float]]:
     """Yield the messages that say something new: name, class, bytes and time."""
     last: Dict[str, Any] = {}
+    apart = GOALS_APART if GOAL in names.values() and bag.get_message_count(_topic(names, GOAL)) else 0.0
+    goals: Optional[Tuple[str, Any, bytes, float]] = None  # that were passed over
+    read = -math.inf
     for topic, raw, moment in bag.read_messages(list(names), raw=True):
         name, data, time = names[topic], raw[1], moment.to_sec()
+        if name == ALL_GOALS and 0.0 <= time - read < apart:
+            goals = name, raw[-1], data, time
+            continue
+        if name == ALL_GOALS:
+            read, goals = time, None
         if name in REPEATED:
             mark, old = data[STAMP:], last.get(name)
             if mark == old:
@@ -69,3 +84,9 @@ def _fresh(bag: rosbag.Bag, names: Mapping[str, str], reader: RunTopics) -> Iter
         elif reader.is_too_soon(name, time):
             continue
         yield name, raw[-1], data, time
+    if goals is not None:
+        yield goals
+
+
+def _topic(names: Mapping[str, str], name: str) -> str:
+    return next(topic for topic, one in names.items() if one == name)
