@@ -173,3 +173,21 @@ def test_documented_defaults_are_the_real_ones():
     real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time, journal=CoreParameters.journal)
     real.update(resume=CoreParameters.resume, required=CoreParameters.required)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real
+
+
+def test_what_the_lint_says_of_program_and_labels_is_told_at_the_start(tmp_path):
+    path = tmp_path / "drive.lp"
+    path.write_text(
+        "#external _request/2. #external _return/3.\nplace(hall). place(kitchn).\n#program cumulative(t).\n"
+        "{ _action_lib(move_base,P,t) : place(P) } 1 :- _request(go,t), not _return(move_base,failed,t).\n"
+        "low(t) :- brocken(t).\n#program volatile(t).\n"
+    )
+    labels = {"hall": [1.0, 1.0], "kitchen": [2.0, 1.0], "attic": [3.0, 3.0], "study": [0.0, 0.0]}
+    _, odd = load_program(core_parameters({"program_files": [str(path)], "labels": {**labels, "kitchn": [2.0, 1.0]}}))
+    told = [re.sub(r" \(.*\)", "", one.replace(str(path), "drive.lp")) for one in odd]
+    assert told == [
+        "drive.lp:5:11: no rule and no #external defines brocken/1: it is never true [undefined]",
+        "~labels: no action ever asks for the label kitchen [idle-label]",
+        "~labels: no action ever asks for the label attic [idle-label]",
+        "~labels: no action ever asks for the label study [idle-label]",
+    ]

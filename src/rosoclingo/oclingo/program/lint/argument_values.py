@@ -78,9 +78,9 @@ class ArgumentValues:
     """The values of all arguments of a program's predicates."""
 
     def __init__(self, survey: Survey) -> None:
-        self._constants = survey.constants
+        self._constants = {**survey.constants, **dict.fromkeys(survey.unvalued, WILD)}
         parts = [(statement, part.parameter) for part, statement, _ in survey.statements]
-        self.rules = [rule for statement, step in parts for rule in _rules(statement, step, survey.constants)]
+        self.rules = [rule for statement, step in parts for rule in _rules(statement, step, self._constants)]
         known = {*survey.defining, *survey.declaring}
         used = {atom.signature for rule in self.rules for atom in rule.atoms}
         #: the predicates of which nothing is known: they may be true of anything

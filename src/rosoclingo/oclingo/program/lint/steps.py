@@ -121,8 +121,8 @@ def histories(survey: Survey) -> List[Fault]:
     found: Dict[Tuple[str, int, int], Fault] = {}
     for signature, places in survey.using.items():
         position = _time_of(signature, positions, survey)
-        for place in places if position is not None else ():
-            fault = _endless(place, position, survey)
+        for place in places:
+            fault = _endless(place, _compared_time(place, survey) if position is None else position, survey)
             if fault is not None:
                 found.setdefault((fault.file, fault.line, fault.column), fault)
     return list(found.values())
@@ -134,6 +134,21 @@ def _time_of(signature: Signature, positions: Dict[Signature, int], survey: Surv
         return signature.arity - 1
     told = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
     return positions.get(signature) if any(one.part.parameter for one in told) else None
+
+
+def _compared_time(place: Place, survey: Survey) -> Optional[int]:
+    """Return the last argument of an open external where the rule compares it with the step: it is a time then."""
+    arguments, step = parted(place.occurrence.term)[1], place.part.parameter
+    if place.signature not in survey.opened or not arguments or not step:
+        return None
+    last = str(arguments[-1])
+    comparisons = [
+        str(one.atom)
+        for one in getattr(place.statement, "body", ())
+        if one.ast_type == ASTType.Literal and one.atom.ast_type == ASTType.Comparison
+    ]
+    compared = any(_mentions_step(text, step) and _mentions_step(text, last) for text in comparisons)
+    return len(arguments) - 1 if compared else None
 
 
 def _endless(place: Place, position: Optional[int], survey: Survey) -> Optional[Fault]:

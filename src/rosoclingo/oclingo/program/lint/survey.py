@@ -83,6 +83,7 @@ class Survey:
         using: for each predicate its other atoms.
         shown: the predicates of ``#show p/n.``, each with its statement.
         shows: whether there is any ``#show``; without, all is shown.
+        unvalued: constants that have a definition, but no value that is known.
         silenced: the predicates of ``#defined p/n.``
 
     """
@@ -98,6 +99,7 @@ class Survey:
         self.using: Dict[Signature, List[Place]] = {}
         self.shown: Dict[Signature, AST] = {}
         self.silenced: Set[Signature] = set()
+        self.unvalued: Set[str] = set()
         self.shows = False
         self.values: object = None  # what argument_values finds of it
         for part in parts:
@@ -111,6 +113,8 @@ class Survey:
         self.shows |= kind in (ASTType.ShowSignature, ASTType.ShowTerm)
         if kind == ASTType.ShowSignature and statement.name:  # "#show." is one without a name
             self.shown.setdefault(Signature(statement.name, statement.arity, bool(statement.positive)), statement)
+        if kind == ASTType.Definition and statement.name not in self.constants:
+            self.unvalued.add(statement.name)
         if kind == ASTType.Defined:
             self.silenced.add(Signature(statement.name, statement.arity, bool(statement.positive)))
         for one in found:

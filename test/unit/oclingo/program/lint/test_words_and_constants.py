@@ -11,6 +11,7 @@ from rosoclingo.oclingo.program.sources import Source
 ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < 3."
 EXTERNALS = "#external _request/2. #external _return/3."
 HEEDED = ":- _request(X,1). :- _return(X,Y,1)."
+ODD = "#cumulative t.\n#volatile t.\n"
 CONSTANTS = """#const n = 3.
 #const twice = 2*n.
 #const start = office1.
@@ -95,9 +96,18 @@ def test_constants_of_the_shipped_programs(name):
     assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []
 
 
-# ---- what is silenced ------------------------------------------------------------------------------------------------
+def test_what_a_translation_says_is_of_a_line():
+    text = "p(1).\nq(F) :- p(F).\n#domain p(F).\n#show q/1.\n#cumulative t.\n#volatile t.\n"
+    (one,) = lint_programs.lint([Source("old.lp", text)])
+    assert (one.fault.kind, one.fault.line) == ("translation", 3)
 
-ODD = "#cumulative t.\n#volatile t.\n"
+
+def test_nothing_is_said_of_constants_whose_values_are_not_known():
+    text = "#const n = f(2).\np(n).\nq(X) :- p(f(X)).\n:- q(2).\na(X) :- not p(X).\n" + ODD
+    assert [one.fault.kind for one in lint_programs.lint([Source("p.lp", text)])] == ["unsafe"]
+
+
+# ---- what is silenced ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
