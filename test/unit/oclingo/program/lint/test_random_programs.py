@@ -4,7 +4,7 @@ import re
 
 import lint_programs
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo.program.lint.kinds import KINDS
@@ -58,21 +58,25 @@ def mutated(text, changes):
 CHANGE = st.tuples(st.sampled_from(["drop", "double", "swap", "word"]), st.integers(0, 10**6), st.integers(0, 10**6))
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "battery",
-        "bodies",
-        pytest.param("garden", marks=[pytest.mark.slow, pytest.mark.once]),
-        pytest.param("paper", marks=[pytest.mark.slow, pytest.mark.once]),
-        pytest.param("mailbot", marks=[pytest.mark.slow, pytest.mark.once]),
-        pytest.param("house", marks=[pytest.mark.slow, pytest.mark.once]),
-    ],
-)
-@given(st.data())
-def test_mutations_of_programs(name, data):
+def judge_a_mutation(name, data):
+    """Look at a program with some of its pieces changed."""
     sources = list(lint_programs.program(name))
     place = data.draw(st.integers(0, len(sources) - 1))
     text = mutated(sources[place].text, data.draw(st.lists(CHANGE, min_size=1, max_size=4)))
     sources[place] = Source(sources[place].name, text)
     judge(sources)
+
+
+@pytest.mark.parametrize("name", ["battery", "bodies"])
+@given(st.data())
+def test_mutations_of_small_programs(name, data):
+    judge_a_mutation(name, data)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("name", ["garden", "paper", "mailbot", "house"])
+@settings(max_examples=settings.default.max_examples // 5)
+@given(st.data())
+def test_mutations_of_programs(name, data):
+    judge_a_mutation(name, data)
