@@ -80,7 +80,9 @@ def check(python, source, folder):
     streams = check_answers(programs / "oclingo", folder)
     print(f"{version}: {streams} streams answered as the real oClingo does", flush=True)
     (folder / "odd.lp").write_text("place(home). here(X) :- plcae(X). #show here/1.\n", encoding="utf-8")
-    odd = subprocess.run([programs / "oclingo", "--check", "odd.lp"], check=False, capture_output=True, text=True, **own)
+    odd = subprocess.run(
+        [programs / "oclingo", "--check", "odd.lp"], check=False, capture_output=True, text=True, **own
+    )
     assert odd.returncode == 1, odd
     assert "odd.lp:1:" in odd.stdout, odd
     assert "place/1" in odd.stdout, odd
