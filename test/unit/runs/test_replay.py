@@ -202,7 +202,7 @@ def test_the_stream_gives_the_same_answers_by_the_command(goals, tmp_path, capsy
     run = recorded(driver.journal)
     words = RunProgram.of("run", driver.program, {}).write(tmp_path)
     (tmp_path / "stream").write_text(run.stream)
-    assert oclingo([*words, "--shortest", "--stream", str(tmp_path / "stream"), "--json"]) == 0
+    assert oclingo([*words, "--shortest", "--stream", str(tmp_path / "stream"), "--json"]) in (0, 20)
     told = [line for line in capsys.readouterr().out.splitlines() if line]
     found = [report.found for report in Replay(run, driver.program).reports()]
     assert len(told) == len(found) > 5

@@ -5,12 +5,17 @@ from typing import Dict, Sequence
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 
-__all__ = ["constants_of", "duration", "port", "positive", "seconds"]
+__all__ = ["constants_of", "duration", "natural", "port", "positive", "seconds"]
 
 
 def positive(text: str) -> int:
     """Return a number from 1 on."""
     return _number(text, 1, 2**31 - 1)
+
+
+def natural(text: str) -> int:
+    """Return a number from 0 on."""
+    return _number(text, 0, 2**31 - 1)
 
 
 def port(text: str) -> int:

@@ -14,15 +14,21 @@ from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.oclingo.service.arguments import constants_of, duration, port, positive, seconds
+from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
 from rosoclingo.oclingo.service.check_command import check
-from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.solver import StreamSolver
 
 DEFAULT_HOST = "127.0.0.1"
+
+BOUND = 100
+"""Steps beyond its own to which an update of a played stream is searched, if it names no bound."""
+
+UNSATISFIABLE = 20
+"""The exit code where an update of a played stream has no answer; clingo has the same."""
 
 _DESCRIPTION = """\
 A reactive ASP solver: takes a reactive logic program, then stream updates, and answers each. Without --stream or
@@ -31,7 +37,8 @@ one sends "#stop."."""
 
 _EPILOG = """\
 An update is "#step K : M." (": M" bounds the horizon at K+M), facts and rules, "#endstep.". Programs may be written in
-gringo 3's language. Exit code: 0; 1 for faults in program, stream or updates; 2 for a wrong command line."""
+gringo 3's language. Exit code: 0; 1 for faults in program, stream or updates; 2 for a wrong command line; 20 where an
+update of --stream has no answer."""
 
 _REMAPPING = re.compile(r"[\w~/]+:=")
 
@@ -88,6 +95,13 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument(
         "--stream", metavar="FILE", help="play the updates of FILE (- is standard input), print answers as tables"
+    )
+    parser.add_argument(
+        "--bound",
+        type=natural,
+        metavar="M",
+        help='with --stream: the bound of updates that name none, "#step K." is "#step K : M." then; 0 for no bound '
+        f"(default: {BOUND})",
     )
     mode.add_argument(
         "--interactive",
@@ -149,17 +163,18 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
     if options.stream is None and not options.interactive:
         return _serve(solver, options)
-    session = Session(solver, _output(options), options.time_limit)
     if options.interactive:
         _prepare_terminal()
-        session.ask()
+        Session(solver, _output(options), options.time_limit).ask()
         return 0
+    bound = BOUND if options.bound is None else options.bound
+    session = Session(solver, _output(options), options.time_limit, bound, Progress(sys.stderr))
     if options.stream == "-":
         session.play(sys.stdin, "<stdin>")
     else:
         text = Source.from_file(Path(options.stream)).text
         session.play(io.StringIO(text), options.stream)
-    return int(session.failed)
+    return int(session.failed) or (UNSATISFIABLE if session.unsatisfiable else 0)
 
 
 def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
@@ -211,6 +226,8 @@ def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: 
         parser.error("--check looks at files, it doesn't go with --interactive")
     if not serves and (options.port is not None or options.host is not None):
         parser.error("--host and --port are the service's, they don't go with --stream or --interactive")
+    if options.bound is not None and options.stream is None:
+        parser.error("--bound needs --stream")
     if options.plan_time is not None and not options.shortest:
         parser.error("--plan-time needs --shortest")
     if "-" in files and (options.stream == "-" or options.interactive):

@@ -8,6 +8,36 @@ from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
 
 
+class Progress:
+    """Tells, while a search goes on, for how long it has: on one line of a terminal, else now and then on a new one."""
+
+    def __init__(self, stream: IO[str]) -> None:
+        self._stream, self._live = stream, stream.isatty()
+        self._wait = 1.0 if self._live else 10.0
+        self._told = 0.0
+        self._width = 0
+
+    def searching(self, seconds: float, what: str) -> None:
+        """Tell that ``what`` is searched for since so many ``seconds``; to be called often."""
+        if seconds < self._told:
+            self._told = 0.0  # another search
+        if seconds - self._told >= self._wait:
+            self._told = seconds
+            text = f"{what}: no answer yet after {seconds:.0f} s"
+            self._write(f"\r{text:<{self._width}}" if self._live else f"{text}\n")
+            self._width = len(text)
+
+    def over(self) -> None:
+        """A search is over: leave nothing of the line."""
+        if self._live and self._told:
+            self._write("\r" + " " * self._width + "\r")
+        self._told = 0.0
+
+    def _write(self, text: str) -> None:
+        self._stream.write(text)
+        self._stream.flush()
+
+
 class TextOutput:
     """Prints updates as they were sent, and answers as tables over time."""
 

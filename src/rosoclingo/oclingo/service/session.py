@@ -5,15 +5,16 @@ import signal
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from typing import Iterable, Iterator, List, Optional, Union
 
 from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
 from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.service.output import JsonOutput, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import Request
-from rosoclingo.oclingo.solving.solver import SolveResult, StreamSolver
+from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult, StreamSolver
 
 _MAY_END = re.compile(r"#(end|stop)")
 _ENDS = re.compile(r"#(end|stop)[^.]*\.")
@@ -75,14 +76,27 @@ class Session:
 
     Attributes:
         failed: whether something was no update, or refused.
+        unsatisfiable: whether an update had no answer up to its bound.
 
     """
 
-    def __init__(self, solver: StreamSolver, output: Output, time_limit: Optional[float] = None) -> None:
-        """Play to ``solver``; a search ends after ``time_limit`` seconds."""
+    def __init__(
+        self,
+        solver: StreamSolver,
+        output: Output,
+        time_limit: Optional[float] = None,
+        bound: int = 0,
+        progress: Optional[Progress] = None,
+    ) -> None:
+        """Play to ``solver``; a search ends after ``time_limit`` seconds, or ``bound`` steps if its update names none.
+
+        Without a bound, 0, a search for what there is none of may have no end. ``progress`` tells of long ones.
+        """
         self._solver, self._output, self._time_limit = solver, output, time_limit
+        self._bound, self._progress = bound, progress
+        self._bounded = False
         self._interrupted = False
-        self.failed = False
+        self.failed = self.unsatisfiable = False
 
     def play(self, lines: Iterable[str], name: str) -> None:
         """Play the updates of the text ``name`` until ``#stop.`` or its end; faults are printed and passed over."""
@@ -128,23 +142,40 @@ class Session:
         self._interrupted = False
         self._output.sent(update)
         try:
-            result = self._search(update)
+            result = self._search(self._with_bound(update))
         except SolverError as error:
             self.failed = True
             self._output.refused(update, str(error))
         else:
+            self.unsatisfiable |= result.outcome is SolveOutcome.UNSATISFIABLE
             self._output.result(update, result)
 
-    def _search(self, update: StreamUpdate) -> SolveResult:
-        while True:
-            try:
-                return self._solver.update(update, partial(self._must_end, time.monotonic()))
-            except NotReadyError:
-                if self._interrupted:
-                    raise
+    def _with_bound(self, update: StreamUpdate) -> StreamUpdate:
+        """Return ``update`` with a bound; one that names no step has that of the update before."""
+        if not self._bound or update.bound is not None or (update.step is None and self._bounded):
+            self._bounded = self._bounded or update.step is not None
+            return update
+        self._bounded = True
+        return replace(update, step=self._solver.step if update.step is None else update.step, bound=self._bound)
 
-    def _must_end(self, start: float) -> bool:
+    def _search(self, update: StreamUpdate) -> SolveResult:
+        step = self._solver.step if update.step is None else update.step
+        what = f"update of step {step}" + ("" if update.bound is None else f", up to step {step + update.bound}")
+        try:
+            while True:
+                try:
+                    return self._solver.update(update, partial(self._must_end, time.monotonic(), what))
+                except NotReadyError:
+                    if self._interrupted:
+                        raise
+        finally:
+            if self._progress is not None:
+                self._progress.over()
+
+    def _must_end(self, start: float, what: str) -> bool:
         """Whether a search that began at ``start`` must end."""
+        if self._progress is not None:
+            self._progress.searching(time.monotonic() - start, what)
         late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
         return late or self._interrupted
 

@@ -1,5 +1,6 @@
 """The command oclingo: options, streams, the prompt, the service as a process, faults and exit codes."""
 
+import io
 import json
 import os
 import re
@@ -14,6 +15,7 @@ from plain_walk import program_text
 from service_helpers import Client
 
 from rosoclingo.oclingo.service.command import main
+from rosoclingo.oclingo.service.output import Progress
 
 ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = ROOT / "scripts" / "oclingo"
@@ -109,7 +111,7 @@ class Serving:
 
 def test_a_stream_is_told_step_by_step_with_tables(files, capsys):
     code, output, error = play(capsys, "program.lp", "0", "--stream", "updates.str")
-    assert (code, error) == (0, "")
+    assert (code, error) == (20, "")
     assert output.startswith("#step 1.\ngo(1).\n#end step.\nAnswer 1, horizon 1\n")
     assert output.count("Answer 2, horizon 1") == 1
     assert output.count("at(2,t)  x x") == 1
@@ -119,7 +121,7 @@ def test_a_stream_is_told_step_by_step_with_tables(files, capsys):
 def test_a_stream_as_json(files, capsys):
     code, output, _ = play(capsys, "program.lp", "0", "--stream", "updates.str", "--json")
     first, second, third = map(json.loads, output.splitlines())
-    assert code == 0
+    assert code == 20
     assert (first["step"], first["horizon"], first["outcome"]) == (1, 1, "satisfiable")
     assert sorted(first["answers"]) == [["at(1,1)"], ["at(2,1)"]]
     assert first["warnings"] == []
@@ -139,9 +141,40 @@ def test_options_of_the_solver(files, capsys):
 
 def test_time_limit(files, capsys):
     (files / "updates.str").write_text("#step 1. #endstep. #step 1. e(1). :- not c(1). #endstep.", encoding="utf-8")
-    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--time-limit", "0.1")
+    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
     assert code == 0
     assert "Interrupted at horizon " in output
+
+
+def test_updates_without_a_bound_have_one(files, capsys):
+    text = "#endstep. #step 1. #endstep. #step 2 : 1. #endstep. #step 3. #endstep. #endstep."
+    (files / "updates.str").write_text(text, encoding="utf-8")
+    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--json", "--bound", "5")
+    horizons = [json.loads(line)["horizon"] for line in output.splitlines()]
+    assert (code, horizons) == (20, [6, 6, 6, 8, 8])
+    text = "#step 1. #endstep."
+    (files / "updates.str").write_text(text, encoding="utf-8")
+    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str")
+    assert code == 20
+    assert output == "#step 1.\n#end step.\nUNSAT at step 101\n\n"
+    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
+    assert (code, "Interrupted at horizon " in output) == (0, True), "there is no bound"
+
+
+def test_long_searches_show_how_long_they_take():
+    lines, screen = io.StringIO(), io.StringIO()
+    screen.isatty = lambda: True
+    for stream in (lines, screen):
+        progress = Progress(stream)
+        for tenths in range(221):
+            progress.searching(tenths / 10, "update of step 1, up to step 101")
+        progress.over()
+        progress.searching(0.0, "update of step 2")
+        progress.over()
+    told = "update of step 1, up to step 101: no answer yet after {} s"
+    assert lines.getvalue() == told.format(10) + "\n" + told.format(20) + "\n"
+    assert screen.getvalue().startswith("\r" + told.format(1) + "\r" + told.format(2) + " \r".strip(" "))
+    assert screen.getvalue().endswith(told.format(22) + "\r" + " " * len(told.format(22)) + "\r")
 
 
 def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, capsys):
@@ -182,6 +215,8 @@ def test_faults_of_files_and_options_end_it_with_a_line_each(files, capsys, word
     ("words", "message"),
     [
         (["program.lp", "--json"], "--json needs --stream, --interactive or --check"),
+        (["program.lp", "--bound", "3"], "--bound needs --stream"),
+        (["program.lp", "--stream", "a", "--bound", "-1"], "is no number from 0"),
         (["program.lp", "--port", "70000"], "'70000' is no number from 0 to 65535"),
         (["program.lp", "--imax", "0"], "'0' is no number from 1"),
         (["program.lp", "--imax", "x"], "'x' is no number"),
@@ -220,7 +255,7 @@ def test_program_and_stream_from_standard_input(files):
 
 
 def test_words_of_rosrun_are_no_files(files, capsys):
-    assert play(capsys, "program.lp", "__name:=oclingo", "--stream", "updates.str", "_x:=1")[0] == 0
+    assert play(capsys, "program.lp", "__name:=oclingo", "--stream", "updates.str", "_x:=1")[0] == 20
 
 
 def test_interactive(files):
