@@ -6,8 +6,8 @@ from typing import Callable, List, Optional, Sequence, Tuple
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.conflicts import UndecidedError
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, Observer
-from rosoclingo.reasoning.explanations import Explanations
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
+from rosoclingo.reasoning.explanations import Explanations, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
 from rosoclingo.reasoning.goals import Goal, Outcome
@@ -376,6 +376,8 @@ class Core:
         self._announce.update(self._step, self._planner.in_force)
         if found.withheld:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
+        for one, stream in streams_of(found.unmet, self._planner.stream):
+            self._tell(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
         self._step += 1
         explanations = Explanations(found.result.answers[0])

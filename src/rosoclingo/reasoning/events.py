@@ -6,6 +6,7 @@ from typing import Callable, FrozenSet, Iterable, Optional, Tuple
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveResult, StreamUpdate
+from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.present import Present
@@ -94,6 +95,15 @@ class GoalChanged(Event):
     state: GoalState
     outcome: Optional[Outcome] = None
     message: str = ""
+
+
+@dataclass(frozen=True)
+class GoalUnmet(Event):
+    """A goal is given up, as nothing on ``stream`` is a plan for it: what there is to tell about why."""
+
+    key: str
+    term: Symbol
+    stream: Stream
 
 
 @dataclass(frozen=True)

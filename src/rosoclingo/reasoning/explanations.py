@@ -1,10 +1,12 @@
 """Reasons in words: a program's terms as text, its ``_explain(What,Text,C)`` atoms, and why a goal is given up."""
 
-from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from clingo import Symbol, SymbolType
 
+from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.keywords import EXPLAIN, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
 
@@ -65,6 +67,17 @@ class UnmetGoal(NamedTuple):
             f" {perhaps}since {seen}" if seen else "",
         ]
         return "".join(parts)
+
+
+def streams_of(unmet: Sequence[UnmetGoal], stream: Stream) -> Iterator[Tuple[UnmetGoal, Stream]]:
+    """Yield each of the goals with the stream that tells why it is given up: less the others that are, for themselves.
+
+    ``stream`` is the one that has no plan for all.
+    """
+    for one in unmet:
+        others = (other.goal for other in unmet if other.goal is not one.goal and other.goal not in one.together)
+        facts = requests_of(others)
+        yield one, stream._replace(log=stream.log.less(facts), update=stream.update.less(facts))
 
 
 def _joined(things: Sequence[T], words: Callable[[T], str]) -> str:

@@ -19,6 +19,7 @@ from rosoclingo.oclingo import (
     Volatile,
     commitment,
 )
+from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
 from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
@@ -121,6 +122,11 @@ class Planner:
     def in_force(self) -> StreamUpdate:
         """The last update as the solver has it, an empty one where there is none."""
         return self.taken or StreamUpdate(self.log.step)
+
+    @property
+    def stream(self) -> Stream:
+        """The last update and what it followed on: what it is about where there is no plan."""
+        return Stream(self._before or StreamLog(), self.in_force, self.lookahead)
 
     def over(self, step: int, since: int = 0) -> int:
         """What concerns cycles before the one returned comes too late from the update of ``step`` on.

@@ -17,6 +17,7 @@ from rosoclingo.nodes.core.keeping import find_journal
 from rosoclingo.nodes.core.loading import core_parameters, load_program
 from rosoclingo.nodes.core.reporting import CoreHealth
 from rosoclingo.nodes.core.topics import CoreTopics
+from rosoclingo.nodes.core.unmet_goals import UnmetGoals
 from rosoclingo.oclingo import DroppedError
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.reasoning import (
@@ -26,6 +27,7 @@ from rosoclingo.reasoning import (
     GoalChanged,
     GoalProgress,
     GoalRefused,
+    GoalUnmet,
     Halt,
     PlanMade,
     Problem,
@@ -108,6 +110,10 @@ class CoreNode:
             JSON: with ``~updates`` and ``~task_plan`` all that ``rosrun rosoclingo replay`` needs.
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
+    Services:
+        ~explain (rosoclingo/Explain): why a goal was given up: the fewest rules that forbid it, by file and line and in
+            the program's words, the facts, and the steps. Of the last 20 goals for which there was no plan; it takes up
+            to 30 s, in a process of its own, while the core goes on.
     Actions served:
         rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 
@@ -141,6 +147,7 @@ class CoreNode:
         self._keeper.attach(self._core, found.state)
         self._results = Results("rosoclingo", resumed=found.state is not None)
         self._worker = Worker(self._settle)
+        self._given_up = UnmetGoals(program, self._worker)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
@@ -154,6 +161,7 @@ class CoreNode:
             ReturnTaken: self._return_taken,
             GoalChanged: self._handles.changed,
             GoalRefused: self._handles.refused,
+            GoalUnmet: self._given_up.unmet,
             GoalProgress: self._handles.progress,
             Problem: self._health.problem,
         }

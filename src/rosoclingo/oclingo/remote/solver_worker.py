@@ -14,6 +14,8 @@ import sys
 from typing import Callable, Dict, List, Optional, Sequence
 
 from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
+from rosoclingo.oclingo.explaining.explainer import explain
+from rosoclingo.oclingo.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.remote.wire import (
@@ -24,6 +26,7 @@ from rosoclingo.oclingo.remote.wire import (
     plan_from_message,
     program_from_message,
     result_to_message,
+    stream_from_message,
     verdict_to_message,
 )
 from rosoclingo.oclingo.solving.solver import ReactiveSolver
@@ -31,6 +34,9 @@ from rosoclingo.oclingo.solving.state_text import symbols_from_text
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_from_message, key_after
 
 _CHUNK = 1 << 20
+
+EXPLAINING = 10
+"""By so much a process that explains gives way to others (nice)."""
 
 KNOWN_LOGS = 64
 """Logs that are kept with their states, so that a solver beside another, or one that goes back, need not read again."""
@@ -114,6 +120,7 @@ class Worker:
             "follow": self._follow,
             "improve": self._improve,
             "inquire": self._inquire,
+            "explain": self._explain,
         }
 
     def run(self, answer: Callable[[Message], None]) -> None:
@@ -189,6 +196,16 @@ class Worker:
         return verdict_to_message(
             solver.inquire(update, doubted, untold, self._commands.interrupted, self._commands.dropped)
         )
+
+    def _explain(self, command: Message) -> Message:
+        """Tell why there is no plan, of a program of its own; what else the machine has to do comes first."""
+        os.nice(EXPLAINING)
+        stream = stream_from_message(command["stream"])
+        try:
+            found = explain(program_from_message(command["program"]), stream, self._commands.interrupted)
+        except OutOfTimeError:
+            return {"late": True}
+        return {"why": None if found is None else found.to_message()}
 
 
 def _update_of(text: Optional[str]) -> Optional[StreamUpdate]:

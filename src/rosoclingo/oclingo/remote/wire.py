@@ -10,13 +10,15 @@ from typing import FrozenSet, Iterable, List, Optional
 import clingo
 
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.inquiry import Verdict
 from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.state_text import Message, symbols_from_text, symbols_to_text
-from rosoclingo.oclingo.solving.stream_log import Plan
+from rosoclingo.oclingo.solving.stream_log import Plan, StreamLog, entry_from_message, entry_to_message
 
 
 def encode(message: Message) -> bytes:
@@ -99,6 +101,19 @@ def verdict_to_message(verdict: Verdict) -> Message:
 def verdict_from_message(message: Message) -> Verdict:
     """Return the verdict that :func:`verdict_to_message` took."""
     return Verdict(message["satisfiable"], symbols_from_text(message["core"]))
+
+
+def stream_to_message(stream: Stream) -> Message:
+    """Return ``stream`` for :func:`stream_from_message`."""
+    log = [entry_to_message(entry) for entry in stream.log.entries]
+    strings = stream.oclingo_strings
+    return {"log": log, "update": str(stream.update), "steps": stream.steps, "oclingo_strings": strings}
+
+
+def stream_from_message(message: Message) -> Stream:
+    """Return the stream that :func:`stream_to_message` took."""
+    log = StreamLog().then(*map(entry_from_message, message["log"]))
+    return Stream(log, parse_update(message["update"]), message["steps"], message["oclingo_strings"])
 
 
 def plan_to_message(plan: Optional[Plan]) -> Message:

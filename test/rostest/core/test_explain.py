@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""The core's service ~explain: why a goal was given up, while the core goes on."""
+
+import json
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from rosoclingo.srv import Explain
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Hands
+from interface_helpers import PATIENCE
+
+
+class ExplainGoals(unittest.TestCase):
+    def setUp(self):
+        self.hands = Hands()
+        self.hands.at_once = True
+        self.hands.wait_for("/rosoclingo")
+        self.client = Client()
+        rospy.wait_for_service("/rosoclingo/explain", PATIENCE)
+        self.explain = rospy.ServiceProxy("/rosoclingo/explain", Explain)
+
+    def asked(self, goal):
+        """What the service says; as the machine may be slow, it is asked again where time ran out."""
+        for _ in range(10):
+            found = self.explain(goal)
+            if found.success or "found out in" not in found.message:
+                return found
+        return found
+
+    def test_a_goal_that_was_given_up_is_explained_while_others_are_served(self):
+        unknown = self.explain("7")
+        self.assertFalse(unknown.success)
+        self.assertEqual(unknown.message, "no goal '7' was given up for want of a plan; those that were: none")
+
+        self.hands.tell("_blocked(office2,office3,now)")
+        goal = self.client.send("goal(office1,office4,7)")
+        goal.ends_as(GoalStatus.ABORTED)
+        answers = []
+        asking = threading.Thread(target=lambda: answers.append(self.asked("7")))
+        asking.start()
+        self.client.send("goal(office1,office2,8)").ends_as(GoalStatus.SUCCEEDED)
+        asking.join(PATIENCE)
+
+        (found,) = answers
+        self.assertTrue(found.success, found.message)
+        self.assertIn("goal(office1,office4,7): No plan of at most 20 steps", found.message)
+        self.assertIn("delivery/rules.lp", found.message)
+        self.assertIn("delivery/faults.lp", found.message)
+        self.assertIn("told: _blocked(office2,office3,", found.message)
+        reason = json.loads(found.reason)
+        self.assertEqual({one["rule"]["kind"] for one in reason["rules"][:1]}, {"volatile constraint"})
+
+        known = self.explain("8")
+        self.assertFalse(known.success)
+        self.assertIn("those that were: goal(office1,office4,7)", known.message)
+        by_id = self.asked(goal.handle.comm_state_machine.action_goal.goal_id.id)
+        self.assertTrue(by_id.success, by_id.message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("explain_test")
+    rostest.rosrun("rosoclingo", "explain", ExplainGoals)
