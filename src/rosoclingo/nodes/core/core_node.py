@@ -113,7 +113,7 @@ class CoreNode:
     Services:
         ~explain (rosoclingo/Explain): why a goal was given up: the fewest rules that forbid it, by file and line and in
             the program's words, the facts, and the steps. Of the last 20 goals for which there was no plan; it takes up
-            to 30 s, in a process of its own, while the core goes on.
+            to 30 s of processor time, in a process of its own, while the core goes on.
     Actions served:
         rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 

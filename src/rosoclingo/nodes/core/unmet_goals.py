@@ -17,8 +17,11 @@ from rosoclingo.srv import Explain, ExplainResponse
 #: So many goals that were given up are remembered, the latest ones.
 KEPT = 20
 
-#: Seconds of wall time for the reasons, and for those who asked before.
+#: Seconds of processor time for the reasons.
 EXPLAINING = 30.0
+
+#: Seconds of wall time that one waits for those who asked before.
+PATIENCE = 60.0
 
 
 class UnmetGoals:
@@ -47,7 +50,7 @@ class UnmetGoals:
             known = ", ".join(str(one.term) for one in self._worker.ask(lambda: list(self._unmet.values())))
             text = f"no goal '{goal}' was given up for want of a plan; those that were: {known or 'none'}"
             return ExplainResponse(success=False, message=text)
-        if not self._turn.acquire(timeout=EXPLAINING):
+        if not self._turn.acquire(timeout=PATIENCE):
             return ExplainResponse(success=False, message="other goals are being explained: ask again")
         try:
             return _explained(self._program, event)

@@ -8,8 +8,6 @@ import clingo
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.oclingo.explaining.relaxed_program import RelaxedProgram
-from rosoclingo.oclingo.program.action_rules import RETURN
-from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.inquiry import Inquiry
@@ -23,7 +21,7 @@ class Questions:
     """What can be asked of a program whose rules can be let go, about ``update``, which follows on ``state``.
 
     Attributes:
-        told: the facts of the stream that are in doubt.
+        told: the facts of the stream that are in doubt, and what was done.
 
     """
 
@@ -77,13 +75,7 @@ class Questions:
 
 
 def _in_doubt(state: StreamState, update: StreamUpdate) -> Facts:
-    """Return the facts that may not have been told: all that updates say, but for returns that bring nothing new."""
+    """Return what may not have been told, or done: a fact that goes takes along what was done because of it."""
     statements = [*state.permanent, *state.unsettled(), *(one for _, one in update.sections())]
-    done = {one.subject for one in statements if one.is_commitment}
-    heads = {one.head for one in statements if one.head is not None and not one.body}
-    return frozenset(head for head in heads if not _is_success(head, done))
-
-
-def _is_success(fact: clingo.Symbol, done: Iterable[Optional[clingo.Symbol]]) -> bool:
-    """Tell whether a fact is the return of what was done, with success."""
-    return signature_of(fact) == RETURN and clingo.Function("_action_lib", fact.arguments) in done
+    plain = (one for one in statements if one.is_commitment or not one.body)
+    return frozenset(one.subject for one in plain if one.subject is not None)

@@ -43,7 +43,7 @@ class BlamedRule:
 
 @dataclass(frozen=True)
 class BlamedFact:
-    """A fact because of which there is no plan: of the stream, or of the program, where ``rule`` tells of it.
+    """A fact because of which there is no plan: of the stream, as is an action done, or of the program.
 
     Attributes:
         text: the fact.
@@ -188,7 +188,8 @@ def _breach(step: Optional[int], values: Dict[str, str]) -> str:
 
 
 def _fact(one: BlamedFact) -> str:
-    return f"{one.rule.place}: {one.text}" if one.rule is not None else f"told: {one.text}"
+    told = "done" if one.text.startswith("_action_lib(") else "told"
+    return f"{one.rule.place if one.rule is not None else told}: {one.text}"
 
 
 def _short(rule: NamedRule) -> str:

@@ -13,25 +13,35 @@ from rosoclingo.oclingo.remote.wire import program_to_message, stream_to_message
 PATIENCE = (2.0, 5.0)
 """Seconds of wall time after which a process that is to stop is asked again, and ended: grounding can't be stopped."""
 
+SLOWEST = 10
+"""So many times the processor time that it may have a process may take."""
+
 
 def explain_apart(
     program: ReactiveProgram, stream: Stream, seconds: float, stopped: Callable[[], bool] = lambda: False
 ) -> Optional[WhyNot]:
-    """Return why there is no plan, with what was found in so many ``seconds`` of wall time; None where there is one.
+    """Return why there is no plan, with what was found in so many ``seconds``; None where there is one.
+
+    These are of the process's processor time, and ten times as many of wall time where others have the processor.
 
     Raises DroppedError where nothing was found by then, or when it was ``stopped``, and SolverError where the process
     could not be started, has ended, or does not take the stream.
     """
-    end = time.monotonic() + seconds
+    end = time.monotonic() + SLOWEST * seconds
     try:
         child = WorkerProcess()
     except OSError as error:
         raise SolverError(f"the process that explains could not be started: {error}") from None
+
+    def late() -> bool:
+        """Tell whether it has to end."""
+        return stopped() or child.worked >= seconds or time.monotonic() >= end
+
     try:
         child.send({"do": "explain", "program": program_to_message(program), "stream": stream_to_message(stream)})
-        reply = child.reply(lambda: stopped() or time.monotonic() >= end, PATIENCE)
+        reply = child.reply(late, PATIENCE)
     except WorkerLostError as error:
-        if time.monotonic() >= end or stopped():
+        if late():
             raise DroppedError(f"it was not found out in {seconds:g} s") from None
         raise SolverError(f"the process that explains was lost: {error}") from None
     finally:

@@ -31,6 +31,24 @@ def test_a_process_finds_the_same_reasons():
     assert explain_apart(program, stream("#step 1. #end step.", 1), 300.0) is None
 
 
+def test_facts_go_with_what_was_done_because_of_them():
+    text = """\
+#program base.
+p(1..3).
+#program cumulative(t).
+#external _request/2. #external shut/2.
+{ _action_lib(go,P,t) : p(P) } 1 :- _request(go,C), C <= t+1.
+at(P,t) :- _action_lib(go,P,t).
+:- at(P,t), shut(P,C), C <= t.
+#program volatile(t).
+:- _request(go,C), not at(3,t).
+"""
+    before = ["#step 1. _request(go,2). #end step."]
+    update = "#step 2. :- not _action_lib(go,1,1). shut(3,1). shut(3,2). #end step."
+    found = explain(ReactiveProgram.from_text(text), stream(update, 2, *before))
+    assert [one.text for one in found.told] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
+
+
 def test_what_takes_too_long_is_ended(monkeypatch):
     monkeypatch.setattr(explaining_process, "PATIENCE", (0.1, 0.2))
     program = ReactiveProgram.from_text(EXPLODING)
