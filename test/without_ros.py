@@ -86,6 +86,8 @@ def check(python, source, folder):
     assert odd.returncode == 1, odd
     assert "odd.lp:1:" in odd.stdout, odd
     assert "place/1" in odd.stdout, odd
+    (folder / "right.lp").write_text(CASES[0]["program"], encoding="utf-8")
+    assert output_of(programs / "check", "right.lp", **own) == "nothing in 1 file\n"
     (folder / "old.lp").write_text(OLD, encoding="utf-8")
     assert output_of(programs / "gringo3to5", "old.lp", **own) == "\n{ p(X); q } :- f(X).\n"
 
