@@ -107,7 +107,7 @@ class CoreDisk(unittest.TestCase):
         with Process(executable("core"), "__name:=rosoclingo", "__ns:=nowhere", *values) as process:
             hands = Hands("nowhere/")
             hands.wait_for("/nowhere/rosoclingo")
-            words = "no journal is kept, /proc/rosoclingo cannot be written: No such file or directory"
+            words = "no journal is kept in /proc/rosoclingo: No such file or directory"
             wait_for_diagnosis("nowhere/rosoclingo: core", warns(words), "the trouble")
             goal = Client("nowhere/rosoclingo").send("do(walk,1)")
             hands.succeed(hands.take())

@@ -35,15 +35,20 @@ def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:
     try:
         place = JournalFolder(folder)
     except OSError as error:
-        return Found(NoJournal(f"no journal is kept, {folder} cannot be written: {error.strerror}"), fresh.run)
+        return _none(folder, error, fresh)
     try:
         return _open(place, resume, fresh)
     except OSError as error:
         place.close()
-        return Found(NoJournal(f"no journal is kept in {folder}: {error.strerror}"), fresh.run)
+        return _none(folder, error, fresh)
     except JournalError:
         place.close()
         raise
+
+
+def _none(folder: Path, error: OSError, fresh: Header) -> Found:
+    mend = "~journal names another folder, or none"
+    return Found(NoJournal(f"no journal is kept in {folder}: {error.strerror} ({mend})"), fresh.run)
 
 
 def _open(place: JournalFolder, resume: str, fresh: Header) -> Found:

@@ -115,7 +115,7 @@ def test_a_journal_that_cannot_be_read(folder):
     for _ in range(2):
         found = open_journal(folder, "ask", AGAIN)
         assert found[1:3] == ("second", None)
-        assert found.journal.fault == f"no journal is kept in {folder}: Is a directory"
+        assert found.journal.fault.startswith(f"no journal is kept in {folder}: Is a directory (~journal names ")
 
 
 def test_one_goal_of_a_core_that_had_hardly_begun(folder):
@@ -132,7 +132,7 @@ def test_a_folder_that_cannot_be_written(folder, monkeypatch):
     monkeypatch.setattr(os, "open", refuse)
     found = opened(folder, "ask", AGAIN)
     found.journal.write({"core": 1}, 0.0)
-    assert found.journal.fault == f"no journal is kept, {folder} cannot be written: Read-only file system"
+    assert found.journal.fault.startswith(f"no journal is kept in {folder}: Read-only file system (~journal names ")
 
 
 def test_a_journal_that_went_stale_is_told(folder, left):
