@@ -26,6 +26,14 @@ def remarks(text, constants=None):
             "#show place/2.\nplaced(1,2).\n",
             "f.lp:1:1: no rule and no #external defines place/2: it is never true (is placed/2",
         ),
+        (
+            "a :- start(1).\n_target(1,2).\n",
+            "f.lp:1:6: no rule and no #external defines start/1: it is never true (write",
+        ),
+        (
+            "a :- hold(X).\nholds(1,2).\n",
+            "f.lp:1:6: no rule and no #external defines hold/1: it is never true (is holds/2",
+        ),
         ("a :- _return(b,c,1).\n", "f.lp:1:6: no rule and no #external defines _return/3"),
     ],
 )

@@ -1,7 +1,7 @@
 """Predicates that nothing defines or nothing looks at, atoms that cannot be true, names that look misspelt."""
 
 from difflib import SequenceMatcher, get_close_matches
-from typing import Collection, Dict, Iterable, Iterator, List, Optional, Set
+from typing import Collection, Dict, Iterable, Iterator, List, Optional, Set, Tuple
 
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
@@ -20,6 +20,7 @@ HEARD = frozenset(
 )
 
 _ALIKE = 0.8  # so alike, of 1, are names of which one may be a slip of the other
+_NEAR = 0.6  # and so alike those of which one may be meant where nothing is true
 _SHORTEST = 4  # names with fewer letters are alike by chance
 _MANY = 6  # values that a message lists
 
@@ -46,14 +47,16 @@ def _mend(signature: Signature, known: Set[Signature]) -> str:
 
 def likely(signature: Signature, known: Iterable[Signature]) -> Optional[Signature]:
     """Return the one of ``known`` that ``signature`` may have been meant to be, None where nothing is like it."""
-    names: Dict[str, List[Signature]] = {}
+    found: List[Tuple[float, int, Signature]] = []
     for one in sorted(known):
-        if one != signature and not one.name.startswith(OWN):
-            names.setdefault(one.name, []).append(one)
-    close = get_close_matches(signature.name, names, 1)
-    if not close:
-        return None
-    return min(names[close[0]], key=lambda one: abs(one.arity - signature.arity))
+        near = _likeness(signature.name, one.name)
+        if (
+            one != signature
+            and not one.name.startswith(OWN)
+            and near >= (_NEAR if one.arity == signature.arity else _ALIKE)
+        ):
+            found.append((near, -abs(one.arity - signature.arity), one))
+    return max(found, key=lambda told: told[:2])[2] if found else None
 
 
 # ---- nothing looks at it --------------------------------------------------------------------------------------------
