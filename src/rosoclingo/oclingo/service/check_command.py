@@ -62,10 +62,11 @@ def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
     parser.add_argument(
         "--plan",
         action="append",
+        nargs="?",
         default=[],
         metavar="REQUEST",
         help="show the plan for a request, as in goal(office1,office2,1), after the updates of --stream, or which "
-        "rules forbid it; may be repeated",
+        "rules forbid it; may be repeated; without REQUEST one of each kind that the program asks for",
     )
     parser.add_argument(
         "--steps", type=positive, default=STEPS, metavar="N", help=f"steps that a plan may have (default: {STEPS})"
@@ -120,7 +121,8 @@ def _trials(program: ReactiveProgram, stream: Sequence[Source], options: argpars
     for source in stream:
         with suppress(ProgressionError):
             found += trials.play(parse_updates(source.text))
-    return found + [trials.request(text) for text in options.plan]
+    asked = [trials.samples() if text is None else [trials.request(text)] for text in options.plan]
+    return found + [one for some in asked for one in some]
 
 
 def _look(

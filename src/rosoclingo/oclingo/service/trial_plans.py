@@ -15,6 +15,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Closed, Item, Statement, StreamUpdate
+from rosoclingo.oclingo.service.sample_requests import sample_requests
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_log import Plan
@@ -99,6 +100,18 @@ class Trials:
             return self._try(StreamUpdate(step, self._steps, (*past, *facts)), text)
         finally:
             self._solver.restore(log)
+
+    def samples(self) -> List[Trial]:
+        """Try requests of each kind that the program's rules ask for, up to the first with something to do."""
+        return [self._sample(texts) for texts in sample_requests(self._program)]
+
+    def _sample(self, texts: Iterable[str]) -> Trial:
+        clock, trial = self._clock(), Trial("a sample", fault="no request could be made of the names in the facts")
+        for text in texts:
+            trial = self.request(text)
+            if any(map(is_action, trial.answer or ())) or clock():
+                break
+        return trial
 
     def _facts(self, text: str, step: int) -> List[clingo.Symbol]:
         """Return the facts that a request stands for: those of an external of the program are taken as they are."""

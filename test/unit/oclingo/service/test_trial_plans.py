@@ -70,6 +70,16 @@ def test_where_there_is_none_the_rules_and_facts_are_told(run):
     assert "  told: shut(c,1).\n" in out
 
 
+def test_a_sample_of_each_kind_of_request_is_tried(run, tmp_path):
+    code, out, _ = run("--plan")
+    assert code == 0
+    assert "\ngo(b): a plan up to step 1\n" in out
+    code, out, _ = run("--plan", "--plan", "go(c)", "--stream", "walked.str")
+    assert "\ngo(c): a plan up to step 3\n" in out
+    (tmp_path / "walk.lp").write_text("#program cumulative(t).\n#external _request/2.\np(t) :- _request(go(X),t).\n")
+    assert "a sample: no request could be made of the names in the facts" in run("--plan")[1]
+
+
 def test_steps_bound_plans(run):
     assert run("--plan", "go(c)", "--steps", "1")[0] == 0
     code, out, _ = run("--plan", "go(c)", "--stream", "walked.str", "--steps", "1", "--plan", "go(a)")
