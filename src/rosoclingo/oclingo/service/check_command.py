@@ -86,7 +86,11 @@ def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
 
 def main(arguments: Optional[Sequence[str]] = None, more: Optional[More] = None) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
-    return check(make_parser(more).parse_args(arguments), more)
+    options = make_parser(more).parse_args(arguments)
+    try:
+        return check(options, more)
+    except KeyboardInterrupt:
+        return 130
 
 
 def check(options: argparse.Namespace, more: Optional[More] = None) -> int:

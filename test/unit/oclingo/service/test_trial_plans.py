@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from rosoclingo.oclingo.service import check_command
+from rosoclingo.oclingo.service import check_command, trial_plans
 
 PROGRAM = """\
 #program base.
@@ -131,6 +131,14 @@ def test_plans_and_reasons_as_json(run):
         "fault": "",
     }
     assert second["why"]["rules"][0]["rule"]["line"] == 21
+
+
+def test_ctrl_c_ends_it_without_a_traceback(run, monkeypatch):
+    def interrupted(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(trial_plans, "explain", interrupted)
+    assert run("--plan", "go(d)")[0] == 130
 
 
 def test_no_time_is_told(run):
