@@ -26,29 +26,23 @@ class Search(NamedTuple):
 
 
 class Assumptions:
-    """Assumptions of one search: what was told of the facts in doubt, what is kept, and where the horizon lies.
+    """What a search assumes beside the horizon: what was told of the facts in doubt, and what is kept.
 
     Attributes:
-        literals: they all; clasp blames the first ones first.
+        literals: they all.
 
     """
 
     def __init__(
-        self,
-        doubts: Optional[Doubts],
-        untold: FrozenSet[clingo.Symbol],
-        kept: Dict[clingo.Symbol, int],
-        horizon: List[int],
+        self, doubts: Optional[Doubts], untold: FrozenSet[clingo.Symbol], kept: Dict[clingo.Symbol, int]
     ) -> None:
-        """Take the facts in doubt that are ``untold``, and the literals of what is ``kept`` and of the horizon."""
-        self._doubts, self._kept, self._horizon = doubts, kept, horizon
-        told = doubts.assumptions(untold) if doubts else []
-        self._telling = bool(told or kept)
-        self.literals = [*told, *kept.values(), *horizon]
+        """Take the facts in doubt that are ``untold``, and the literals of what is ``kept``."""
+        self._doubts, self._kept = doubts, kept
+        self.literals = [*(doubts.assumptions(untold) if doubts else ()), *kept.values()]
 
-    def refuted_by(self, handle: clingo.SolveHandle) -> Search:
-        """Return the result of a search that has no answer; the horizon alone need not be asked about."""
-        core = set(handle.core()) if self._telling else set(self._horizon)
+    def refuted_by(self, handle: clingo.SolveHandle, horizon: List[int]) -> Search:
+        """Return the result of a search that has no answer, with the literals of its ``horizon`` assumed as well."""
+        core = set(handle.core()) if self.literals else set(horizon)
         facts = self._doubts.among(core) if self._doubts else frozenset()
         blamed = frozenset(one for one, literal in self._kept.items() if literal in core)
-        return Search(False, core=facts, timeless=core.isdisjoint(self._horizon), blamed=blamed)
+        return Search(False, core=facts, timeless=core.isdisjoint(horizon), blamed=blamed)

@@ -271,7 +271,8 @@ class Grounding:
         """
         self.atoms.end_definitions()
         literals = {one.symbol: one.literal for one in map(self._control.symbolic_atoms.__getitem__, kept) if one}
-        assumed = Assumptions(self._doubts, untold, literals, self._ends.range(first, last))
+        assumed = Assumptions(self._doubts, untold, literals) if self._doubts or kept else None
+        horizon = self._ends.range(first, last)
         self._session.close()
         answers: List[FrozenSet[clingo.Symbol]] = []
         horizons, foreseen = [last], [Foreseen()]
@@ -288,13 +289,16 @@ class Grounding:
                 if this._return_rules is not None:
                     foreseen.append(this._foresee(model, this._return_rules))
 
-        assumptions: List[Any] = [*assumed.literals, *given]  # clasp blames the first ones first
+        # clasp blames the first ones first
+        assumptions: List[Any] = [*(assumed.literals if assumed else ()), *horizon, *given]
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
                 if stopped():
                     handle.cancel()
             result = handle.get()
-            refuted = assumed.refuted_by(handle) if result.satisfiable is False else Search(None)
+            refuted = Search(False, timeless=not horizon)
+            if assumed is not None and result.satisfiable is False:
+                refuted = assumed.refuted_by(handle, horizon)
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
