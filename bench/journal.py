@@ -70,11 +70,12 @@ class Timed:
 
     def __init__(self, journal):
         self._journal, self.spent, self.count, self.fault = journal, 0.0, 0, ""
+        self.is_due = journal.is_due
 
-    def write(self, state, now):
+    def write(self, *state_and_times):
         """Have the state on disk."""
         start = time.process_time()
-        self._journal.write(state, now)
+        self._journal.write(*state_and_times)
         self.spent += time.process_time() - start
         self.count += 1
         if self._journal.fault:

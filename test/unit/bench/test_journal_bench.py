@@ -1,0 +1,26 @@
+"""The bench of the journal, on few goals."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
+
+import journal  # noqa: E402
+from long_run import load  # noqa: E402
+
+OPTIONS = Namespace(goals=4, batch=2, every=2, failures=0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_a_run_and_cores_that_go_on_from_its_journal(tmp_path, capsys):
+    figures = {one.name: one.value for one in journal.play(*load("mailbot"), OPTIONS, tmp_path)}
+    assert figures["largest file"] * 1000 >= (tmp_path / "journal.jsonl").stat().st_size > 0
+    assert figures["writing"] > 0
+    assert [line.split(",")[0].split() for line in capsys.readouterr().out.splitlines()] == [
+        ["goal", "2"],
+        ["goal", "4"],
+    ]
