@@ -270,12 +270,10 @@ class Grounding:
         ``best``, or else any. Of the facts in doubt all were told but those ``untold``. What is ``kept`` is true.
         """
         self.atoms.end_definitions()
-        literals = {one.symbol: one.literal for one in map(self._control.symbolic_atoms.__getitem__, kept) if one}
-        assumed = Assumptions(self._doubts, untold, literals) if self._doubts or kept else None
-        horizon = self._ends.range(first, last)
+        assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
+        told = assumed.literals if assumed else []
         self._session.close()
-        answers: List[FrozenSet[clingo.Symbol]] = []
-        horizons, foreseen = [last], [Foreseen()]
+        answers, horizons, foreseen = [], [last], [Foreseen()]
         self._configure(models, conflicts, best)
 
         this = proxy(self)  # since the control keeps the function, which must not keep the control
@@ -289,20 +287,26 @@ class Grounding:
                 if this._return_rules is not None:
                     foreseen.append(this._foresee(model, this._return_rules))
 
-        # clasp blames the first ones first
-        assumptions: List[Any] = [*(assumed.literals if assumed else ()), *horizon, *given]
+        assumptions: List[Any] = [*told, *horizon, *given]  # clasp blames the first ones first
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
                 if stopped():
                     handle.cancel()
             result = handle.get()
             refuted = Search(False, timeless=not horizon)
-            if assumed is not None and result.satisfiable is False:
+            if assumed and result.satisfiable is False:
                 refuted = assumed.refuted_by(handle, horizon)
         self.satisfied = bool(result.satisfiable)
         if result.interrupted or result.unknown:
             return Search(None)
         return Search(True, tuple(answers), horizons[-1], foreseen=foreseen[-1]) if self.satisfied else refuted
+
+    def _assumed(self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol]) -> Optional[Assumptions]:
+        """Return what a search assumes beside its horizon; None where nothing is in doubt or kept, as a rule."""
+        if not (self._doubts or kept):
+            return None
+        literals = {one.symbol: one.literal for one in map(self._control.symbolic_atoms.__getitem__, kept) if one}
+        return Assumptions(self._doubts, untold, literals)
 
     def _foresee(self, model: clingo.Model, rules: ReturnRules) -> Foreseen:
         """Return what is foreseen of a model whose shown atoms are known."""
