@@ -112,6 +112,7 @@ class WebPage(unittest.TestCase):
             other.wait_for(self.shown("goal(office1,office4,8)", "active"))
             self.assertEqual(other.run("document.querySelectorAll('#goals button:not([hidden])').length"), 0)
         self.page.click("#goals button:not([hidden])")
+        wait_until(self.cancelling, "the cancel to arrive")  # it and the answers race each other
         self.hands.at_once = True
         self.hands.clear()
         self.state_of("goal(office1,office4,8)", "canceled")
@@ -132,6 +133,10 @@ class WebPage(unittest.TestCase):
         self.page.wait_for("document.querySelectorAll('.map .barrier').length === 1")
         self.assertIn("office3 – office4: shut.", self.page.text("#map .caption"))
         self.assertEqual(self.page.faults, [])
+
+    def cancelling(self):
+        """Whether the core has a cancel of a goal that is active: whatever comes to it now it hears later."""
+        return any(one.status == GoalStatus.PREEMPTING for one in self.client.raw.last_status_msg.status_list)
 
     def robot_at(self, x):
         """Where the robot is seen once it is told to be at ``x`` m."""
