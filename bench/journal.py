@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from figures import Figure, parse, write
-from long_run import PROGRAMS, answer, load
+from long_run import add_run, answer, load
 
 from rosoclingo.oclingo import ReactiveSolver
 from rosoclingo.reasoning import CoreSettings
@@ -122,13 +122,9 @@ def play(program, goal, options, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
+    add_run(parser, failures=0.05)
     parser.add_argument("--goals", type=int, default=10000, help="goals (default: %(default)s)")
-    parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
     parser.add_argument("--every", type=int, default=500, help="goals between two looks (default: %(default)s)")
-    parser.add_argument(
-        "--failures", type=float, default=0.05, help="share of actions that fail (default: %(default)s)"
-    )
     options = parse(parser, goals=100, every=50)
     program, goal = load(options.program)
     with tempfile.TemporaryDirectory() as name:

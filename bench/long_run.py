@@ -130,14 +130,21 @@ def describe(sample):
     return f"{1000 * seconds:6.1f} ms a goal, {size / 1000:5.1f} kB told"
 
 
+def add_run(parser, failures):
+    """Add the options of a run: its program, how many goals come at once, and the share of actions that fail."""
+    parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
+    parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
+    parser.add_argument(
+        "--failures", type=float, default=failures, help="share of actions that fail (default: %(default)s)"
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
+    add_run(parser, failures=0.0)
     parser.add_argument("--cycles", type=int, default=10000, help="cycles of the long run (default: %(default)s)")
     parser.add_argument("--beside", type=int, default=100, help="cycles of the short run (default: %(default)s)")
     parser.add_argument("--window", type=int, default=400, help="cycles to compare them for (default: %(default)s)")
-    parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
-    parser.add_argument("--failures", type=float, default=0.0, help="share of actions that fail (default: %(default)s)")
     options = parse(parser, cycles=300, beside=30, window=60)
     program, goal = load(options.program)
     runs = [Run(program, goal, options.failures) for _ in range(2)]

@@ -32,6 +32,15 @@ def block(page, file):
     return re.search(pattern, text, re.MULTILINE | re.DOTALL).group(1)
 
 
+def seeded(text, old, new):
+    """The text with ``new``, a fault, in place of the first ``old``, and the line and column of it, or of its @."""
+    assert old in text, f"{old} is not in the text"
+    before, _, after = text.partition(old)
+    offset = len(before) + max(new.find("@"), 0)
+    changed = before + new.replace("@", "", 1) + after
+    return changed, (changed.count("\n", 0, offset) + 1, offset - changed.rfind("\n", 0, offset))
+
+
 @lru_cache(maxsize=None)
 def program(name):
     """The sources of a program with all that they include, each named as below its folder."""

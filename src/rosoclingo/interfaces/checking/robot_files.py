@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 import clingo
 
@@ -22,8 +22,8 @@ from rosoclingo.interfaces.templates import (
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.lint.actions import Actions, Labelled, Named
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
-from rosoclingo.oclingo.program.lint.predicates import likely
-from rosoclingo.oclingo.program.lint.survey import LABELS
+from rosoclingo.oclingo.program.lint.likeness import likely_external
+from rosoclingo.oclingo.program.lint.survey import label_facts
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import parse_atom, parse_term, signature_of
@@ -49,7 +49,7 @@ class RobotFiles:
         self._interfaces = YamlFile(options.interfaces) if options.interfaces else None
         if self._labels is None:
             return []
-        return [Source(LABELS, "".join(f"label({one.name}).\n" for one in _label_names(self._labels)))]
+        return [label_facts(one.name for one in _label_names(self._labels))]
 
     def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
         """Return what may be wrong with them, beside a program where it could be read."""
@@ -82,7 +82,7 @@ class RobotFiles:
         reader = Reader(file.data)
         specs = survey(reader)
         faults += [file.fault(text, "configuration") for text in reader.faults]
-        faults += [file.fault(text, "message-type") for spec in specs.values() for text in _type_faults(spec)]
+        faults += [file.fault(text, "message-type") for text in _type_faults(specs.values())]
         return specs
 
     def _interface_faults(self, actions: Actions, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
@@ -98,8 +98,7 @@ class RobotFiles:
                 atom = _atom_of(fact)
                 if atom is not None and signature_of(atom) not in program.external_signatures:
                     signature = signature_of(atom)
-                    meant = likely(signature, program.external_signatures)
-                    mend = f"write #external {signature}." if meant is None else f"is {meant} meant?"
+                    mend = likely_external(signature, program.external_signatures)
                     text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({mend})"
                     yield self._interfaces.fault(text, "unheard-fact")  # type: ignore[union-attr]
 
@@ -165,17 +164,13 @@ def _references(template: str) -> Tuple[str, ...]:
         return ()
 
 
-_told: List[str] = []
-
-
-def _type_faults(spec: InterfaceSpec) -> List[str]:
-    """Return what of an entry does not fit the definitions of messages; nothing where there are none here."""
+def _type_faults(specs: Iterable[InterfaceSpec]) -> List[str]:
+    """Return what of the entries does not fit the definitions of messages; nothing where there are none here."""
+    told = list(specs)
     try:
         from rosoclingo.interfaces.type_faults import type_faults  # noqa: PLC0415 it needs genpy, which is ROS's
     except ModuleNotFoundError as error:
-        text = f"check: types of messages are not looked at: there is no {error.name} here\n"
-        if text not in _told:
-            _told.append(text)
-            sys.stderr.write(text)
+        if told:
+            sys.stderr.write(f"check: types of messages are not looked at: there is no {error.name} here\n")
         return []
-    return type_faults(spec)
+    return [text for spec in told for text in type_faults(spec)]

@@ -11,7 +11,7 @@ from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, 
 from rosoclingo.oclingo.program.lint.actions import Named, lint_labels
 from rosoclingo.oclingo.program.lint.constants import given_values
 from rosoclingo.oclingo.program.lint.linting import findings, is_error, lint_program
-from rosoclingo.oclingo.program.lint.survey import LABELS
+from rosoclingo.oclingo.program.lint.survey import LABELS, label_facts
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.resuming import RESUMES
@@ -91,7 +91,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
     Raises ProgramError with all its faults, ParameterError for constants that do not fit it.
     """
     sources = [Source.from_file(Path(name)) for name in parameters.program_files]
-    sources.append(Source(LABELS, "".join(f"label({label}).\n" for label in parameters.labels)))
+    sources.append(label_facts(parameters.labels))
     try:
         program = ReactiveProgram(sources, parameters.constants)
     except ProgramError:

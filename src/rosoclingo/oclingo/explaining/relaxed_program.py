@@ -22,7 +22,6 @@ from typing import AbstractSet, Dict, Iterable, Iterator, List, Mapping, NamedTu
 import clingo
 from clingo.ast import (
     AST,
-    ASTSequence,
     ASTType,
     BodyAggregate,
     BodyAggregateElement,
@@ -32,6 +31,8 @@ from clingo.ast import (
 )
 
 from rosoclingo.oclingo.explaining.named_rules import NamedRule, RuleKind, RuleTexts
+from rosoclingo.oclingo.program.domains import names_in
+from rosoclingo.oclingo.program.lint.survey import shows
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
@@ -89,10 +90,10 @@ class RelaxedProgram(ReactiveProgram):
 
     def _collect(self) -> None:
         texts, names = RuleTexts(self.texts), {one.name for one in self.texts}
-        shows = any(_shows(statement) for part in self.parts for statement in part.statements)
+        showing = any(shows(statement) for part in self.parts for statement in part.statements)
         self.parts = [self._relax(part, texts, names) for part in self.parts]
         free = "".join(f"{{ {WHOLE}({rule.number}) }}.\n" for rule in self.constraints)
-        self.parts[0].statements += _parse(free + (f"#show {BROKEN}/3." if shows else ""))
+        self.parts[0].statements += _parse(free + (f"#show {BROKEN}/3." if showing else ""))
         super()._collect()
 
     @property
@@ -188,10 +189,6 @@ def _place(statement: AST) -> str:
     return f"{begin.filename}:{begin.line}:{begin.column}"
 
 
-def _shows(statement: AST) -> bool:
-    return statement.ast_type in (ASTType.ShowSignature, ASTType.ShowTerm)
-
-
 def _is_atom(head: AST) -> bool:
     plain = head.ast_type == ASTType.Literal and head.sign == Sign.NoSign
     return bool(plain and head.atom.ast_type == ASTType.SymbolicAtom)
@@ -228,7 +225,12 @@ def _in_body(aggregate: AST) -> AST:
 
 def _guard_variables(head: AST) -> Set[str]:
     guards = (getattr(head, name, None) for name in _GUARDS)
-    return {name for guard in guards if guard is not None for name in _names(guard)}
+    return {name for guard in guards if guard is not None for name in _named(guard)}
+
+
+def _named(node: AST) -> Iterator[str]:
+    """Yield the names of variables, but for those that nobody has named."""
+    yield from (name for name in names_in(node) if name != "_" and not name.startswith("Any__"))
 
 
 def _variables(body: Iterable[AST]) -> Set[str]:
@@ -236,17 +238,4 @@ def _variables(body: Iterable[AST]) -> Set[str]:
     atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
     plain = [atom for atom in atoms if not hasattr(atom, "elements")]
     guards = [getattr(atom, name, None) for atom in atoms if hasattr(atom, "elements") for name in _GUARDS]
-    return {name for node in (*plain, *guards) if node is not None for name in _names(node)}
-
-
-def _names(node: AST) -> Iterator[str]:
-    """Yield the names of variables, but for those that nobody has named."""
-    if node.ast_type == ASTType.Variable:
-        if node.name != "_" and not node.name.startswith("Any__"):
-            yield node.name
-        return
-    for key in node.child_keys:
-        child = getattr(node, key)
-        for one in child if isinstance(child, ASTSequence) else [child]:
-            if isinstance(one, AST):
-                yield from _names(one)
+    return {name for node in (*plain, *guards) if node is not None for name in _named(node)}

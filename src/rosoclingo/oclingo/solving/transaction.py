@@ -11,7 +11,7 @@ from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import is_action_of
-from rosoclingo.oclingo.program.lint.predicates import likely
+from rosoclingo.oclingo.program.lint.likeness import asked, likely
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
@@ -317,8 +317,8 @@ class Transaction:
         entries = [entry.statement for entry in self.state.lapsing]
         rules = [*self.state.permanent, *entries, *(one for _, one in self._update.sections())]
         if not any(signature_of(one.atom) in (signature, contrary) for rule in rules for one in rule.body):
-            meant = likely(signature, self.program.external_signatures)
-            self.warnings.append(_STRANGE.format(signature, "" if meant is None else f" (is {meant} meant?)"))
+            meant = asked(likely(signature, self.program.external_signatures))
+            self.warnings.append(_STRANGE.format(signature, f" ({meant})" if meant else ""))
 
     def _may_come(self, atom: clingo.Symbol) -> bool:
         return self.program.may_declare(atom, self.state.horizon + 1)

@@ -127,19 +127,10 @@ SEEDS = [
 ]
 
 
-def seeded(text, old, new):
-    """The text with the fault in it, and the line and column at which it stands."""
-    assert old in text
-    before, _, after = text.partition(old)
-    offset = len(before) + max(new.find("@"), 0)
-    changed = before + new.replace("@", "", 1) + after
-    return changed, (changed.count("\n", 0, offset) + 1, offset - changed.rfind("\n", 0, offset))
-
-
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_a_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)
-    files[file], (line, _) = seeded(files[file], old, new)
+    files[file], (line, _) = lint_programs.seeded(files[file], old, new)
     found = told(tmp_path, files, capsys)
     mine = [one for one in found if one["kind"] == kind and words in f"{one['message']} ({one['mend']})"]
     assert mine, found
@@ -173,7 +164,6 @@ def test_without_ros_all_but_types_is_looked_at(tmp_path, capsys, monkeypatch):
     for name in [one for one in sys.modules if re.match(r"genpy|rosoclingo\.interfaces\.type_faults", one)]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "genpy", None)
-    monkeypatch.setattr("rosoclingo.interfaces.checking.robot_files._told", [])
     files = texts("garden")
     files["interfaces.yaml"] = files["interfaces.yaml"].replace("b: 200", "c: 200").replace("fill:", "fil:")
     programs = [

@@ -9,7 +9,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.domains import nodes_of
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
-from rosoclingo.oclingo.program.lint.predicates import likely_value
+from rosoclingo.oclingo.program.lint.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
 from rosoclingo.oclingo.program.lint.term_shapes import is_open
 
@@ -120,8 +120,7 @@ class Actions:
 
 
 def _meant(name: str, needed: Set[str]) -> str:
-    mend = likely_value(name, needed)
-    return mend if mend.endswith("meant?") else f"places are {', '.join(sorted(needed))}"
+    return likely_word(name, needed) or f"places are {', '.join(sorted(needed))}"
 
 
 def lint_labels(survey: Survey, labels: Sequence[Named]) -> List[Fault]:

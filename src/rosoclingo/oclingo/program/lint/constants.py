@@ -1,12 +1,13 @@
 """Constants that are not there, and values that those of a program cannot have."""
 
-from difflib import get_close_matches
-from typing import Any, Collection, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set
+from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Set
 
 import clingo
-from clingo.ast import AST, AggregateFunction, ASTSequence, ASTType, UnaryOperator
+from clingo.ast import AST, AggregateFunction, ASTType, UnaryOperator
 
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.domains import nodes_of
+from rosoclingo.oclingo.program.lint.likeness import likely_word
 from rosoclingo.oclingo.program.lint.survey import Survey, fault_at
 from rosoclingo.oclingo.program.signatures import evaluate
 
@@ -35,10 +36,7 @@ def given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fau
 
 def likely_constant(name: str, own: Collection[str]) -> str:
     """Return which of a program's ``own`` constants may be meant by ``name``, or which there are."""
-    close = get_close_matches(name, sorted(own), 1)
-    if close:
-        return f"is {close[0]} meant?"
-    return f"its constants are {', '.join(sorted(own))}" if own else "it has none"
+    return likely_word(name, own) or (f"its constants are {', '.join(sorted(own))}" if own else "it has none")
 
 
 def _compare(place: str, name: str, value: clingo.Symbol, constant: _Constant) -> Iterator[Fault]:
@@ -63,25 +61,14 @@ def _own(survey: Survey) -> Dict[str, _Constant]:
 
 
 def _mentioned(survey: Survey) -> Set[str]:
-    return {name for _, statement, _ in survey.statements for name in constant_names(statement)}
+    """Return the names of all constants in the statements."""
+    nodes = (node for _, statement, _ in survey.statements for node in nodes_of(statement))
+    return {node.symbol.name for node in nodes if _is_constant(node)}
 
 
-def constant_names(node: AST) -> Iterator[str]:
-    """Yield the names of all constants in a statement."""
+def _is_constant(node: AST) -> bool:
     kind = clingo.SymbolType.Function
-    if node.ast_type == ASTType.SymbolicTerm and node.symbol.type is kind and not node.symbol.arguments:
-        yield node.symbol.name
-    for one in _children(node):
-        yield from constant_names(one)
-
-
-def _children(node: AST) -> Iterator[AST]:
-    for key in node.child_keys:
-        child = getattr(node, key)
-        inner: Iterable[Any] = child if isinstance(child, ASTSequence) else [child]
-        for one in inner:
-            if isinstance(one, AST):
-                yield one
+    return node.ast_type == ASTType.SymbolicTerm and node.symbol.type is kind and not node.symbol.arguments
 
 
 # ---- in rules -------------------------------------------------------------------------------------------------------
@@ -104,8 +91,7 @@ def words_for_numbers(survey: Survey) -> List[Fault]:
 
 
 def _mend(name: str, own: Collection[str]) -> str:
-    close = get_close_matches(name, sorted(own), 1)
-    return f"is {close[0]} meant?" if close else f"write #const {name} = 1. with its value"
+    return likely_word(name, own) or f"write #const {name} = 1. with its value"
 
 
 def _word(term: AST) -> str:
@@ -116,19 +102,18 @@ def _word(term: AST) -> str:
     return str(symbol.name) if plain and symbol is not None else ""
 
 
-def _counted(node: AST) -> Iterator[AST]:
-    """Yield the terms below ``node`` that have to be numbers."""
-    kind = node.ast_type
-    if kind in (ASTType.BinaryOperation, ASTType.Interval):
-        yield from (node.left, node.right)
-    elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
-        yield node.argument
-    elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
-        kind == ASTType.BodyAggregate and node.function in _COUNTING
-    ):
-        yield from _guards(node)
-    for one in _children(node):
-        yield from _counted(one)
+def _counted(statement: AST) -> Iterator[AST]:
+    """Yield the terms of a statement that have to be numbers."""
+    for node in nodes_of(statement):
+        kind = node.ast_type
+        if kind in (ASTType.BinaryOperation, ASTType.Interval):
+            yield from (node.left, node.right)
+        elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
+            yield node.argument
+        elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
+            kind == ASTType.BodyAggregate and node.function in _COUNTING
+        ):
+            yield from _guards(node)
 
 
 _COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards may be words

@@ -1,14 +1,14 @@
 """Predicates that nothing defines or nothing looks at, atoms that cannot be true, names that look misspelt."""
 
-from difflib import SequenceMatcher, get_close_matches
-from typing import Collection, Dict, Iterable, Iterator, List, Optional, Set, Tuple
+from typing import Dict, Iterator, List, Optional, Set
 
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
-from rosoclingo.oclingo.program.lint.survey import LABELS, OWN, Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_value, slip_of
+from rosoclingo.oclingo.program.lint.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.lint.term_shapes import WILD
 from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.progression.terms import Signature
@@ -18,11 +18,6 @@ TOLD = ("_request", "_return", "_failed", "_cancel")
 HEARD = frozenset(
     {Signature("_draws", 2), Signature("_draws", 3), *(one for one in KEYWORDS.values() if one.name not in TOLD)}
 )
-
-_ALIKE = 0.8  # so alike, of 1, are names of which one may be a slip of the other
-_NEAR = 0.6  # and so alike those of which one may be meant where nothing is true
-_SHORTEST = 4  # names with fewer letters are alike by chance
-_MANY = 6  # values that a message lists
 
 
 def undefined(survey: Survey) -> List[Fault]:
@@ -41,22 +36,8 @@ def undefined(survey: Survey) -> List[Fault]:
 def _mend(signature: Signature, known: Set[Signature]) -> str:
     near = likely(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
     if near is not None:
-        return f"is {near} meant? else write #defined {signature}."
+        return f"{asked(near)} else write #defined {signature}."
     return f"write a rule or an #external for it, or #defined {signature}."
-
-
-def likely(signature: Signature, known: Iterable[Signature]) -> Optional[Signature]:
-    """Return the one of ``known`` that ``signature`` may have been meant to be, None where nothing is like it."""
-    found: List[Tuple[float, int, Signature]] = []
-    for one in sorted(known):
-        near = _likeness(signature.name, one.name)
-        if (
-            one != signature
-            and not one.name.startswith(OWN)
-            and near >= (_NEAR if one.arity == signature.arity else _ALIKE)
-        ):
-            found.append((near, -abs(one.arity - signature.arity), one))
-    return max(found, key=lambda told: told[:2])[2] if found else None
 
 
 # ---- nothing looks at it --------------------------------------------------------------------------------------------
@@ -69,11 +50,10 @@ def unused(survey: Survey) -> List[Fault]:
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
         if signature in looked_at:
             continue
-        meant = _slip_of(signature, looked_at | {*KEYWORDS.values()}, survey.shows)
+        meant = slip_of(signature, looked_at | {*KEYWORDS.values()}, survey.shows)
         told = survey.defining.get(signature, survey.declaring.get(signature))
         if meant is not None:
-            mend = f"is {meant} meant?"
-            found += _at(survey, signature, told, "misspelt", mend)
+            found += _at(survey, signature, told, "misspelt", asked(meant))
         elif survey.shows:
             found += _at(survey, signature, told, "unused", f"use it, #show {signature}. or leave it out")
     return found
@@ -99,24 +79,6 @@ def _at(survey: Survey, signature: Signature, told: Optional[List[Place]], kind:
         yield told[0].fault(kind, f"nothing looks at {what}{signature}{shown}", mend)
 
 
-def _slip_of(signature: Signature, used: Collection[Signature], shows: bool) -> Optional[Signature]:
-    """Return what of the ``used`` predicates a predicate that is not used may stand for."""
-    same = [one for one in used if one.name == signature.name and one.positive == signature.positive]
-    if same and shows:
-        return min(same, key=lambda one: abs(one.arity - signature.arity))
-    alike = [one for one in sorted(used) if one.arity == signature.arity and _alike(one.name, signature.name)]
-    return max(alike, key=lambda one: _likeness(one.name, signature.name), default=None)
-
-
-def _alike(one: str, other: str) -> bool:
-    short = min(len(one), len(other)) < _SHORTEST or one.startswith("_") != other.startswith("_")
-    return one != other and not short and _likeness(one, other) >= _ALIKE
-
-
-def _likeness(one: str, other: str) -> float:
-    return SequenceMatcher(None, one, other).ratio()
-
-
 # ---- what can never be true -----------------------------------------------------------------------------------------
 
 
@@ -138,15 +100,6 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
         known = sorted(str(one).replace(str(WILD), "_") for one in may_be)
         message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
-
-
-def likely_value(text: str, known: Collection[str]) -> str:
-    """Return which of the values ``known`` may be meant by ``text``, or which there are."""
-    close = get_close_matches(text, list(known), 1)
-    if close:
-        return f"is {close[0]} meant?"
-    shown = sorted(known)[:_MANY]
-    return "it may be {}{}".format(", ".join(shown), " ..." if len(known) > _MANY else "")
 
 
 def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:

@@ -1,11 +1,11 @@
 """Comments that silence findings: ``% check: ok unused`` on the line, or alone on the line before."""
 
 import re
-from difflib import get_close_matches
 from typing import Dict, Iterable, List, Set, Tuple
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.lint.kinds import KINDS
+from rosoclingo.oclingo.program.lint.likeness import likely_word
 
 _COMMENT = re.compile(r"[%#]\s*check:\s*ok\b(?P<kinds>[^(\n]*)")
 _ALONE = re.compile(r"\s*[%#]\s*check:\s*ok\b")
@@ -39,8 +39,7 @@ class Silences:
             self.faults.append(Fault(name, line, column, "nothing is silenced: no kind is named", mend, "silence"))
         for kind in kinds:
             if kind not in KINDS:
-                close = get_close_matches(kind, KINDS, 1)
-                told = f"is {close[0]} meant?" if close else mend
+                told = likely_word(kind, KINDS) or mend
                 self.faults.append(Fault(name, line, column, f"there is no kind {kind} of findings", told, "silence"))
 
     def covers(self, fault: Fault) -> bool:

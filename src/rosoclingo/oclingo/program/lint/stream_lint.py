@@ -7,7 +7,7 @@ import clingo
 
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
-from rosoclingo.oclingo.program.lint.predicates import likely, likely_value
+from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_external, likely_value
 from rosoclingo.oclingo.program.lint.survey import Place, written
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
@@ -88,8 +88,7 @@ class _Judge:
             yield f"{atom} is no external: rules of the program define {signature}", self._declare(signature)
         elif not is_rule and not self._both(signature) & (self._asked | program.signatures):
             message = f"no rule and no #external of the program mentions {signature}"
-            meant = likely(signature, program.external_signatures)
-            yield message, self._declare(signature) if meant is None else f"is {meant} meant?"
+            yield message, likely_external(signature, program.external_signatures)
 
     @staticmethod
     def _both(signature: Signature) -> Set[Signature]:
@@ -102,8 +101,8 @@ class _Judge:
         if signature in known:
             yield from self._strange_value(atom, "true")
         elif signature not in self._stated:
-            meant = likely(signature, known | self._stated)
-            yield f"{signature} is never true: nothing defines it", "" if meant is None else f"is {meant} meant?"
+            mend = asked(likely(signature, known | self._stated))
+            yield f"{signature} is never true: nothing defines it", mend
 
     def _strange_value(self, atom: clingo.Symbol, what: str) -> Iterator[Tuple[str, str]]:
         """Yield the first argument of an atom that the program never gives its predicate."""

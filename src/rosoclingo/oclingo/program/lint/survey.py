@@ -1,7 +1,7 @@
 """A program as the lint looks at it: its statements, and who defines, declares, uses and shows which predicate."""
 
 import re
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -10,6 +10,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import Opened
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import Signature
 
 OWN = "__oclingo"
@@ -63,6 +64,16 @@ def written(term: AST) -> str:
     return _ANONYMOUS.sub("_", _BRACKETS.sub(r"\1", str(term)))
 
 
+def shows(statement: AST) -> bool:
+    """Tell whether a statement says what of an answer is shown."""
+    return statement.ast_type in (ASTType.ShowSignature, ASTType.ShowTerm)
+
+
+def label_facts(labels: Iterable[str]) -> Source:
+    """Return what the core adds to a program of the names of its labels."""
+    return Source(LABELS, "".join(f"label({label}).\n" for label in labels))
+
+
 def places(parts: Sequence[Part]) -> Iterator[Place]:
     """Yield every atom of the parts."""
     for part in parts:
@@ -110,7 +121,7 @@ class Survey:
     def _take(self, part: Part, statement: AST, found: List[Occurrence]) -> None:
         self.statements.append((part, statement, found))
         kind = statement.ast_type
-        self.shows |= kind in (ASTType.ShowSignature, ASTType.ShowTerm)
+        self.shows |= shows(statement)
         if kind == ASTType.ShowSignature and statement.name:  # "#show." is one without a name
             self.shown.setdefault(Signature(statement.name, statement.arity, bool(statement.positive)), statement)
         if kind == ASTType.Definition and statement.name not in self.constants:

@@ -7,7 +7,7 @@ import clingo
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
-from rosoclingo.oclingo.program.lint.predicates import likely_value
+from rosoclingo.oclingo.program.lint.likeness import likely_value
 from rosoclingo.oclingo.program.lint.survey import Survey, written
 from rosoclingo.oclingo.progression.terms import Signature
 

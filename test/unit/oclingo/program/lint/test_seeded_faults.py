@@ -193,11 +193,7 @@ def seeded(name, file, old, new):
     found, place = [], None
     for one in lint_programs.program(name):
         if one.name == file:
-            assert one.text.count(old) >= 1, f"{old} is not in {file}"
-            before, _, after = one.text.partition(old)
-            offset = len(before) + max(new.find("@"), 0)
-            text = before + new.replace("@", "", 1) + after
-            place = text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
+            text, place = lint_programs.seeded(one.text, old, new)
             one = Source(file, text)
         found.append(one)
     assert place is not None, f"{name} has no file {file}"
