@@ -9,7 +9,7 @@ from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
 from rosoclingo.reasoning.explanations import Explanations, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
-from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
+from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, update_status
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
@@ -254,6 +254,7 @@ class Core:
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         """Go on with an answer: what is due does not wait until all that follows from it is told."""
+        since = self._latest[0] + 1
         plan = self._follow(result)
         actions = plan.at(self._step)
         if actions:
@@ -264,12 +265,13 @@ class Core:
         shown = self._shown()
         self._announce.plan(result, shown)
         statuses = GoalStatuses(result.answers[0], self._step)
+        reading = Reading(statuses, plan, since, self._step, result.horizon, self._speaks)
         self._improvable = not result.shortest
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
         for fault in (*plan.faults, *statuses.faults):
             self._problem(fault)
         for goal in self._goals.fed:
-            update_status(goal, statuses, plan, self._step, result.horizon, self._speaks)
+            update_status(goal, reading)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
         self._announce.progress(self._step, self._goals.fed, shown)

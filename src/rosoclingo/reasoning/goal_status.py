@@ -83,28 +83,54 @@ _TEXTS = {
 }
 
 
-def update_status(goal: Goal, statuses: GoalStatuses, plan: TaskPlan, cycle: int, horizon: int, speaks: bool) -> None:
-    """Bring a fed, live goal to the state that the answer of ``cycle`` gives it.
+class Reading(NamedTuple):
+    """An answer from which statuses are read in ``cycle``; those of the cycles from ``since`` on are not read yet.
 
-    The program's ``_status`` of the cycle decides. Where it says nothing of a goal, the goal is accepted, and met (or
-    its cancellation done) as soon as no action is left in the plan; but a program that ``speaks`` of its goals, as it
-    has rules for ``_status``, and has never said a word of this one does not know it, and the goal is rejected. Before
-    the request's own cycle a program may say nothing yet: then acceptance and rejection are read at that cycle, as all
-    else would be a prediction.
+    ``horizon`` is the answer's; ``speaks`` tells that the program has rules for ``_status``.
     """
+
+    statuses: GoalStatuses
+    plan: TaskPlan
+    since: int
+    cycle: int
+    horizon: int
+    speaks: bool
+
+
+def update_status(goal: Goal, reading: Reading) -> None:
+    """Bring a fed, live goal to the state that an answer gives it.
+
+    The program's ``_status`` of the cycle decides, but for an end that it has told in a cycle whose answer was not
+    read, as none was found then: a program may tell of an end only once, and of another request of the Id later. Where
+    it says nothing of a goal, the goal is accepted, and met (or its cancellation done) as soon as no action is left in
+    the plan; but a program that ``speaks`` of its goals, as it has rules for ``_status``, and has never said a word of
+    this one does not know it, and the goal is rejected. Before the request's own cycle a program may say nothing yet:
+    then acceptance and rejection are read at that cycle, as all else would be a prediction.
+    """
+    statuses, cycle = reading.statuses, reading.cycle
     first = goal.request_cycle or cycle
-    status = statuses.read(goal.identifier, cycle)
+    status = _missed_end(goal, reading, first) or statuses.read(goal.identifier, cycle)
     if status is not None:
         goal.known = True
         _obey(goal, status)
     elif first > cycle:
-        _update_early(goal, statuses.read(goal.identifier, first), horizon >= first and not speaks)
-    elif speaks and not goal.known:
+        _update_early(goal, statuses.read(goal.identifier, first), reading.horizon >= first and not reading.speaks)
+    elif reading.speaks and not goal.known:
         _end(goal, Outcome.REJECTED, "it has no word for it")
     else:
         goal.accept()
-        if not plan.remaining(cycle):
+        if not reading.plan.remaining(cycle):
             _end(goal, Outcome.CANCELED if goal.cancelling else Outcome.SUCCEEDED)
+
+
+def _missed_end(goal: Goal, reading: Reading, first: int) -> Optional[Status]:
+    """Return the end that was told in a cycle that was not read; before ``first`` it can only be a rejection."""
+    for cycle in range(max(reading.since, first - 1), reading.cycle):
+        status = reading.statuses.read(goal.identifier, cycle)
+        outcome = None if status is None else status.outcome
+        if outcome is Outcome.REJECTED or (outcome is not None and cycle >= first):
+            return status
+    return None
 
 
 def _update_early(goal: Goal, status: Optional[Status], seen: bool) -> None:

@@ -55,6 +55,29 @@ def test_goal_that_cannot_be_met_while_another_is_under_way():
     assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
 
 
+def test_what_is_said_of_a_goal_in_the_cycle_in_which_another_cannot_be_met_is_heard():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("a", "goal(office2,office2,3)")
+    driver.facts("_blocked(office1,office2,now)")
+    driver.core.add_goal("bad", "goal(office1,7,6)")
+    driver.goal("far", "goal(office1,office2,7)").fail("failed")
+    assert driver.states("far")[-1] == "aborted"
+    assert driver.message("bad") == "the program rejects goal(office1,7,6): there is no place 7"
+
+
+def test_a_rejection_that_nobody_heard_is_not_taken_for_the_end_of_an_older_goal_with_its_id():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("old", "goal(office3,office1,6)")
+    driver.until("pickup").succeed().facts("_blocked(office1,office2,now)")
+    driver.core.add_goal("other", "goal(office1,office1,1)")
+    driver.succeed()
+    assert driver.states("old")[-1] == "aborted"  # and package 6 goes back to office3
+    assert driver.awaited
+    driver.facts("_blocked(office1,office2,now)")
+    driver.core.add_goal("bad", "goal(office3,7,6)")
+    driver.goal("far", "goal(office1,office2,7)").finish()
+    assert driver.states("far")[-1] == "aborted"
+    assert driver.message("bad") == "the program rejects goal(office3,7,6): there is no place 7"
+
+
 def test_newer_goal_gives_way():
     driver = Driver(EXCLUSIVE).goal("a", "do(walk,1)").goal("b", "do(open,2)").goal("c", "do(lock,3)").finish()
     assert driver.states("c")[-1] == "aborted"

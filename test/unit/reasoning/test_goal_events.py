@@ -8,7 +8,7 @@ import pytest
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import CoreSettings, GoalEvent, GoalState, Outcome, TaskPlan
 from rosoclingo.reasoning.goal_manager import GoalManager
-from rosoclingo.reasoning.goal_status import GoalStatuses, update_status
+from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, update_status
 from rosoclingo.reasoning.goals import TERMINAL
 from rosoclingo.reasoning.input_feeder import InputFeeder
 
@@ -51,7 +51,7 @@ def happen(event, manager):
     if word:
         statuses = GoalStatuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
         for goal in manager.fed:
-            update_status(goal, statuses, TaskPlan(), 5, 9, False)
+            update_status(goal, Reading(statuses, TaskPlan(), 5, 5, 9, speaks=False))
     elif event == "the client cancels":
         manager.cancel("key")
     else:

@@ -5,21 +5,21 @@ import pytest
 
 from rosoclingo.oclingo import parse_term
 from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
-from rosoclingo.reasoning.goal_status import GoalStatuses, Status, update_status
+from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, Status, update_status
 
 
 def answer(*atoms):
     return frozenset(clingo.parse_term(atom) for atom in atoms)
 
 
-def judged(*atoms, cycle=5, request_cycle=4, horizon=9, cancelling=False, speaks=False, known=False):
+def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=False, speaks=False, known=False):
     goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
     goal.feed(request_cycle)
     goal.known = known
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)
     shown = answer(*atoms)
-    update_status(goal, GoalStatuses(shown), extract_plan(shown), cycle, horizon, speaks)
+    update_status(goal, Reading(GoalStatuses(shown), extract_plan(shown), since, cycle, horizon, speaks))
     return goal
 
 
@@ -51,6 +51,29 @@ def test_malformed_statuses_are_faults():
 def test_a_goal_ends_with_words_of_its_own():
     assert judged("_status(1,succeeded,5)").message == "go(1) is met"
     assert judged("_status(1,aborted(tired),5)").message == "the program gives go(1) up: tired"
+
+
+@pytest.mark.parametrize(
+    ("word", "told", "ends"),
+    [
+        ("succeeded", 4, True),
+        ("aborted", 5, True),
+        ("canceled", 5, True),
+        ("succeeded", 3, False),  # before the request's own cycle all but a rejection would be a prediction
+        ("rejected", 3, True),
+        ("rejected", 2, False),  # the goal was not there yet: that is of another with its Id
+        ("accepted", 5, False),
+    ],
+)
+def test_an_end_that_was_told_in_a_cycle_without_an_answer_counts(word, told, ends):
+    atoms = f"_status(1,{word},{told})", "_status(1,accepted,6)"
+    assert judged(*atoms, cycle=6, since=2).live is not ends
+    assert judged(*atoms, cycle=6, since=told + 1).live
+
+
+def test_of_missed_ends_the_first_counts():
+    atoms = "_status(1,aborted(tired),4)", "_status(1,succeeded,5)", "_status(1,canceled,6)"
+    assert judged(*atoms, cycle=6, since=1).message == "the program gives go(1) up: tired"
 
 
 def test_worst_status_counts():
