@@ -26,8 +26,8 @@ from interface_helpers import wait_for_server
 class CrowdClient:
     """Sends its errands and notes how they end: number to terminal state and message."""
 
-    def __init__(self, client, offices, cancels):
-        self._errands = errands(client, offices, cancels)
+    def __init__(self, *kind):
+        self._errands = errands(*kind)
         self._client = ActionClient("rosoclingo", ROSoClingoAction)
         wait_for_server(self._client)
         self.ends = {}
@@ -59,9 +59,9 @@ class CrowdClient:
 
 
 if __name__ == "__main__":
-    number, offices, cancels = map(int, rospy.myargv()[1:])
+    number, offices, cancels, goals = map(int, rospy.myargv()[1:])
     rospy.init_node(f"crowd_client_{number}")
-    crowd_client = CrowdClient(number, offices, bool(cancels))
+    crowd_client = CrowdClient(number, offices, bool(cancels), goals)
     print("connected", flush=True)
     sys.stdin.readline()
     crowd_client.run()

@@ -4,7 +4,6 @@ import random
 from typing import List, NamedTuple, Optional
 
 CLIENTS = 4
-GOALS = 25  # of each client, all at once
 
 
 class Errand(NamedTuple):
@@ -26,11 +25,11 @@ def names(offices: int) -> List[str]:
     return [f"office{number}" for number in range(1, offices + 1)]
 
 
-def errands(client: int, offices: int, cancels: bool) -> List[Errand]:
-    """The errands of one client, 0 to CLIENTS - 1, between so many offices, all to be met or some to be cancelled."""
+def errands(client: int, offices: int, cancels: bool, goals: int) -> List[Errand]:
+    """So many errands of one client, 0 to CLIENTS - 1, all to be met or some to be cancelled."""
     draw = random.Random(client)
     patience = [None, None, 0, 1, 2, 4] if cancels else [None]
-    return [_errand(draw, client * GOALS + number, offices, patience) for number in range(1, GOALS + 1)]
+    return [_errand(draw, client * goals + number, offices, patience) for number in range(1, goals + 1)]
 
 
 def _errand(draw: random.Random, number: int, offices: int, patience: List[Optional[int]]) -> Errand:

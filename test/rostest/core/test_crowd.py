@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""A hundred goals from four clients at once, some of them cancelled: all are accounted for, no package is lost.
+"""Many goals from four clients at once, some of them cancelled: all are accounted for, no package is lost.
 
-Parameters: ``~offices``, how many there are, and ``~cancels``, whether some goals are cancelled; if not, all are met.
+Parameters: ``~offices``, how many there are, ``~cancels``, whether some goals are cancelled; if not, all are met, and
+``~goals``, how many each client has.
 """
 
 import collections
@@ -15,7 +16,7 @@ import rospy
 import rostest
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus
-from crowd_errands import CLIENTS, GOALS, errands, names
+from crowd_errands import CLIENTS, errands, names
 from move_base_msgs.msg import MoveBaseAction
 from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult, ROSoClingoActionResult
 
@@ -70,7 +71,7 @@ class QuickRobot:
 
 class Crowd(unittest.TestCase):
     def test_all_are_accounted_for(self):
-        self.kind = rospy.get_param("~offices"), rospy.get_param("~cancels")
+        self.kind = tuple(map(rospy.get_param, ("~offices", "~cancels", "~goals")))
         offices = names(self.kind[0])
         wanted = [errand for client in range(CLIENTS) for errand in errands(client, *self.kind)]
         packages = {office: [one.number for one in wanted if one.origin == office] for office in offices}
@@ -87,7 +88,7 @@ class Crowd(unittest.TestCase):
         where = {int(place.package): place.location for place in robot.office.places}
         for errand in wanted:
             self.judge(errand, *ends[errand.number], where[errand.number])
-        wait_until(lambda: len(results) == CLIENTS * GOALS, "all results")
+        wait_until(lambda: len(results) == len(wanted), "all results")
         self.assertEqual(set(results.values()), {1}, "a goal has ended twice")
 
     def play(self):

@@ -9,7 +9,7 @@ from mailbot_world import ENCODINGS, fewest_steps, neighbours
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
-EXAMPLES = settings(max_examples=max(1, settings.default.max_examples // 6))
+EXAMPLES = settings(max_examples=max(1, settings.default.max_examples // 12))
 
 
 def mailbot(corridors, capacity, bounded=True, **constants):

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import clingo
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
@@ -152,6 +152,7 @@ def check_each(named, everything, has_plan):
 
 
 @pytest.mark.slow
+@settings(max_examples=max(5, settings.default.max_examples // 2))
 @given(CASES)
 def test_reasons_hold_and_none_of_them_is_idle(case):
     check(case)

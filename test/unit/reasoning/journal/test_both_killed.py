@@ -222,6 +222,7 @@ SCRIPT = [
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_either_is_killed_at_every_instant():
     _, fate = played(SCRIPT)
     interfaces = 0
@@ -249,7 +250,7 @@ ORDERED = st.one_of(
 
 @pytest.mark.slow
 @pytest.mark.once
-@settings(max_examples=max(5, settings.default.max_examples // 4))
+@settings(max_examples=max(5, settings.default.max_examples // 8))
 @given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
 def test_each_package_of_the_mailbot_is_where_it_belongs(script, kills):
     played(script, kills, Mailbot)

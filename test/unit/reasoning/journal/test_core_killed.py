@@ -43,6 +43,7 @@ SCRIPT = [
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_killed_at_every_instant():
     _, fate = played(SCRIPT)
     assert fate.writes

@@ -57,6 +57,7 @@ def run(code, **environment):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_after_the_rehearsals_nothing_is_left_to_compile():
     assert int(run(DRIVES)) > 70
 
