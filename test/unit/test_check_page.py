@@ -30,6 +30,7 @@ def matches(shown, printed):
     return re.fullmatch(pattern, printed) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [PAGE, WHY], ids=["check", "why_no_plan"])
 def test_the_page_is_true(tmp_path, page):
     pytest.importorskip("genpy", reason="types of messages are looked at")

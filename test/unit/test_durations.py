@@ -3,6 +3,7 @@
 import os
 import sys
 
+import pytest
 from durations import Duration, summary
 from processes import run
 
@@ -37,6 +38,7 @@ def test_a_report_that_is_cut_off_counts_as_one(tmp_path):
     assert summary([Duration("unit", "unit", 0.0, 9.0, 1.0, tmp_path / "unit.xml")])[-1] == "       9.0 s: unit"
 
 
+@pytest.mark.slow
 def test_cpu_time_is_that_of_all_that_a_command_starts(tmp_path):
     code = f"import subprocess, sys\nsubprocess.run([sys.executable, '-c', {BUSY!r}])"
     finished = run([sys.executable, "-c", code], tmp_path / "log", 60.0, os.environ)

@@ -78,6 +78,7 @@ def test_this_checkouts_bench_measures_a_commit_that_has_none(repository):
     assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
 
 
+@pytest.mark.slow
 def test_it_measures_a_commit_that_has_another(repository):
     repository.bench("another value")
     commit = repository.commit(3)

@@ -44,6 +44,7 @@ def run(script, *arguments, **environment):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_help_names_the_parameters_and_needs_no_master(script):
     done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")
@@ -72,6 +73,7 @@ def run_without(modules, folder, script, *arguments):
     return run(script, *arguments, PYTHONPATH=os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
 def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
     done = run_without(["clingo"], tmp_path, script, "--help")
@@ -106,6 +108,7 @@ def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, modu
     assert line.endswith(" numba Pillow")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "script", some_slow(["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])
 )

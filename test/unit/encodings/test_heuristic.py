@@ -199,6 +199,7 @@ def test_the_rules_of_a_step_are_no_more_than_places_and_requests(corridors):
     assert large[-1] == large[-2]
 
 
+@pytest.mark.slow
 def test_what_a_domain_adds_is_heeded_in_the_house_too():
     house = shipped("house.lp", "home.lp")
     kinds = {str(one.ast_type) for part in house.parts for one in part.statements}

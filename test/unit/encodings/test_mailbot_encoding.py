@@ -198,6 +198,7 @@ def test_a_detour_is_taken_while_a_connection_is_blocked():
     assert ends(robot) == {1: "succeeded", 2: "succeeded"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [1, pytest.param(2, marks=RARE)])
 def test_who_is_driven_by_somebody_else_gives_up_until_somebody_asks(first):
     robot = Mailbot(6, ROW)

@@ -124,6 +124,7 @@ def test_unknown_office_is_rejected_and_the_rest_unharmed(talking_mailbot):
     assert talking_mailbot.states("good") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_five_requests_with_capacity_three(mailbot):
     for number in range(1, 6):
         mailbot.core.add_goal(str(number), f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})")

@@ -58,6 +58,7 @@ def test_where_it_was_is_told_late(mailbot):
     assert mailbot.problems == []
 
 
+@pytest.mark.slow
 def test_where_it_cannot_have_been_is_taken_for_where_it_is(mailbot):
     mailbot.goal("key", "goal(office3,office4,1)").succeed().succeed().succeed()
     mailbot.facts("_at(office2,2)").finish()

@@ -68,6 +68,7 @@ def test_it_changes_no_answer(data):
     assert plans == solve(mailbot(corridors, capacity, bounded=False), requests, fewest)[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (8, 3), (60, 1)])
 def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopeless):
     """Seven packages, three at a time, over one corridor: there in three loads, or back."""
@@ -78,12 +79,14 @@ def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopel
         assert solve(program, requests, fewest, models=1)[0].satisfiable
 
 
+@pytest.mark.slow
 def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
     assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
 
 
+@pytest.mark.slow
 def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
     """Whatever else there is to do, and however many steps there are."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (1, 3)], 3)
@@ -95,6 +98,7 @@ def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
     assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("capacity", [0, -1])
 def test_a_robot_that_can_carry_nothing_has_a_bound_that_ends(capacity):
     assert solve(mailbot([(1, 2)], capacity), [(1, 2), (2, 1)], 9)[0].unsatisfiable

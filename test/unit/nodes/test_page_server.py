@@ -222,6 +222,7 @@ def test_a_viewer_gets_all_and_then_what_is_new(served):
     play(scene())
 
 
+@pytest.mark.slow
 def test_who_comes_late_and_who_was_there_know_the_same(served):
     async def scene():
         early = await served.connect()
@@ -246,6 +247,7 @@ def test_that_the_core_is_gone_is_told(served):
     play(scene())
 
 
+@pytest.mark.slow
 def test_another_view_is_told_whole(served):
     async def scene():
         client = await served.connect()

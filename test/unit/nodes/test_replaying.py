@@ -74,6 +74,7 @@ def write(monkeypatch, tmp_path, driver):
     return write
 
 
+@pytest.mark.slow
 def test_a_recorded_run_replays(replay, write):
     code, text = replay(write())
     assert code == 0
@@ -103,6 +104,7 @@ def test_a_cycle_beyond_the_run(replay, write, capsys):
     assert "--to 999 is beyond" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_decision_that_is_no_plan_is_an_error(replay, write):
     def change(topic, message):
         if topic == "rosoclingo/task_plan" and message.cycle == 2 and message.actions:
@@ -137,6 +139,7 @@ def test_a_bag_of_an_earlier_version_lacks_the_program(replay, write, capsys):
     assert replay(path, "--program", *files)[0] == 0
 
 
+@pytest.mark.slow
 def test_another_program(replay, write, tmp_path):
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
     assert "another program" not in replay(write(), "--program", *files)[1]
@@ -167,6 +170,7 @@ def test_one_of_several_cores(replay, write, capsys):
     assert "the core c is not in it, but /a/rosoclingo, /b/rosoclingo" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_core_that_was_started_again(replay, write, capsys):
     path = write(spaces=("/", "/"), left_out=["rosoclingo/program"])
     files = ("--program", ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
@@ -214,6 +218,7 @@ def journal(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_a_journal_replays(replay, journal, tmp_path):
     code, text = replay(journal)
     assert code == 0

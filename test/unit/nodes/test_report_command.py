@@ -253,6 +253,7 @@ def journal(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_a_journal_has_a_report(report, journal, tmp_path):
     assert report(journal, "-o", tmp_path / "out.html") == (0, [f"report: {tmp_path / 'out.html'}"])
     page = shown(tmp_path / "out.html")

@@ -75,6 +75,7 @@ def test_driving_to_the_pickup(preempt):
     assert office.world.places == {"1": "office3"}
 
 
+@pytest.mark.slow
 @PREEMPT
 @pytest.mark.parametrize("answer", ["success", "preempted", "failed"])
 def test_during_the_pickup(preempt, answer):
@@ -111,6 +112,7 @@ def test_during_a_delivery_that_fails(preempt):
     assert office.world.places == {"1": "office3"}
 
 
+@pytest.mark.slow
 @PREEMPT
 @pytest.mark.parametrize("action", ["move_base,office2", "pickup,1", "deliver,1"])
 def test_together_with_a_failure(preempt, action):

@@ -2,6 +2,7 @@
 
 from functools import lru_cache
 
+import pytest
 from core_driver import Driver
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -138,6 +139,7 @@ class Play:
         return [one.state.value for one in events if one.key == key and one.outcome is not None]
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 2, suppress_health_check=[HealthCheck.too_slow])
 @given(FLOORS, st.sampled_from(sorted(SHUT)), st.sampled_from(sorted(POWER)), EVENTS)
 def test_no_fact_ends_a_goal(doors, shut, power, events):
@@ -173,6 +175,7 @@ HOUSE_EVENTS = st.lists(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 10, suppress_health_check=[HealthCheck.too_slow])
 @given(HOUSE_EVENTS)
 def test_the_house_goes_on(events):

@@ -1,5 +1,6 @@
 """What was done stays in the plan that is told, whatever the solver has let go of meanwhile."""
 
+import pytest
 from core_driver import ERRANDS, Driver
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -100,6 +101,7 @@ class Play:
             self.driver.fail(what)
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 4)
 @given(EVENTS)
 def test_it_stays_whatever_happens(events):

@@ -37,6 +37,7 @@ def dispatched(told):
     return {event.cycle: [str(one.atom) for one in event.actions] for event in events}
 
 
+@pytest.mark.slow
 def test_it_has_what_was_told_and_what_went_out(whole):
     data, told = whole
     run = journal_run(data)
@@ -53,6 +54,7 @@ def test_it_is_solved_again(whole):
     assert [one.line() for one in reports if not one.explained or one.verdict not in AGREEING] == []
 
 
+@pytest.mark.slow
 def test_another_decision_is_told(whole):
     run = journal_run(whole[0])
     cycle = next(one for one in run.cycles if one.dispatched)

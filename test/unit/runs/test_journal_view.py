@@ -25,6 +25,7 @@ def whole(tmp_path_factory):
     return play(path, shipped("mailbot.lp", "office.lp"), GOALS, kept={"labels": LABELS})
 
 
+@pytest.mark.slow
 def test_goals_have_their_times_states_and_reasons(whole):
     goals = {goal["id"]: goal for goal in records(journal_view(whole[0]), "goals")}
     assert [(key, goal["request"], goal["sent"]) for key, goal in goals.items()] == [

@@ -59,6 +59,7 @@ def first(run, program, **options):
     return next(Replay(run, program, **options).reports())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", PLANS)
 def test_a_run_agrees_with_itself(way):
     driver = played(way, "goal(office3,office2,1)", "goal(office4,office1,2)", "goal(office2,office4,3)")
@@ -171,6 +172,7 @@ def test_a_search_that_takes_too_long_is_ended():
     assert first(run, program, search_time=1e-9).verdict is Verdict.NONE
 
 
+@pytest.mark.slow
 def test_the_program_that_was_kept_is_the_same_program(tmp_path):
     program = shipped("mailbot.lp", "office.lp")
     kept = RunProgram.parse(RunProgram.of("run", program, {"plan": "soon", "plan_time": 2.5}).text())
@@ -196,6 +198,7 @@ def test_the_text_of_a_program_that_was_changed_is_refused():
         RunProgram.parse('{"format": 2}')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("goals", [("goal(office3,office2,1)", "goal(office4,office1,2)")])
 def test_the_stream_gives_the_same_answers_by_the_command(goals, tmp_path, capsys):
     driver = played("shortest", *goals)

@@ -162,6 +162,7 @@ def names(found):
     return [one.rule.text for one in found.rules]
 
 
+@pytest.mark.slow
 def test_a_constraint_is_named_with_the_fact_that_it_needs():
     found = check(Case(FACTS[:4], [], CHOICES[0], CONSTRAINTS[:3], VOLATILE[:1]))
     assert names(found) == [CONSTRAINTS[2], VOLATILE[0]]

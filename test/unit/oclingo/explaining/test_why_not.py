@@ -96,6 +96,7 @@ def test_rules_without_any_constraint_may_have_no_answer():
     assert "No constraint forbids it" in found.text()
 
 
+@pytest.mark.slow
 def test_a_stop_leaves_what_was_found():
     facts = "_request(go(c),2). shut(c,1). shut(c,2). shut(c,3). shut(c,4). shut(c,5)."
     with pytest.raises(OutOfTimeError):

@@ -98,6 +98,7 @@ wanted(X,t) :- wanted(X,t-1).
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("between", [signal.SIGCONT, signal.SIGKILL])
 def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
     """It reads all of that later, as another one does where it has ended."""

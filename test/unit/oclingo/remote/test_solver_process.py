@@ -76,6 +76,7 @@ def after_work(process, seconds=0.1):
     return lambda: process.worked > before + seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [case for case in CASES if len(case["updates"]) > 2], ids=lambda case: case["name"])
 def test_answers_are_those_of_a_solver_in_this_process(case):
     program = ReactiveProgram.from_text(case["program"])

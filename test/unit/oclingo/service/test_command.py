@@ -246,6 +246,7 @@ def test_port_in_use(files, capsys):
     )
 
 
+@pytest.mark.slow
 def test_program_and_stream_from_standard_input(files):
     assert run("-", "0", "--stream", "updates.str", text=PROGRAM)[1].count("Answer 2") == 2
     assert run("program.lp", "--stream", "-", text=STREAM)[1].count("Answer 1") == 2
@@ -278,6 +279,7 @@ def test_service_of_two_files_until_stop(files):
         assert serving.end() == (0, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "message"), [(signal.SIGINT, "stopped\n"), (signal.SIGTERM, "")])
 @pytest.mark.parametrize("program", ["endless.lp", "exploding.lp", "program.lp"])
 def test_a_signal_ends_the_service_whatever_it_does(files, program, number, message):

@@ -43,6 +43,7 @@ def kill(client):
     client.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
 def test_answers_are_those_of_oclingo(case):
     with running(case["program"]) as found:

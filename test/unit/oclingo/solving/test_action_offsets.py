@@ -96,6 +96,7 @@ GOALS = ["", ":- not acts(t).", ":- e(t)."]
 PROGRAMS = st.builds(Program, st.lists(HEADS, min_size=1, max_size=2).map(tuple), st.sampled_from(GOALS))
 
 
+@pytest.mark.slow
 @given(PROGRAMS, st.data(), st.integers(0, 3))
 def test_answers_hold_the_actions_that_the_past_and_the_horizon_allow(program, data, margin):
     """Every answer of the least horizon, cycle by cycle, while steps are retired and the program is ground anew."""

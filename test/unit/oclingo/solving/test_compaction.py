@@ -74,6 +74,7 @@ def drive(solver, cycles, margin):
     return answers
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("margin", [0, 1, 5])
 def test_answers_stay_the_same(margin, monkeypatch):
     monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
@@ -95,6 +96,7 @@ def test_nothing_accumulates():
     assert len(state.forgotten) < 12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("offset", range(-3, 4))
 @pytest.mark.parametrize("name", ["t", "T"])
 def test_nothing_accumulates_wherever_the_actions_of_a_step_lie(offset, name):
@@ -235,6 +237,7 @@ def decide(draw, steps):
     return [Statement(None, (Literal(atom, atom.name == "q" or draw(st.booleans())),)) for atom in atoms]
 
 
+@pytest.mark.slow
 @given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
 def test_answers_equal_those_of_a_solver_that_only_forgets(parts, data, margin):
     """Random programs: where steps are decided or not, answers are as if their externals had been forgotten."""

@@ -107,6 +107,7 @@ def subsets(things):
     return [frozenset(some) for size in range(len(things) + 1) for some in combinations(sorted(things), size)]
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples * 2 // 5)
 @given(streams())
 def test_as_if_never_told(stream):

@@ -191,6 +191,7 @@ OPTIONS = {"models": 0, "log_limit": 3}
 OPTIONS = {"models": 0, "log_limit": 3}
 
 
+@pytest.mark.slow
 @given(PARTS, st.lists(UPDATES, min_size=1, max_size=6), st.lists(st.sampled_from([None, *WAYS]), min_size=6))
 def test_whoever_reads_a_log_answers_as_its_writer_and_as_one_from_scratch(lent, parts, updates, ways):
     """``ways`` tell how new readers, here and in another process, begin before each update; None: those there are."""

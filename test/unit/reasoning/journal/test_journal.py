@@ -131,6 +131,7 @@ def test_only_what_has_changed_is_written(folder):
     assert folder.read().state == {"core": 2, "goal:1": "x" * 1000}
 
 
+@pytest.mark.slow
 def test_it_does_not_grow_without_end(folder, monkeypatch):
     monkeypatch.setattr(module, "LONG", 2000)
     journal, sizes = Journal(folder, HEADER), []

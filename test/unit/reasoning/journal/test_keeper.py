@@ -194,6 +194,7 @@ def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
     assert max(sizes) < 3 * max(states)
 
 
+@pytest.mark.slow
 def test_the_journal_stays_small(start, monkeypatch):
     monkeypatch.setattr(folder, "LONG", 10_000)
     node, sizes = start(), []

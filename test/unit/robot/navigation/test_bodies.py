@@ -127,6 +127,7 @@ def test_nobody_is_ever_in_anything(seed, resolution, pillars, pair, places, gat
             assert Things(world, name).overlap(robot) == "", (event, name)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 999), st.sampled_from([0.05, 0.1, 0.5]), st.integers(0, 12), bodies, poses, obstacles)
 def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution, pillars, body, pose, obstacle):
     """The robot starts in a corner of its own, far off."""

@@ -295,6 +295,7 @@ def test_two_robots_pass_each_other_in_a_corridor():
     assert collisions == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_tight_door_is_not_touched(seed):
     """Four and a half centimetres on either side, entered from anywhere, to and fro."""

@@ -97,6 +97,7 @@ def test_facts():
     )
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path):
     script = [sys.executable, str(ROOT / "scripts" / "places")]
     environment = {"PYTHONPATH": str(ROOT / "src"), "PATH": "/usr/bin:/bin", "NUMBA_DISABLE_JIT": "1"}

@@ -46,6 +46,7 @@ def test_the_packages_own_loops_are_kept_there():
     assert square_distance.stats.cache_path.startswith(FOLDER)
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_written_costs_time_only(tmp_path):
     (tmp_path / "file").write_text("")
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "file" / "folder")}

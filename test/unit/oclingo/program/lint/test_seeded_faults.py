@@ -200,6 +200,7 @@ def seeded(name, file, old, new):
     return found, place
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
     sources, (line, column) = seeded(name, file, old, new)

@@ -91,6 +91,7 @@ def test_a_program_without_constants():
     assert told[0].severity == "error"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mailbot", "house"])
 def test_constants_of_the_shipped_programs(name):
     assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []
