@@ -8,6 +8,7 @@ import yaml
 
 roslaunch = pytest.importorskip("roslaunch")
 from roslaunch.config import ROSLaunchConfig  # noqa: E402
+from roslaunch.core import RLException  # noqa: E402
 from roslaunch.xmlloader import XmlLoader  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -122,6 +123,20 @@ def test_the_core_goes_on_or_everything_ends_with_it(file, given, again, journal
     assert (found["journal"], found["resume"], found["required"]) == (journal, "ask", True)
     if file != "core.launch":
         assert node(config, "pickup_interface").respawn
+
+
+def test_the_floor_of_a_map():
+    found = parameters(
+        load("mailbot.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office1"), "/rosoclingo/"
+    )
+    assert "connection(office1,office2)." in found["places"]
+    assert found["places"].endswith("start(office1).\n")
+    assert "places" not in parameters(load("mailbot.launch"), "/rosoclingo/")
+
+
+def test_a_floor_that_cannot_be_made():
+    with pytest.raises(RLException, match="places"):
+        load("core.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office9")
 
 
 def test_a_journal_of_ones_own():

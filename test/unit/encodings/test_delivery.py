@@ -45,7 +45,7 @@ def listed(file):
 def test_what_fails_is_joined_to_the_other_rules_by_the_hooks_that_are_listed():
     rules = [ENCODINGS / "delivery" / name for name in ("rules.lp", "statuses.lp")]
     others = [file for file in FILES if file not in rules]
-    assert len(others) == 5
+    assert len(others) == 6
     hooks = predicates(False, *rules) & (predicates(True, *others) - predicates(True, *rules))
     assert hooks == listed(ENCODINGS / "delivery" / "rules.lp")
     assert len(hooks) <= 8
@@ -57,7 +57,7 @@ def test_every_name_is_listed_or_begins_with_an_underscore():
     names = {one for one in predicates(True, *FILES) | shown(*FILES) if not one.name.startswith("_")}
     assert names <= known
     given = {one.name for one in known - names if not one.name.startswith("_")}
-    assert given == {"place", "connection", "start", "kind", "cancel", "order", "refused"}
+    assert given == {"place", "connection", "distance", "start", "kind", "cancel", "order", "refused"}
 
 
 def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_may_have():

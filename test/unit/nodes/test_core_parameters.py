@@ -7,7 +7,7 @@ import yaml
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.core import loading as module
 from rosoclingo.nodes.core.loading import CoreParameters, core_parameters, load_program
-from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.oclingo import ProgramError, ReactiveSolver
 from rosoclingo.reasoning import CoreSettings
 
 
@@ -40,6 +40,7 @@ def test_all_parameters(program):
         "journal": "~/kept",
         "resume": "yes",
         "required": True,
+        "places": "place(a).",
     }
     found = core_parameters(values)
     assert found == CoreParameters(
@@ -53,6 +54,7 @@ def test_all_parameters(program):
         "~/kept",
         "yes",
         True,
+        "place(a).",
         {"office1": [1.0, 2.0, 0.0]},
     )
 
@@ -142,6 +144,17 @@ def test_constants_and_labels_reach_the_program(program):
     )
     answer = {str(atom) for atom in ReactiveSolver(loaded).solve().answers[0]}
     assert answer == {"at(3,1)", "label(kitchen)"}
+
+
+def test_places_reach_the_program(program):
+    found, _ = load_program(core_parameters({"program_files": program, "places": "#program base.\nplace(hall)."}))
+    result = ReactiveSolver(found).solve()
+    assert "place(hall)" in {str(one) for one in result.answers[0]}
+
+
+def test_places_that_are_no_facts_are_told_by_their_name(program):
+    with pytest.raises(ProgramError, match="~places:2:1"):
+        load_program(core_parameters({"program_files": program, "places": "place(hall)\n#program"}))
 
 
 def test_constants_that_do_not_fit_the_program(program):

@@ -61,6 +61,7 @@ class CoreNode:
         ~constants (map, default {}): values of the program's ``#const`` names; numbers where the program has numbers.
         ~labels (map, default {}): named locations, or a list of their names; each is given to the program's base part
             as ``label(Name).``
+        ~places (str, default ""): facts to add to the program, of the floor as the command ``places`` writes them.
         ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
             further goal adds a tenth.
         ~plan (str, default soon): ``soon``: each plan is the shortest if that is found within ``~plan_time``, else the

@@ -22,12 +22,16 @@ PLANS = ("soon", "shortest")
 #: In place of a journal's folder: the usual one, and none; empty is none, too.
 AUTO, NONE = "auto", "none"
 
+#: The name of the facts of ``~places`` in messages.
+PLACES = "~places"
+
 
 @dataclass(frozen=True)
 class CoreParameters:
     """The parameters of the core node.
 
-    ``places`` are the poses of labels in the map (x, y, yaw; m, rad), where they are given. ``recovery_timeout`` and
+    ``floor`` is text that is added to the program. ``places`` are the poses of labels in the map (x, y, yaw; m, rad),
+    where they are given. ``recovery_timeout`` and
     ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or NONE. ``required`` is read by
     :mod:`rosoclingo.common.launched`, whether or not the rest can be.
     """
@@ -42,6 +46,7 @@ class CoreParameters:
     journal: str = AUTO
     resume: str = RESUMES[0]
     required: bool = False
+    floor: str = ""
     places: Mapping[str, List[float]] = field(default_factory=dict)
 
     @property
@@ -80,6 +85,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         journal=given.at("journal").text(CoreParameters.journal, empty=True, wanted="a folder, auto or none"),
         resume=_resume(given.at("resume")),
         required=given.at("required").flag(CoreParameters.required),
+        floor=given.at("places").text(CoreParameters.floor, empty=True, wanted="facts, as the command places prints"),
     )
     given.check()
     return found
@@ -91,6 +97,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
     Raises ProgramError with all its faults, ParameterError for constants that do not fit it.
     """
     sources = [Source.from_file(Path(name)) for name in parameters.program_files]
+    sources += [Source(PLACES, parameters.floor)] if parameters.floor else []
     sources.append(label_facts(parameters.labels))
     try:
         program = ReactiveProgram(sources, parameters.constants)

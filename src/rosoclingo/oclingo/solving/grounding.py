@@ -259,6 +259,7 @@ class Grounding:
         given: Iterable[Tuple[clingo.Symbol, bool]] = (),
         conflicts: Optional[int] = None,
         best: bool = True,
+        proven: bool = True,
         untold: FrozenSet[clingo.Symbol] = frozenset(),
         kept: Sequence[clingo.Symbol] = (),
     ) -> Search:
@@ -267,7 +268,8 @@ class Grounding:
         Below the last grounded step, volatile rules hold as they did at that horizon; where ``first`` < ``last`` the
         answers' horizons are free within the range. Only answers are looked for in which the atoms ``given`` are as
         they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
-        ``best``, or else any. Of the facts in doubt all were told but those ``untold``. What is ``kept`` is true.
+        ``best``, or else any; where that need not be ``proven``, the best that is found until the search is stopped.
+        Of the facts in doubt all were told but those ``untold``. What is ``kept`` is true.
         """
         self.atoms.end_definitions()
         assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
@@ -279,8 +281,8 @@ class Grounding:
         this = proxy(self)  # since the control keeps the function, which must not keep the control
 
         def keep(model: clingo.Model) -> None:
-            """Take a model for an answer; where there is something to optimize, only one that is proven best."""
-            if not best or not model.cost or model.optimality_proven:
+            """Take a model for an answer; where there is something to optimize, one that is proven best or will do."""
+            if not (best and proven and model.cost) or model.optimality_proven:
                 this.shown = frozenset(model.symbols(shown=True)) - this._hidden - this._ends.names
                 answers.append(this.shown | this._retired)
                 horizons.append(this._ends.horizon_of(model, first, last))
@@ -289,17 +291,15 @@ class Grounding:
 
         assumptions: List[Any] = [*told, *horizon, *given]  # clasp blames the first ones first
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
-            while not handle.wait(POLL):
-                if stopped():
-                    handle.cancel()
-            result = handle.get()
+            result = _awaited(handle, stopped)
             refuted = Search(False, timeless=not horizon)
             if assumed and result.satisfiable is False:
                 refuted = assumed.refuted_by(handle, horizon)
-        self.satisfied = bool(result.satisfiable)
-        if result.interrupted or result.unknown:
+        self.satisfied = bool(result.satisfiable or answers)
+        if (result.interrupted or result.unknown) and (proven or not answers):
             return Search(None)
-        return Search(True, tuple(answers), horizons[-1], foreseen=foreseen[-1]) if self.satisfied else refuted
+        kept_answers = tuple(answers if proven else answers[-1:])
+        return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1]) if self.satisfied else refuted
 
     def _assumed(self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol]) -> Optional[Assumptions]:
         """Return what a search assumes beside its horizon; None where nothing is in doubt or kept, as a rule."""
@@ -331,6 +331,13 @@ class Grounding:
             if self._options.get(name) != value:
                 setattr(self._control.configuration.solve, name, value)
         self._options = options
+
+
+def _awaited(handle: clingo.SolveHandle, stopped: Callable[[], bool]) -> clingo.SolveResult:
+    while not handle.wait(POLL):
+        if stopped():
+            handle.cancel()
+    return handle.get()
 
 
 BLOCK = 64

@@ -128,10 +128,10 @@ def _try(program: ReactiveProgram, halt: Callable[[], bool]) -> Optional[bool]:
     try:
         grounding = Grounding(program, (), set(), shortest=True)
         grounding.ground_to(first)
-        found = grounding.search(1, halt, first, first).satisfiable
+        found = grounding.search(1, halt, first, first, best=False).satisfiable
         if found:
             grounding.ground_to(first + _TRIAL_STEPS)
-            found = grounding.search(1, halt, first, first).satisfiable
+            found = grounding.search(1, halt, first, first, best=False).satisfiable
         return found
     except RuntimeError:  # the search itself tells what is wrong
         return False

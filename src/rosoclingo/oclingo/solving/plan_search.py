@@ -184,11 +184,12 @@ class PlanSearch(HorizonSearch):
             self._best = sooner if sooner.satisfiable else found
 
     def _all(self, transaction: Transaction, best: Search) -> Search:
-        """Find all answers, or the best, of the plan's horizon where more than any is asked for and there is time."""
-        if self._models == 1 and not transaction.program.optimizes:
+        """Find all answers of the plan's horizon, or a better one in the time that is left."""
+        one = self._models == 1
+        if one and not transaction.program.optimizes:
             return best
-        self._halt = self._caller_halts if self._models != 1 else self._is_over
-        found = self._ask(transaction, best.horizon, best.horizon)
+        self._halt = self._is_over if one else self._caller_halts
+        found = self._ask(transaction, best.horizon, best.horizon, proven=not one)
         return found if found.satisfiable else best
 
     # ---- Questions ---------------------------------------------------------------------------------------------------

@@ -25,18 +25,21 @@ class FloorError(ValueError):
 class Floor(NamedTuple):
     """Labels ``places``, in order, and ``distances`` (m) of the pairs of them, in order, between which there is a way.
 
-    ``connections`` are the pairs with no third place on the way.
+    ``connections`` are the pairs with no third place on the way. ``start`` is where the robot is at first, empty where
+    that is not told.
     """
 
     places: Tuple[str, ...]
     distances: Dict[Pair, float]
     connections: Tuple[Pair, ...]
+    start: str = ""
 
     def facts(self) -> str:
-        """The floor as facts: place/1, connection/2, distance/3, in decimetres and both directions."""
+        """The floor as facts: place/1, connection/2, distance/3, in decimetres and both directions, and start/1."""
         lines = [" ".join(f"place({place})." for place in self.places), ""]
         lines += [f"connection({a},{b})." for a, b in self.connections]
         lines += ["", *(f"distance({a},{b},{d}). distance({b},{a},{d})." for a, b, d in self._decimetres())]
+        lines += ["", f"start({self.start})."] if self.start else []
         return "\n".join(lines) + "\n"
 
     def _decimetres(self) -> List[Tuple[str, str, int]]:
@@ -62,17 +65,19 @@ def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Fl
     return Floor(names, distances, tuple(pair for pair in distances if not _between(names, distances, pair, detour)))
 
 
-def floor_program(map_file: str, labels_file: str, radius: float, detour: float = DETOUR) -> str:
+def floor_program(map_file: str, labels_file: str, radius: float, detour: float = DETOUR, start: str = "") -> str:
     """The floor of files (YAML) as a program, with ways that keep ``radius`` (m) from what is on the map.
 
-    Raises MapError, LabelError, FloorError.
+    The robot is at the label ``start`` at first, if one is named. Raises MapError, LabelError, FloorError.
     """
     labels = read_yaml(labels_file, "labels", LabelError)
     table = LabelTable.read(labels)
     labels.check(LabelError)
+    if start and start not in table.names:
+        raise FloorError(f"{labels_file}: there is no label {start}: it has {', '.join(sorted(table.names))}")
     floor = floor_of(Costmap(load_map(map_file), CostmapLimits(robot_radius=radius)), table, detour)
     head = f"% The floor of {map_file} with {labels_file}, made by rosoclingo's command places."
-    return f"{head}\n\n#program base.\n\n{floor.facts()}"
+    return f"{head}\n\n#program base.\n\n{floor._replace(start=start).facts()}"
 
 
 def _between(names: Tuple[str, ...], distances: Dict[Pair, float], ends: Pair, detour: float) -> bool:

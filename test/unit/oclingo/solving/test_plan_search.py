@@ -63,7 +63,7 @@ class World:
         assert first == self.state.step
         return sorted(actions(*range(first, min(last, self.state.horizon) + 1)))
 
-    def search(self, models, halt, first, last, given=(), conflicts=None, best=True):
+    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, proven=True):
         assert self.state.settled <= first <= last <= self.state.horizon
         assert best or models == 1
         marks = "".join(sorted("-+"[value] + str(cycle_of(one)) for one, value in given))

@@ -225,3 +225,29 @@ def test_all_answers_of_the_plans_horizon_where_all_are_asked_for():
 def test_a_time_for_plans_is_for_shortest_ones():
     with pytest.raises(ValueError, match="plan_time needs shortest"):
         ReactiveSolver(PROGRAMS[True], plan_time=1.0)
+
+
+def test_the_best_that_was_found_where_there_is_no_time_to_prove_it(monkeypatch):
+    """To prove that fourteen pigeons in thirteen holes can't all sit alone takes for ever."""
+    text = """
+        #program base. pigeon(1..14). hole(1..13).
+        #program cumulative(t). 1 { sits(P,H,t) : hole(H) } 1 :- pigeon(P).
+        #minimize { 1,P,Q,t : sits(P,H,t), sits(Q,H,t), P < Q }.
+        #program volatile(t). :- t < 1.
+    """
+    before, original = [], Grounding.search
+
+    def search(grounding, *arguments, **options):
+        if options.get("best", True):
+            before.extend((grounding, grounding.shown))
+        return original(grounding, *arguments, **options)
+
+    def clock():
+        """The time is over as soon as the search for the best has a plan."""
+        return float(bool(before) and before[0].shown is not before[1])
+
+    monkeypatch.setattr(Grounding, "search", search)
+    solver = ReactiveSolver(ReactiveProgram.from_text(text), shortest=True, plan_time=1.0, clock=clock)
+    result = solver.update(StreamUpdate(1))
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    assert result.answers[0] == before[0].shown != before[1]

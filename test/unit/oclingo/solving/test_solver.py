@@ -326,9 +326,9 @@ def test_whether_steps_may_be_idle_stays_unknown_where_the_trial_was_ended(monke
     searches = []
 
     class Ended(Grounding):
-        def search(self, *arguments):
+        def search(self, *arguments, **options):
             searches.append(arguments)
-            return Search(None) if len(searches) == number else super().search(*arguments)
+            return Search(None) if len(searches) == number else super().search(*arguments, **options)
 
     program = ReactiveProgram.from_text(WALK)
     monkeypatch.setattr(idling, "Grounding", Ended)

@@ -97,6 +97,10 @@ def test_facts():
     )
 
 
+def test_where_the_robot_is_at_first():
+    assert Floor(("a",), {}, (), "a").facts().endswith("\nstart(a).\n")
+
+
 @pytest.mark.slow
 def test_the_command(tmp_path):
     script = [sys.executable, str(ROOT / "scripts" / "places")]
@@ -106,5 +110,7 @@ def test_the_command(tmp_path):
     done = subprocess.run([*script, str(OFFICE[0]), str(bad)], capture_output=True, text=True, env=environment)
     assert done.returncode == 1
     assert "labels.yaml: office1" in done.stderr
+    done = subprocess.run([*script, *OFFICE, "--start", "office9"], capture_output=True, text=True, env=environment)
+    assert (done.returncode, "there is no label office9" in done.stderr) == (1, True)
     done = subprocess.run([*script, "no.yaml", str(OFFICE[1])], capture_output=True, text=True, env=environment)
     assert (done.returncode, "no.yaml" in done.stderr) == (1, True)

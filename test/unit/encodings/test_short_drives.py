@@ -1,0 +1,63 @@
+"""Short drives: of the shortest plans one that drives the least."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shipped import ENCODINGS
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo.program.sources import Source
+
+#: Two ways of two moves lead from a to d, and a third of one move from d to e.
+WAYS = ("ab", "ac", "bd", "cd", "de")
+PLACES = sorted({*"".join(WAYS)})
+PREFERS = Source.from_file(ENCODINGS / "delivery" / "short_drives.lp")
+
+
+def floor(distances):
+    facts = [f"office({one})." for one in PLACES] + [f"corridor({a},{b})." for a, b in WAYS]
+    facts += [f"distance({a},{b},{d}). distance({b},{a},{d})." for (a, b), d in distances.items()]
+    return Source("floor.lp", "#program base.\nstart(a).\n" + "\n".join(facts))
+
+
+def plans(distances, requests, prefers, **options):
+    sources = [Source.from_file(ENCODINGS / "mailbot.lp"), floor(distances), *([PREFERS] if prefers else [])]
+    solver = ReactiveSolver(ReactiveProgram(sources), shortest=True, oclingo_strings=False, **options)
+    told = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
+    result = solver.update(parse_update(f"#step 1. {told} #endstep."))
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    return [moves(answer) for answer in result.answers]
+
+
+def moves(answer):
+    """The places to which an answer drives, in order, and its number of actions."""
+    actions = sorted((one.arguments for one in answer if one.name == "_action_lib"), key=lambda one: one[2].number)
+    return [one[1].name for one in actions if one[0].name == "move_base"], len(actions)
+
+
+def driven(places, distances):
+    way = ["a", *places]
+    return sum(distances.get((a, b), distances.get((b, a), 0)) for a, b in zip(way, way[1:]))
+
+
+@settings(max_examples=max(3, settings.default.max_examples // 8))
+@given(
+    st.fixed_dictionaries({(a, b): st.integers(1, 9) for a, b in WAYS}),
+    st.lists(st.tuples(st.sampled_from(PLACES), st.sampled_from(PLACES)), min_size=1, max_size=2),
+)
+def test_no_shortest_plan_drives_less(distances, requests):
+    ((chosen, length),) = plans(distances, requests, prefers=True)
+    every = plans(distances, requests, prefers=False, models=0)
+    assert {number for _, number in every} == {length}
+    assert driven(chosen, distances) == min(driven(places, distances) for places, _ in every)
+
+
+def test_it_is_so_where_plans_are_to_come_soon():
+    for short in ("ab", "ac"):
+        distances = dict.fromkeys([(a, b) for a, b in WAYS], 50)
+        distances[tuple(short)] = 10
+        ((chosen, _),) = plans(distances, [("a", "d"), ("d", "a")], prefers=True, plan_time=60.0)
+        assert chosen == [short[1], "d", short[1], "a"]
+
+
+def test_without_distances_there_is_nothing_to_prefer():
+    assert plans({}, [("a", "e")], prefers=True)[0][1] == 5
