@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, GoalUnmet, PlanMade, StateChanged
+from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.journal.lines import Header, changes, line_of, read
 
@@ -148,6 +148,36 @@ SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 @given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
 def test_errands_go_on_as_they_would_have(solver, script, cuts):
     compare(ReactiveProgram.from_text(ERRANDS), solver, script, cuts)
+
+
+def test_what_its_node_asks_of_a_core_that_goes_on():
+    program, disk, told = ReactiveProgram.from_text(ERRANDS), Disk(), []
+    settings = dataclasses.replace(SETTINGS, preempt=True)
+    first = KeptCore(program, lambda: shortest(program), told.append, settings)
+    first.start()
+    for key, text in (("a", "do(walk,1)"), ("b", "do(run,2)")):
+        first.add_goal(key, text)
+    assert first.advance(0.0)
+    (walk,) = [one for one in first.awaited if one.interface_name == "walk"]
+    first.cancel_goal("a")
+    assert not first.advance(0.0)
+    disk.write(first.record())
+    core = KeptCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
+    assert core.preempted == first.preempted == (walk,)
+    assert {*first.awaited} <= {*core.shown} == {*first.shown}
+    assert core.horizon == first.horizon >= 1
+    assert (str(core.goal("b")), core.goal("c")) == ("do(run,2)", None)
+    core.leave("is given up: the core shuts down")
+    ends = {one.key: one.message for one in told if isinstance(one, GoalChanged) and one.outcome is not None}
+    assert ends == {key: f"{first.goal(key)} is given up: the core shuts down" for key in "ab"}
+    assert core.live_goals == []
+    disk.write(core.record())
+    next_one = KeptCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
+    for one in next_one.awaited:
+        next_one.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
+    assert next_one.advance(0.0)
+    updates = " ".join(str(one) for one in told if isinstance(one, UpdateSent))
+    assert all(f"_request(cancel({number})," in updates for number in (1, 2)), "the program is told when it goes on"
 
 
 def test_what_is_believed_is_told_before_anything_is_solved():
