@@ -1,0 +1,170 @@
+"""Random control programs in a small domain, and how they are written: as terms for the encoding, and as text."""
+
+from pathlib import Path
+
+from golog_interpreter import put
+from hypothesis import strategies as st
+
+ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
+FLUENTS = (("f",), ("g",), ("h", 1), ("h", 2))
+ACTIONS = (("a",), ("b",), ("c",), ("e", 1), ("e", 2))
+END = ("z",)
+
+
+class Toy:
+    """The domain: a makes f true; b, possible with f, false; c turns g; e(N) makes h(N) true, e(1) without g."""
+
+    actions = ACTIONS
+
+    @staticmethod
+    def possible(action, state):
+        """Whether an action is possible in a state."""
+        return {"b": ("f",) in state, "e": action != ("e", 1) or ("g",) not in state}.get(action[0], True)
+
+    @staticmethod
+    def after(action, state):
+        """The state after an action."""
+        if action[0] == "c":
+            return state ^ {("g",)}
+        added = {"a": {("f",)}, "e": {("h", *action[1:])}}.get(action[0], set())
+        return (state | added) - ({("f",)} if action[0] == "b" else set())
+
+
+#: The same for the encoding; ``event(F,V,t)`` tells that fluent F has become true or false by then.
+TOY = """
+#program base.
+golog_does(a,act,a). golog_does(b,act,b). golog_does(c,act,c).
+golog_does(e(1),act,e(1)). golog_does(e(2),act,e(2)).
+#program cumulative(t).
+golog_action(A,N,X,t) :- golog_does(A,N,X), not out(A,t).
+out(b,t)    :- not holds(f,t).
+out(e(1),t) :- holds(g,t).
+acts(A,t)   :- golog_does(A,N,X), _action_lib(N,X,t), not _g_failing(A,t).
+after(f,t)    :- holds(f,t), not acts(b,t).
+after(f,t)    :- acts(a,t).
+after(g,t)    :- holds(g,t), not acts(c,t).
+after(g,t)    :- acts(c,t), not holds(g,t).
+after(h(N),t) :- holds(h(N),t), N = 1..2.
+after(h(N),t) :- acts(e(N),t), N = 1..2.
+holds(F,t)    :- after(F,t-1), not event(F,no,t).
+holds(F,t)    :- event(F,yes,t), fluent(F).
+golog_holds(F,t) :- holds(F,t).
+:- 2 { _action_lib(A,X,t) }.
+#program base.
+fluent(f). fluent(g). fluent(h(1..2)).
+"""
+
+# ---- random programs -------------------------------------------------------------------------------------------------
+
+conditions = st.recursive(
+    st.sampled_from(FLUENTS) | st.just(("less", 0, 1)),
+    lambda c: st.tuples(st.just("not"), c) | st.tuples(st.sampled_from(["and", "or"]), c, c),
+    max_leaves=3,
+)
+with_x = conditions | st.sampled_from([("h", "X"), ("not", ("h", "X")), ("less", 1, "X")])
+leaves = (
+    st.tuples(st.just("do"), st.sampled_from(ACTIONS))
+    | st.tuples(st.sampled_from(["test", "await"]), conditions)
+    | st.sampled_from([("nil",), ("any",)])
+)
+inner = st.tuples(st.just("do"), st.sampled_from([*ACTIONS, ("e", "X")])) | st.tuples(st.just("test"), with_x)
+
+
+def larger(p):
+    """Programs made of others."""
+    x = st.tuples(st.just("seq"), inner, p) | inner
+    return st.one_of(
+        st.tuples(st.sampled_from(["seq", "choice", "conc", "prio", "try", "undoing"]), p, p),
+        st.tuples(st.just("seq"), p, p),
+        st.tuples(st.just("if"), conditions, p, p),
+        st.tuples(st.just("while"), conditions, p),
+        st.tuples(st.sampled_from(["star", "search"]), p),
+        st.tuples(st.just("order"), st.lists(p, min_size=1, max_size=3).map(tuple)),
+        st.tuples(st.just("retry"), st.integers(0, 2), p),
+        st.tuples(st.sampled_from(["pick", "every"]), st.just("X"), st.just((1, 2)), with_x, x),
+    )
+
+
+def programs(calls=True, leaves_at_most=6):
+    """Programs; those that call do so by these procedures, in which an action comes before any call."""
+    call = st.just(("call", "p", ())) | st.tuples(st.just("call"), st.just("q"), st.sampled_from([(1,), (2,)]))
+    return st.recursive(leaves | call if calls else leaves, larger, max_leaves=leaves_at_most)
+
+
+#: Each with a body that recursion goes through: p of any length, q down from a number.
+PROCEDURES = {
+    "p": ((), ("seq", ("do", ("c",)), ("choice", ("nil",), ("seq", ("call", "p", ()), ("do", ("a",)))))),
+    "q": (
+        ("N",),
+        ("seq", ("do", ("e", "N")), ("if", ("less", 1, "N"), ("call", "q", (("minus", "N", 1),)), ("nil",))),
+    ),
+}
+
+# ---- as terms --------------------------------------------------------------------------------------------------------
+
+
+class Terms:
+    """Writes programs as terms; ``facts`` says what pick and every choose from."""
+
+    def __init__(self):
+        self.facts, self._numbers = "", {}
+
+    def program(self, one):
+        """A program without variables as a term."""
+        kind, *parts = one
+        if kind in ("nil", "any"):
+            return kind
+        if kind == "do":
+            return f"do({self.atom(parts[0])})"
+        if kind in ("test", "await"):
+            return f"{kind}({self.condition(parts[0])})"
+        if kind in ("if", "while"):
+            inside = ",".join(map(self.program, parts[1:]))
+            return f"{kind}({self.condition(parts[0])},{inside})"
+        if kind in ("pick", "every"):
+            return f"{kind}({self.options(one)})"
+        if kind == "order":
+            return "order({}end{})".format("".join(f"l({self.program(p)}," for p in parts[0]), ")" * len(parts[0]))
+        if kind == "retry":
+            return f"retry({parts[0]},{self.program(parts[1])})"
+        if kind == "call":
+            return f"call({self.atom((parts[0], *parts[1]))})"
+        return f"{kind}({','.join(map(self.program, parts))})"
+
+    def options(self, one):
+        """The name of what a pick or every chooses from."""
+        key = one[1:]
+        if key not in self._numbers:
+            self._numbers[key] = name = f"k({len(self._numbers)})"
+            _, values, condition, body = key
+            for value in values:
+                text, when = self.program(put(body, "X", value)), self.condition(put(condition, "X", value))
+                self.facts += "golog_option({0},{1},t) :- golog_picks({0},t), golog_true({2},t).\n".format(
+                    name, text, when
+                )
+                self.facts += f"golog_asked({when},t) :- golog_picks({name},t).\n"
+        return self._numbers[key]
+
+    def condition(self, one):
+        """A condition as a term."""
+        words = {"not": "neg", "and": "both", "or": "either"}
+        if one[0] in words:
+            return f"{words[one[0]]}({','.join(map(self.condition, one[1:]))})"
+        if one[0] == "less":
+            return "true" if one[1] < one[2] else "neg(true)"
+        return self.atom(one)
+
+    @staticmethod
+    def atom(one):
+        """An action or a fluent."""
+        arguments = [f"{part[1]}-{part[2]}" if isinstance(part, tuple) else str(part) for part in one[1:]]
+        return one[0] + (f"({','.join(arguments)})" if arguments else "")
+
+
+#: The procedures of PROCEDURES.
+PROCEDURE_RULES = """
+golog_body(p,seq(do(c),choice(nil,seq(call(p),do(a)))),t) :- golog_call(p,t).
+golog_body(q(N),seq(do(e(N)),call(down(N))),t) :- golog_call(q(N),t).
+golog_body(down(N),call(q(N-1)),t) :- golog_call(down(N),t), 1 < N.
+golog_body(down(N),nil,t) :- golog_call(down(N),t), 1 >= N.
+"""
