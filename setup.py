@@ -10,12 +10,16 @@ from typing import Any, Dict
 from setuptools import find_packages, setup
 
 #: What pip installs, with all that it imports.
-WITHOUT_ROS = ["rosoclingo", "rosoclingo.oclingo", "rosoclingo.oclingo.*"]
+WITHOUT_ROS = [
+    "rosoclingo",
+    *(f"rosoclingo.{room}{below}" for room in ("oclingo", "languages") for below in ("", ".*")),
+]
 LIBRARIES = ("clingo",)
 
 COMMANDS = [
     "check = rosoclingo.oclingo.service.check_command:main",
     "oclingo = rosoclingo.oclingo.service.command:main",
+    "golog = rosoclingo.languages.golog.golog_command:main",
     "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",
 ]
 

@@ -90,6 +90,19 @@ def check(python, source, folder):
     assert output_of(programs / "check", "right.lp", **own) == "nothing in 1 file\n"
     (folder / "old.lp").write_text(OLD, encoding="utf-8")
     assert output_of(programs / "gringo3to5", "old.lp", **own) == "\n{ p(X); q } :- f(X).\n"
+    check_golog(programs, folder, own)
+
+
+def check_golog(programs, folder, own):
+    """Translates a control program, and runs the shipped one."""
+    (folder / "wait.golog").write_text("proc wait { await ready; }\n", encoding="utf-8")
+    assert "golog_body(wait,await(" in output_of(programs / "golog", "wait.golog", **own)
+    (folder / "calls.lp").write_text("#program base. calls(3).\n", encoding="utf-8")
+    (folder / "run.txt").write_text("#step 1. _request(run(control,1),2). #endstep.\n", encoding="utf-8")
+    files = [ROOT / "encodings" / "golog" / "elevator.golog", "calls.lp"]
+    assert output_of(programs / "check", *files, **own) == "nothing in 6 files\n"
+    done = output_of(programs / "oclingo", *files, "--shortest", "--stream", "run.txt", **own)
+    assert "_action_lib(turnoff,3,t)" in done, done
 
 
 def main():

@@ -81,9 +81,7 @@ class Interpreter:
     def options(self, program, state):
         """The programs among which pick and every choose."""
         _, variable, values, condition, body = program
-        return [
-            put(body, variable, value) for value in values if self.holds(put(condition, variable, value), state)
-        ]
+        return [put(body, variable, value) for value in values if self.holds(put(condition, variable, value), state)]
 
     def possible(self, action, state):
         """Whether an action can be done."""
@@ -113,7 +111,9 @@ class Interpreter:
 
     def _seq(self, program, state):
         _, first, second = program
-        found = [(event, self._with(left, lambda left: ("seq", left, second))) for event, left in self._of(first, state)]
+        found = [
+            (event, self._with(left, lambda left: ("seq", left, second))) for event, left in self._of(first, state)
+        ]
         return found + (list(self._of(second, state)) if self.final(first, state) else [])
 
     def _if(self, program, state):
@@ -168,16 +168,16 @@ class Interpreter:
         return self._of(self.body(program[1], program[2]), state)
 
     def _search(self, program, state):
-        return [(event, self._with(left, lambda left: ("searching", left))) for event, left in self._of(program[1], state)]
+        return [
+            (event, self._with(left, lambda left: ("searching", left))) for event, left in self._of(program[1], state)
+        ]
 
     def _searching(self, program, state):
         return self._search(program, state) + ([(None, ("nil",))] if self.final(program[1], state) else [])
 
     def _try(self, program, state):
         _, body, handler = program
-        return [
-            (event, handler if left == RAISE else ("try", left, handler)) for event, left in self._of(body, state)
-        ]
+        return [(event, handler if left == RAISE else ("try", left, handler)) for event, left in self._of(body, state)]
 
     def _retry(self, program, state):
         return self._rerun(("rerun", program[2], program[1], program[2]), state)
@@ -213,56 +213,52 @@ class Interpreter:
     # ---- Final -----------------------------------------------------------------------------------------------------
 
     def _final(self, program, state):
-        kind = program[0]
+        kind, *parts = program
         if kind in ("nil", "star"):
             return True
         if kind in ("seq", "conc", "prio"):
-            return self.final(program[1], state) and self.final(program[2], state)
-        if kind == "if":
-            return self.final(program[2] if self.holds(program[1], state) else program[3], state)
-        if kind == "while":
-            return not self.holds(program[1], state) or self.final(program[2], state)
-        if kind == "choice":
-            return self.final(program[1], state) or self.final(program[2], state)
-        if kind == "pick":
-            return any(self.final(one, state) for one in self.options(program, state))
+            return all(self.final(one, state) for one in parts)
+        if kind == "order":
+            return all(self.final(one, state) for one in parts[0])
+        if kind == "while" and not self.holds(parts[0], state):
+            return True
         if kind == "every":
             return not self.options(program, state)
-        if kind == "order":
-            return all(self.final(one, state) for one in program[1])
+        return any(self.final(one, state) for one in self.within(program, state))
+
+    def within(self, program, state):
+        """The programs one of which a program goes on as, or that it has something around of."""
+        kind, *parts = program
+        if kind == "if":
+            return [parts[1] if self.holds(parts[0], state) else parts[2]]
+        if kind == "while":
+            return [parts[1]]
+        if kind == "choice":
+            return parts
+        if kind in ("pick", "every"):
+            return self.options(program, state)
         if kind == "call":
-            return self.final(self.body(program[1], program[2]), state)
+            return [self.body(*parts)]
         if kind in WRAPS:
-            return self.final(program[2 if kind == "retry" else 1], state)
-        return False  # do, any, test, await
+            return [parts[1 if kind == "retry" else 0]]
+        return []  # do, any, test, await
 
     # ---- waiting for what comes from outside -----------------------------------------------------------------------
 
     def _rests(self, program, state):
-        kind = program[0]
+        kind, *parts = program
         if kind == "await":
-            return not self.holds(program[1], state)
+            return not self.holds(parts[0], state)
         if kind == "seq":
-            return self.rests(program[1], state) or (
-                self.final(program[1], state) and self.rests(program[2], state)
-            )
+            return self.rests(parts[0], state) or (self.final(parts[0], state) and self.rests(parts[1], state))
         if kind in ("conc", "prio"):
-            resting = [self.rests(one, state) for one in program[1:]]
-            quiet = [self.rests(one, state) or self.final(one, state) for one in program[1:]]
-            return any(resting) and all(quiet)
-        if kind == "if":
-            return self.rests(program[2] if self.holds(program[1], state) else program[3], state)
-        if kind == "while":
-            return self.holds(program[1], state) and self.rests(program[2], state)
-        if kind == "choice":
-            return self.rests(program[1], state) or self.rests(program[2], state)
-        if kind in ("pick", "every"):
-            return any(self.rests(one, state) for one in self.options(program, state))
+            resting = [self.rests(one, state) for one in parts]
+            return any(resting) and all(rests or self.final(one, state) for rests, one in zip(resting, parts))
+        if kind == "while" and not self.holds(parts[0], state):
+            return False
         if kind == "order":
-            return any(self.rests(one, state) for one in program[1])
-        if kind == "star" or kind in WRAPS:
-            return self.rests(program[2 if kind == "retry" else 1], state)
-        return kind == "call" and self.rests(self.body(program[1], program[2]), state)
+            return any(self.rests(one, state) for one in parts[0])
+        return any(self.rests(one, state) for one in (parts if kind == "star" else self.within(program, state)))
 
     # ---- whole runs ------------------------------------------------------------------------------------------------
 

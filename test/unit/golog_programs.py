@@ -139,9 +139,7 @@ class Terms:
             _, values, condition, body = key
             for value in values:
                 text, when = self.program(put(body, "X", value)), self.condition(put(condition, "X", value))
-                self.facts += "golog_option({0},{1},t) :- golog_picks({0},t), golog_true({2},t).\n".format(
-                    name, text, when
-                )
+                self.facts += f"golog_option({name},{text},t) :- golog_picks({name},t), golog_true({when},t).\n"
                 self.facts += f"golog_asked({when},t) :- golog_picks({name},t).\n"
         return self._numbers[key]
 

@@ -62,7 +62,9 @@ class Runs:
                 kept = {one for one in programs if mine or not action or not self.interpreter.locked(one)}
             if mine:
                 event = ("done" if worked else "bad", action)
-                found = [left for one in programs for e, left in self.interpreter.transitions(one, self.state) if e == event]
+                found = [
+                    left for one in programs for e, left in self.interpreter.transitions(one, self.state) if e == event
+                ]
                 if RAISE in found:
                     raised, kept = True, kept | programs
                 kept |= set(found) - {RAISE}

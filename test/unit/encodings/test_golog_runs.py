@@ -1,11 +1,14 @@
 """Control programs as they run: under failures, events from outside and cancels, beside others and what is free."""
 
 import clingo
+import pytest
 from golog_programs import ACTIONS, ENCODINGS, FLUENTS, PROCEDURE_RULES, PROCEDURES, TOY, Terms, Toy, programs
 from golog_runs import Runs
-from hypothesis import given
+from golog_traces import ENGINE, OPEN
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_golog_traces import ENGINE, OPEN
+
+RUNS = settings(max_examples=max(1, settings.default.max_examples // 2))
 
 STEPS = 5
 GOALS = OPEN.sub("", (ENCODINGS / "golog" / "goals.lp").read_text())
@@ -103,6 +106,8 @@ class Play:
         return {one for one in found[0] if not one.startswith("_action_lib")}
 
 
+@pytest.mark.slow
+@RUNS
 @given(st.data())
 def test_what_is_left_is_what_the_definitions_leave(data):
     play = Play(data)

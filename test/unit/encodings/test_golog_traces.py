@@ -1,69 +1,17 @@
 """Control programs: the encoding allows just the sequences of actions that the definitions allow."""
 
-import re
-
-import clingo
 import pytest
 from golog_interpreter import Interpreter
-from golog_programs import ACTIONS, END, ENCODINGS, PROCEDURE_RULES, PROCEDURES, TOY, Terms, programs
-from hypothesis import example, given, settings
+from golog_programs import FLUENTS, PROCEDURES, Toy, programs
+from golog_traces import encoded_traces
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-OPEN = re.compile(r"^#external \w+/\d\.", re.MULTILINE)
-ENGINE = [OPEN.sub("", (ENCODINGS / "golog" / f"{name}.lp").read_text()) for name in ("transitions", "running")]
-
-#: Every step but those after the last action has one; a program that is over does nothing any more.
-WHOLE = """
-#external event(F,V,t) : fluent(F), V = (yes;no).
-acted(t) :- _action_lib(A,X,t).
-:- acted(t), not acted(t-1), t > 1.
-:- _action_lib(last,z,t), _action_lib(last,z,T), T < t, T = 1..t.
-#program volatile(t).
-:- _g_runs(g,t).
-#program base.
-#defined _g_halts/2. #defined _failed/3. #defined _return/3.
-golog_does(z,last,z).
-#show _action_lib/3.
-"""
+RUNS = settings(max_examples=max(1, settings.default.max_examples))
 
 
-def encoded_traces(program, state, longest, rules=PROCEDURE_RULES):
-    """All sequences of at most ``longest`` actions after which the program may end.
-
-    As a program ends as soon as it can, an action is put behind it.
-    """
-    terms = Terms()
-    text = terms.program(("seq", program, ("do", END)))
-    starts = "".join(f"holds({Terms.atom(one)},1) :- t=1.\n" for one in state)
-    control = clingo.Control(["0", "-Wnone"])
-    for part in ENGINE:
-        control.add("base", [], part)
-    control.add("base", [], TOY + f"#program cumulative(t).\n{rules}{terms.facts}{starts}{WHOLE}")
-    control.add("base", [], f"_g_starts(g,{text},1).")
-    control.ground([("base", [])])
-    for step in range(1, longest + 3):
-        control.ground([("cumulative", [clingo.Number(step)])])
-    control.ground([("volatile", [clingo.Number(longest + 2)])])
-    found = []
-    control.solve(on_model=lambda model: found.append(trace(model.symbols(shown=True))))
-    assert len(found) == len(set(found))
-    return set(found)
-
-
-def trace(atoms):
-    """The actions of a plan in order, without the last one."""
-    actions = sorted((atom.arguments[2].number, atom.arguments[1]) for atom in atoms)
-    assert actions[-1][1].name == "z"
-    return tuple((one.name, *(part.number for part in one.arguments)) for _, one in actions[:-1])
-
-
-def compare(program, state, longest):
-    """Traces of the encoding and by the definitions are the same."""
-    from golog_programs import Toy
-
-    assert encoded_traces(program, state, longest) == Interpreter(Toy, PROCEDURES).traces(program, state, longest)
-
-
-@given(programs(), st.frozensets(st.sampled_from([("f",), ("g",), ("h", 1)])), st.integers(0, 3))
+@pytest.mark.slow
+@RUNS
+@given(programs(), st.frozensets(st.sampled_from(FLUENTS)), st.integers(0, 3))
 def test_all_traces_are_those_of_the_definitions(program, state, longest):
-    compare(program, state, longest)
+    assert encoded_traces(program, state, longest) == Interpreter(Toy, PROCEDURES).traces(program, state, longest)

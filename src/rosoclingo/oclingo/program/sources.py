@@ -1,4 +1,4 @@
-"""Program texts: read from files with what they include, translated from gringo 3's dialect, parsed by clingo."""
+"""Program texts: read from files with what they include, translated from other languages, parsed by clingo."""
 
 import re
 from dataclasses import dataclass, replace
@@ -12,6 +12,7 @@ from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
+from rosoclingo.oclingo.program.languages import Translation, translation_of
 from rosoclingo.oclingo.progression.terms import parse_term
 
 _CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
@@ -57,13 +58,14 @@ def read_sources(
     texts: Sequence[str] = ()
     faults = list(collector.faults)
     try:
-        results = translate_program([(source.name, source.text) for source in collector.sources])
+        results = translate_program([(one.name, text) for one, text in zip(collector.sources, collector.texts)])
         texts = [result.text for result in results]
         for source, result in zip(collector.sources, results):
             remarks.extend(_remark(source.name, warning) for warning in result.warnings)
     except ProgramError as error:
         faults.extend(error.faults)
-    parsed = [_parse(source, text, found, faults) for source, text in zip(collector.sources, texts)]
+    written = zip(collector.sources, texts, collector.translations)
+    parsed = [_parse(source, text, found, faults, other) for source, text, other in written]
     if faults or found.faults:
         raise ProgramError([*found.faults, *faults])
     return parsed
@@ -76,13 +78,23 @@ class _Collector:
         self._whole = whole
         self._seen: Set[Path] = set()
         self.sources: List[Source] = []
+        self.translations: List[Optional[Translation]] = []  # of each source, where it is in a language of its own
+        self.texts: List[str] = []  # of each source, in clingo's language or gringo 3's
         self.faults: List[Fault] = []
 
     def add(self, source: Source) -> None:
         """Take a source and all that it includes."""
+        try:
+            translation = translation_of(source.text, source.name)
+        except ProgramError as error:
+            self.faults.extend(error.faults)
+            return
+        text = source.text if translation is None else translation.text
         self.sources.append(source)
-        for name, line in () if self._whole else included_files(source.text):
-            self._include(source, name, line)
+        self.translations.append(translation)
+        self.texts.append(text)
+        for name, line in () if self._whole else included_files(text):
+            self._include(source, name, line if translation is None else translation.place(line)[0])
 
     def _include(self, source: Source, name: str, line: int) -> None:
         folders = [folder for folder in (source.folder, Path()) if folder is not None]
@@ -99,14 +111,16 @@ class _Collector:
                 self.faults.extend(error.faults)
 
 
-def _parse(source: Source, text: str, found: Directives, faults: List[Fault]) -> Parsed:
+def _parse(
+    source: Source, text: str, found: Directives, faults: List[Fault], translation: Optional[Translation] = None
+) -> Parsed:
     name, messages, statements = source.name, Messages(), []  # type: str, Messages, List[AST]
     try:
         parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
     except RuntimeError as error:
         faults.extend(_named(fault, name) for fault in messages.faults(error))
     for statement in statements:
-        _relocate(statement, name)
+        _relocate(statement, name, translation)
     return Parsed(source, statements)
 
 
@@ -125,12 +139,15 @@ def _named(fault: Fault, name: str) -> Fault:
 _CHILD_KEYS: Dict[ASTType, List[str]] = {}
 
 
-def _relocate(node: AST, name: str) -> None:
-    """Let ``node`` and all below it say that they stand in file ``name``."""
+def _relocate(node: AST, name: str, translation: Optional[Translation] = None) -> None:
+    """Let ``node`` and all below it say that they stand in file ``name``, where it has been translated at its place."""
     location = getattr(node, "location", None)
     if location is not None:
-        begin, end = location.begin, location.end
-        node.location = Location(Position(name, begin.line, begin.column), Position(name, end.line, end.column))
+        begin, end = (
+            (one.line, one.column) if translation is None else translation.place(one.line)
+            for one in (location.begin, location.end)
+        )
+        node.location = Location(Position(name, *begin), Position(name, *end))
     kind = node.ast_type
     if kind not in _CHILD_KEYS:
         _CHILD_KEYS[kind] = node.child_keys
@@ -138,7 +155,7 @@ def _relocate(node: AST, name: str) -> None:
         child = getattr(node, key)
         for one in child if isinstance(child, ASTSequence) else [child]:
             if isinstance(one, AST):
-                _relocate(one, name)
+                _relocate(one, name, translation)
 
 
 def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:

@@ -1,0 +1,60 @@
+"""The command ``golog``: prints what control programs are for the solver, or what is wrong with them."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import List, Optional, Sequence
+
+from rosoclingo.languages.golog.writing import translate
+from rosoclingo.oclingo.errors import ProgramError
+from rosoclingo.oclingo.program.sources import Source
+
+GOOD, FAULTY, UNREADABLE = 0, 1, 2
+"""The exit codes: all is well, there are faults, a file cannot be read or the command line is wrong."""
+
+_DESCRIPTION = """\
+Prints control programs in Golog as facts and rules for encodings/golog.lp, which is what the solver makes of them, or
+tells what is wrong with them, by line and column. Programs that use them name the .golog files as they are."""
+
+_EPILOG = "Exit code: 0 all is well; 1 there are faults; 2 a file can't be read, or the command line is wrong."
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the command with the command line's arguments, or those given; return its exit code."""
+    parser = argparse.ArgumentParser(prog="golog", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="control programs (-: standard input)")
+    parser.add_argument("--check", action="store_true", help="only tell what is wrong")
+    given = parser.parse_args(arguments)
+    codes = [_translate(file, given.check) for file in given.files]
+    return max(codes)
+
+
+def _translate(file: str, silent: bool) -> int:
+    try:
+        source = _read(file)
+    except ProgramError as error:
+        sys.stderr.write(f"{error}\n")
+        return UNREADABLE
+    try:
+        text = translate(source.text, source.name).text
+    except ProgramError as error:
+        sys.stderr.writelines(_told(error, source.text.splitlines()))
+        return FAULTY
+    if not silent:
+        sys.stdout.write(text)
+    return GOOD
+
+
+def _read(file: str) -> Source:
+    return Source("stdin.golog", sys.stdin.read()) if file == "-" else Source.from_file(Path(file))
+
+
+def _told(error: ProgramError, lines: Sequence[str]) -> List[str]:
+    """Return each fault with its line and a mark below its column."""
+    told = []
+    for fault in error.faults:
+        told.append(f"{fault}\n")
+        if 0 < fault.line <= len(lines):
+            line = lines[fault.line - 1].replace("\t", " ")
+            told.append(f"{fault.line:6} | {line}\n       | {' ' * (fault.column - 1)}^\n")
+    return told

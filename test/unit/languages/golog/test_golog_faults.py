@@ -1,0 +1,159 @@
+"""What is wrong with a control program is told by line and column, with the mend; nothing else ever comes of a text."""
+
+import pytest
+from golog_programs import ENCODINGS
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.languages.golog import translate
+from rosoclingo.languages.golog.golog_command import main
+from rosoclingo.languages.golog.reader import DEPTH
+from rosoclingo.oclingo import ProgramError, ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+
+FAULTS = [
+    ("proc p { a", 1, 8, "the bracket for the body of p is never closed", "write }"),
+    ("proc p { a b; }", 1, 12, "'b' where ';' belongs, behind a", "write ;"),
+    ("a;", 1, 1, "'a' outside of a procedure", "write proc NAME(X)"),
+    ("proc P { }", 1, 6, "'P' where the procedure's name belongs", "small letter"),
+    ("proc p(x) { }", 1, 8, "'x' where a variable belongs", "capital letter"),
+    ("proc while { }", 1, 6, "'while' is a word of the language", "small letter"),
+    ("proc p { else { } }", 1, 10, "'else' where a statement belongs", "right behind"),
+    ("proc p { a(X); }", 1, 12, "nothing says what X is", "pick"),
+    ("proc p { a(_); }", 1, 12, "nothing says what _ is", "pick"),
+    ("proc p {\n  if f a; }", 2, 8, "'a' where '{' belongs", "write {"),
+    ("proc p { test 3; }", 1, 16, "';' where a comparison belongs", "write =, !=, <"),
+    ("proc p { f?; }", 1, 11, "'?' is no word of the language", "test"),
+    ("proc p { a | b; }", 1, 12, "'|' is no word of the language", "interleave"),
+    ('proc p { a("x); }', 1, 12, "the string has no end on its line", 'write "'),
+    ("proc p { choose { a; } }", 1, 24, "'}' where 'or' belongs", "write or"),
+    ("proc p { pick X { a; } }", 1, 17, "'{' where ':' belongs", "write :"),
+    ("proc p { pick X: not f(X) { a; } }", 1, 15, "no fluent says which values X may have", "1..3"),
+    ("proc p { pick X: f { a(X); } }", 1, 15, "no fluent says which values X may have", "1..3"),
+    ("proc p { test some X: X > 3; }", 1, 20, "no fluent says which values X may have", "1..3"),
+    ("proc p { retry { a; } }", 1, 16, "'{' where how often it is tried anew belongs", "retry 3"),
+    ("proc p { do { a; } }", 1, 20, "'}' where 'on cancel' belongs", "on cancel"),
+    ("proc p { interrupts { when f { a; } } b; }", 1, 21, "nothing says when these interrupts end", "until"),
+    ("proc p { try { a; } }", 1, 21, "'}' where 'else' belongs", "write else"),
+    ("proc p { test all X: f(X); }", 1, 26, "';' where '->' belongs", "write ->"),
+    ("proc p { q(1); }\nproc q { }", 1, 10, "procedure q has 0 arguments, not 1", "as many"),
+    ("proc p { }\nproc p { }", 2, 6, "procedure p with 0 arguments is in line 1 already", "another name"),
+    ("proc p(X,X) { }", 1, 10, "two parameters X", "rename"),
+    ("proc p { p; }", 1, 10, "p may come to call itself again before it has done anything", "action"),
+    ("proc p { test f; star { q; } }\nproc q { p; a; }", 1, 25, "p may come to call itself", "loop"),
+    ("proc p { test " + "(" * DEPTH + "f" + ")" * DEPTH + "; }", 1, None, f"more than {DEPTH} levels", "procedures"),
+    ('include "x.lp"', 1, 15, "the end of the file where ';' belongs", "write ;"),
+]
+
+
+@pytest.mark.parametrize(("text", "line", "column", "message", "mend"), FAULTS)
+def test_fault_has_its_place_and_the_mend(text, line, column, message, mend):
+    with pytest.raises(ProgramError) as caught:
+        translate(text, "x.golog")
+    fault = caught.value.faults[0]
+    assert (fault.file, fault.line) == ("x.golog", line)
+    assert fault.column == (fault.column if column is None else column)
+    assert message in fault.message
+    assert mend in fault.mend
+
+
+def test_all_faults_are_told_at_once():
+    with pytest.raises(ProgramError) as caught:
+        translate("proc p { a(X); }\nproc q { if }\nproc r { ? }\nproc s { s; }", "x.golog")
+    assert [fault.line for fault in caught.value.faults] == [1, 2, 3, 4]
+
+
+def test_recursion_behind_an_action_is_no_fault():
+    translate("proc p { a; p; }\nproc q { choose { } or { a; q; b; } }\nproc r { while f { a; r; } }", "x.golog")
+
+
+WORDS = [
+    "proc",
+    "p",
+    "q",
+    "{",
+    "}",
+    "(",
+    ")",
+    ";",
+    ",",
+    "X",
+    "Y",
+    "f(X)",
+    "a",
+    "1",
+    "..",
+    "=",
+    "<",
+    "if",
+    "else",
+    "while",
+    "pick",
+    "choose",
+    "or",
+    "any",
+    "order",
+    "and",
+    "not",
+    "some",
+    "in",
+    ":",
+    "->",
+    "test",
+]
+
+
+@given(st.lists(st.sampled_from(WORDS), max_size=25).map(" ".join) | st.text(max_size=30))
+def test_any_text_is_translated_or_has_faults_with_places(text):
+    try:
+        translate("proc p { " + text, "x.golog")
+    except ProgramError as error:
+        for fault in error.faults:
+            assert fault.line >= 1, fault
+            assert fault.column >= 1, fault
+            assert fault.message, fault
+            assert fault.mend, fault
+
+
+def test_a_file_is_read_like_any_other_and_its_faults_are_those_of_the_program():
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram([Source("mail.golog", "proc p {\n  a b;\n}")])
+    assert [(one.file, one.line, one.column) for one in caught.value.faults] == [("mail.golog", 2, 5)]
+
+
+def test_a_file_that_is_not_there_is_told_at_its_include():
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram([Source("mail.golog", '\n\ninclude "nowhere.lp";')])
+    assert [(one.file, one.line) for one in caught.value.faults] == [("mail.golog", 3)]
+
+
+# ---- the command -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "good.golog").write_text("proc p { a; }\n")
+    (tmp_path / "bad.golog").write_text("proc p {\n\ta b; }\n")
+    return tmp_path
+
+
+def test_the_command_prints_the_translation(folder, capsys):
+    assert main([str(folder / "good.golog")]) == 0
+    assert "golog_body(p,do(a),_step) :- golog_call(p,_step).\n" in capsys.readouterr().out
+
+
+def test_the_command_only_checks(folder, capsys):
+    assert main(["--check", str(folder / "good.golog"), str(ENCODINGS / "golog" / "elevator.golog")]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_the_command_shows_the_line_of_a_fault(folder, capsys):
+    assert main([str(folder / "bad.golog")]) == 1
+    shown = capsys.readouterr().err.splitlines()
+    assert shown[0].endswith("bad.golog:2:4: 'b' where ';' belongs, behind a (write ;)")
+    assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
+
+
+def test_the_command_tells_of_a_file_that_is_not_there(folder, capsys):
+    assert main([str(folder / "none.golog"), str(folder / "good.golog")]) == 2
+    assert "can't be read" in capsys.readouterr().err
