@@ -16,6 +16,8 @@ ENCODINGS, DATA = ROOT / "encodings", ROOT / "test" / "data"
 FILES = {
     "mailbot": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"],
     "house": [ENCODINGS / "house.lp", ENCODINGS / "home.lp"],
+    "day": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp", ENCODINGS / "golog" / "mailbot_day.golog"],
+    "elevator": [ENCODINGS / "golog" / "elevator.golog"],
     "paper": [ENCODINGS / "paper.lp"],
     "new": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     "two_offices": [ENCODINGS / "mailbot.lp", DATA / "two_offices.lp"],
