@@ -103,3 +103,87 @@ def test_a_python38_that_does_not_work_counts_as_none(tmp_path, body):
 def test_one_that_works_is_found_on_path(tmp_path):
     code, said = python38(tmp_path, "exit 0")
     assert code != 3 or "ROS's own Python is 3.8" in said
+
+
+# ---- overlays: workspaces of the user's --------------------------------------------------------------------------
+
+BUILT = Path(os.environ.get("VIRTUAL_ENV", "/none")).parent / "ws" / "devel"
+PACKAGE = """<package format="2"><name>{name}</name><version>1.0.0</version><description>a test's</description>
+<maintainer email="nobody@example.org">nobody</maintainer><license>none</license></package>"""
+
+
+def overlay(path, name, says, below=""):
+    """A catkin workspace with one package, which has a node; ``below``: what it was built on, as Debian's /usr."""
+    space = path / "devel"
+    (path / "src" / name).mkdir(parents=True)
+    (path / "src" / name / "package.xml").write_text(PACKAGE.format(name=name))
+    (space / "lib" / name).mkdir(parents=True)
+    node = space / "lib" / name / "node"
+    node.write_text(f"#!/bin/sh\necho {says}\n")
+    node.chmod(0o755)
+    for file in ("setup.bash", "setup.sh", "_setup_util.py"):
+        shutil.copy(str(BUILT / file), str(space))
+    (space / ".catkin").write_text(str(path / "src"))
+    if below:
+        hooks = space / "etc" / "catkin" / "profile.d"
+        hooks.mkdir(parents=True)
+        (hooks / "99.below.sh").write_text(f'export PYTHONPATH="{below}:$PYTHONPATH"\n')
+    return path
+
+
+def in_overlays(*command, **variables):
+    found = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    done = subprocess.run(
+        [ROOT / "dev", *command], env={**found, **variables}, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+needs_workspace = pytest.mark.skipif(
+    not (BUILT / "_setup_util.py").is_file() or BUILT.parents[1].name == "python38", reason="no workspace of ./dev's"
+)
+
+
+@needs_workspace
+def test_the_packages_of_overlays_are_found(tmp_path):
+    first = overlay(tmp_path / "first", "stage_ros", "first")
+    second = overlay(tmp_path / "second", "stage_ros", "second")
+    third = overlay(tmp_path / "third", "rosoclingo", "third")
+    ask = ("exec", "bash", "-c", "rosrun stage_ros node; rospack find rosoclingo")
+    own = str(BUILT.parent / "src" / "rosoclingo")
+    assert in_overlays("--overlay", first, "--overlay", second, *ask) == ["first", own]
+    assert in_overlays(*ask, ROSOCLINGO_OVERLAY=f"{second / 'devel'}:{first}:{third}") == ["second", own]
+    assert in_overlays("--overlay", first, *ask, ROSOCLINGO_OVERLAY=str(second)) == ["first", own]
+
+
+@needs_workspace
+def test_an_overlay_on_top_of_the_distribution_mixes_no_libraries(tmp_path):
+    """Debian's half of cffi and the virtual environment's other half end whatever imports them."""
+    debian = "/usr/lib/python3/dist-packages"
+    folder = overlay(tmp_path / "one", "stage_ros", "one", below=f"{debian}:/own/modules")
+    found, path = in_overlays(
+        "--overlay", folder, "exec", "python3", "-c",
+        "import os, cffi; cffi.FFI(); print(cffi.__file__, os.environ['PYTHONPATH'])",
+    )  # fmt: skip
+    assert str(BUILT.parents[1] / "venv") in found
+    assert debian not in path.split(":")
+    assert "/own/modules" in path.split(":")
+
+
+@pytest.mark.parametrize("command", ["exec", "demo", "bench"])
+def test_an_overlay_that_is_none_is_told_before_any_set_up(tmp_path, command):
+    for code, said in (
+        dev("--overlay", str(tmp_path), command, "true"),
+        dev(command, "true", ROSOCLINGO_OVERLAY=str(tmp_path)),
+    ):
+        assert code == 1
+        assert f"the overlay {tmp_path} has no setup.bash" in said
+        assert "devel or install folder" in said
+
+
+@pytest.mark.parametrize("arguments", [["--overlay"], ["--overlay", "/tmp", "test"]])
+def test_an_overlay_where_there_can_be_none(arguments):
+    code, said = dev(*arguments)
+    assert code == 1
+    assert "--overlay" in said or "is not for overlays" in said

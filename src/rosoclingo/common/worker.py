@@ -95,7 +95,7 @@ class Worker:
                     wait = self._once(wait)
             finally:
                 self._refuse()
-        except Exception:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
+        except BaseException:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
             if not ending():  # else topics are closed, which is no fault
                 rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
                 _failure.set()
