@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         RotateRecovery,
         default_recoveries,
     )
+    from rosoclingo.robot.navigation.scan_delay import ScanDelay
 
 __all__ = [
     "ClearCostmap",
@@ -60,6 +61,7 @@ __all__ = [
     "Result",
     "RolloutFollower",
     "RotateRecovery",
+    "ScanDelay",
     "State",
     "Tick",
     "Velocity",
@@ -97,6 +99,7 @@ __getattr__ = loader(
         "Result": "navigation_types",
         "RolloutFollower": "follower",
         "RotateRecovery": "recovery_behaviors",
+        "ScanDelay": "scan_delay",
         "State": "navigation_types",
         "Tick": "navigation_types",
         "Velocity": "local_planner",

@@ -1,8 +1,9 @@
 """What is known to be in the way: the static map, and what the laser saw that the map lacks."""
 
+import copy
 import math
 from collections import deque
-from typing import Deque, NamedTuple, Optional, Tuple
+from typing import Deque, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -73,11 +74,14 @@ class Costmap:
         self._static = static
         self._noise = ScanNoise()
         self.clearance = np.empty(grid.shape, dtype=np.float32)
-        self._has_bars = False
+        self._has_bars, self._stale = False, EMPTY  # of the latter: what has changed since the twin was told
         self._barred = self._closed.view(np.uint8).copy()
         self._inland = np.empty(grid.shape, dtype=np.float32)
         whole = (0, grid.shape[0], 0, grid.shape[1])
-        update_clearance(self._barred, self.reach, *whole, self._inland)
+        if self._barred.any():
+            update_clearance(self._barred, self.reach, *whole, self._inland)
+        else:  # a large map that is known all over is ready so much sooner
+            self._inland.fill(self.reach)
         blank = Ground(self.clearance, self._occupied, self._inland, self._barred, 0.0)
         self.grounds = tuple(
             blank._replace(places=np.zeros(grid.shape, np.uint8), radius=(radius + SPARE) / grid.resolution)
@@ -92,6 +96,34 @@ class Costmap:
         self._known = Mapped(self._occupied, self.clearance)
         self.unmarked = np.empty((0, 2))
         self._unmarked: Deque[np.ndarray] = deque(maxlen=SCANS)
+
+    def twin(self) -> "Costmap":
+        """Return a costmap to plan on while this one goes on to change, as it is now; there is one at a time.
+
+        It learns of changes by ``catch_up`` alone. Nothing may be entered into it.
+        """
+        twin = copy.copy(self)
+        twin.clearance, twin._occupied = self.clearance.copy(), self._occupied.copy()
+        twin._inland, twin._barred = self._inland.copy(), self._barred.copy()
+        twin._evidence = self._evidence._replace(marks=self.marks.copy())
+        own = (twin.clearance, twin._occupied, twin._inland)
+        twin.grounds = tuple(Ground(*own, ground.places.copy(), ground.radius) for ground in self.grounds)
+        self._stale = EMPTY
+        return twin
+
+    def catch_up(self, source: "Costmap") -> None:
+        """Take over, as the twin of another costmap, what has changed there; nobody may plan on this one meanwhile."""
+        row0, row1, column0, column1 = source._stale
+        part = (slice(row0, row1), slice(column0, column1))
+        for mine, new in zip(self._layers(), source._layers()):
+            mine[part] = new[part]
+        self._marked, self._has_bars, self.unmarked = source._marked, source._has_bars, source.unmarked
+        source._stale = EMPTY
+
+    def _layers(self) -> List[np.ndarray]:
+        """Return all arrays that change and that a planner may read."""
+        places = [ground.places for ground in self.grounds]
+        return [self.clearance, self._occupied, self._inland, self._barred, self.marks, *places]
 
     @property
     def has_marks(self) -> bool:
@@ -120,22 +152,28 @@ class Costmap:
         """Return points (float64 n, 2; m) in cells."""
         return (points - (self.grid.origin_x, self.grid.origin_y)) / self.resolution
 
-    def observe(self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, range_max: float) -> bool:
+    def observe(
+        self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, range_max: float, smear: float = 0.0
+    ) -> bool:
         """Mark what a scan hit and clear what it looked through; tell whether anything changed.
 
         ``sensor`` is the laser's pose in the map's frame, ``angles`` (rad, float64) are relative to it, ``ranges``
         in m. A range of ``range_max`` or more, or infinity, hit nothing; NaN and negative ones are left out.
+        ``smear`` (rad) is by how much all directions may be wrong, as those of a robot that turns: rays end where that
+        would be more than ``most_tolerance``, and what may be something on the map is that.
         """
         good = ~np.isnan(ranges) & (ranges >= 0.0)
         turned = np.asarray(angles[good] + sensor.yaw, dtype=np.float64)
         far = np.asarray(ranges[good], dtype=np.float64)
         x, y = self.to_cells(sensor.x, sensor.y)
-        hits = far < min(self.limits.obstacle_range, range_max - 1e-3)
+        most = self.limits.most_tolerance
+        sharp = most / smear if smear > 0.0 else math.inf
+        hits = far < min(self.limits.obstacle_range, range_max - 1e-3, sharp)
         # What is hit is marked where it is, however far off clearing ends.
-        ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max)))
+        ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max, sharp)))
         lengths = ends / self.resolution + 1e-3
         self._noise.see(np.where(hits, far, np.nan))
-        known = self._tolerance() / self.resolution
+        known = (self._tolerance() + min(smear * self.limits.obstacle_range, most)) / self.resolution
         spacing = float(abs(angles[-1] - angles[0])) / max(1, len(angles) - 1) if len(angles) else 0.0
         rules = Rules(GAIN, LIMIT, SURE, known, NEAR / self.resolution, spacing)
         window = count_rays(self._evidence, self._mapped, x, y, turned, lengths, hits, rules)
@@ -221,6 +259,7 @@ class Costmap:
         self._update_places(window)
 
     def _update_places(self, window: Window) -> None:
+        self._stale = _around_both(self._stale, window)
         for ground in self.grounds:
             update_places(ground, *window)
 
@@ -228,6 +267,13 @@ class Costmap:
         row0, row1, column0, column1 = window
         height, width = self.grid.shape
         return max(0, row0 - margin), min(height, row1 + margin), max(0, column0 - margin), min(width, column1 + margin)
+
+
+def _around_both(a: Window, b: Window) -> Window:
+    """Return the least window around two."""
+    if EMPTY in (a, b):
+        return b if a == EMPTY else a
+    return min(a[0], b[0]), max(a[1], b[1]), min(a[2], b[2]), max(a[3], b[3])
 
 
 def _window_of(cells: np.ndarray) -> Window:

@@ -36,6 +36,15 @@ class Pose2D(NamedTuple):
         """Return the distance (m) between the two positions."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
+    def towards(self, other: "Pose2D", part: float) -> "Pose2D":
+        """Return what lies by a ``part`` (0 .. 1) of the way, and of the turn, towards another pose."""
+        turn = normalize_angle(other.yaw - self.yaw)
+        return Pose2D(
+            self.x + part * (other.x - self.x),
+            self.y + part * (other.y - self.y),
+            normalize_angle(self.yaw + part * turn),
+        )
+
     def moved(self, v: float, w: float, dt: float) -> "Pose2D":
         """Return the pose after ``dt`` s at ``v`` m/s and ``w`` rad/s: the exact arc of a differential drive."""
         half = 0.5 * w * dt

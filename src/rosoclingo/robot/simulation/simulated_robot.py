@@ -1,7 +1,8 @@
 """One simulated robot: a differential drive with limits, drifting odometry, a watchdog and lasers."""
 
 import math
-from typing import Tuple
+from collections import deque
+from typing import Deque, Tuple
 
 import numpy as np
 
@@ -49,13 +50,15 @@ class Laser:
 class Robot:
     """The state of a robot: ``pose`` and what ``odometry`` takes for it (m, the world's frame), velocity, stall.
 
-    ``drift``: by what (v, w) odometry multiplies the velocities.
+    ``drift``: by what (v, w) odometry multiplies the velocities. ``before``: its poses at the ends of the last steps,
+    the newest first, as far back as its lasers are late.
     """
 
     def __init__(self, spec: RobotSpec, seed: int) -> None:
         self.spec = spec
         self._seed = seed
         corners = np.array(spec.footprint or [(-spec.radius, -spec.radius), (spec.radius, spec.radius)])
+        self.before: Deque[Pose2D] = deque()
         self._width = float(np.ptp(corners, axis=0).min())
         self._reach = float(np.hypot(*corners.T).max()) if spec.footprint else spec.radius
         self.pose = self.odometry = spec.pose
@@ -65,6 +68,7 @@ class Robot:
     def reset(self) -> None:
         """Put the robot at its start, at rest, odometry set to it, drift as at the start."""
         self.pose = self.odometry = self.spec.pose
+        self.before.clear()
         self.v = self.w = 0.0
         self.stalled = False
         self._command: Tuple[float, float] = (0.0, 0.0)
@@ -86,6 +90,25 @@ class Robot:
     def place(self, pose: Pose2D) -> None:
         """Carry the robot to a pose (m): odometry does not notice, as when a real robot is lifted."""
         self.pose, self.v, self.w, self.stalled = pose, 0.0, 0.0, False
+        self.before.clear()
+
+    def seen_from(self, laser: int, dt: float) -> Pose2D:
+        """Return the pose (m) from which a laser's scan of now is taken, ``dt`` s being a step."""
+        late = self.lasers[laser].spec.delay / dt
+        if late <= 0.0 or not self.before:
+            return self.pose
+        whole = int(late)
+        path = [self.pose, *self.before]
+        newer, older = path[min(whole, len(path) - 1)], path[min(whole + 1, len(path) - 1)]
+        return newer.towards(older, late - whole)
+
+    def _remember(self, dt: float) -> None:
+        """Keep where it is, as a step begins."""
+        most = math.ceil(max((laser.spec.delay for laser in self.lasers), default=0.0) / dt - 1e-9)
+        if most > 0:
+            self.before.appendleft(self.pose)
+            while len(self.before) > most:
+                self.before.pop()
 
     def accelerate(self, now: float, dt: float, watchdog: float) -> None:
         """Change the velocity towards the command, within the limits; towards a stop when that is too old.
@@ -106,6 +129,7 @@ class Robot:
         ``outline`` is the footprint in cells, ``origin`` the grid's origin (m) and ``scale`` its resolution. Whoever
         hits something stands still, free of it.
         """
+        self._remember(dt)
         if self.v == 0.0 and self.w == 0.0:
             self.stalled = False
             return CLEAR

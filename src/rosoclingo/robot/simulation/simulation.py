@@ -1,7 +1,7 @@
 """The simulated world in motion."""
 
 import math
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from rosoclingo.robot.simulation.compiled.shapes import (
     inside,
 )
 from rosoclingo.robot.simulation.simulated_robot import Robot, Surroundings
-from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, WorldError, WorldSpec
+from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, RobotSpec, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
 __all__ = ["Collision", "Simulation", "load_simulation"]
@@ -90,7 +90,8 @@ class Simulation:
         lasers = self._robot(robot).lasers
         if not 0 <= laser < len(lasers):
             raise WorldError(f"robot {robot!r} has no laser {laser}; it has {len(lasers)}")
-        return lasers[laser].scan(self._in_cells(self._robot(robot).pose), self._around(robot), self._scale)
+        place = self._robot(robot).seen_from(laser, self.spec.interval)
+        return lasers[laser].scan(self._in_cells(place), self._around(robot), self._scale)
 
     def reset(self) -> None:
         """Put every robot back to its start, as stage_ros's reset_positions does; time, doors, obstacles stay.
@@ -248,13 +249,22 @@ class Simulation:
         return np.array(cells, dtype=np.float64).reshape(-1, 4)
 
 
-def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2) -> Simulation:
-    """Return the simulation of a world file, whose robots stand free. Raises WorldError, which names file and place."""
+def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2, delay: Optional[float] = None) -> Simulation:
+    """Return the simulation of a world file, whose robots stand free. Raises WorldError, which names file and place.
+
+    ``delay``: that of all lasers (s), in place of what the file says.
+    """
     spec = load_world(path, map_file)
+    if delay is not None:
+        spec = spec._replace(robots=tuple(_late(robot, delay) for robot in spec.robots))
     try:
         return Simulation(spec, watchdog)
     except WorldError as error:
         raise WorldError(f"world {path}: robots: {error}; change its pose, or what is there") from error
+
+
+def _late(robot: RobotSpec, delay: float) -> RobotSpec:
+    return robot._replace(lasers=tuple(laser._replace(delay=delay) for laser in robot.lasers))
 
 
 def _corners(at: Tuple[float, float], box: Box) -> List[Tuple[float, float]]:

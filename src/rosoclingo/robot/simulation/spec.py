@@ -26,7 +26,10 @@ class WorldError(ValueError):
 
 
 class LaserSpec(NamedTuple):
-    """A planar laser scanner: m, degrees (``angle``: of the whole fan), beams, standard deviation (m), Hz, its pose."""
+    """A planar laser scanner: m, degrees (``angle``: of the whole fan), beams, standard deviation (m), Hz, its pose.
+
+    ``delay``: by so much (s) a scan is older than it says: it is taken from where the robot was then.
+    """
 
     range: float = 8.0
     angle: float = 270.0
@@ -35,6 +38,7 @@ class LaserSpec(NamedTuple):
     rate: float = 10.0
     pose: Pose2D = Pose2D(0.05, 0.0, 0.0)
     min_range: float = 0.0
+    delay: float = 0.0
 
 
 class RobotSpec(NamedTuple):

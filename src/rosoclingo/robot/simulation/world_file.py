@@ -21,10 +21,11 @@ from rosoclingo.robot.simulation.spec import (
     WorldSpec,
 )
 
-__all__ = ["load_world"]
+__all__ = ["MOST_DELAY", "load_world"]
 
 # Beyond any robot: m, m/s, rad/s; and what a message can hold in a step of reasonable length.
 MOST, MOST_BEAMS = 1000.0, 100000
+MOST_DELAY = 2.0  # s that a scan may be late
 
 
 def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
@@ -144,6 +145,7 @@ def _laser(reader: Reader) -> LaserSpec:
         reader.at("rate").number(base.rate, low=0.01),
         Pose2D(*reader.at("pose").numbers((2, 3), base.pose)),
         reader.at("min_range").number(base.min_range, low=0.0),
+        reader.at("delay").number(base.delay, low=0.0, high=MOST_DELAY),
     )
     if spec.min_range >= spec.range:
         reader.at("min_range").fault(f"must be less than the range, {spec.range}, not {spec.min_range}")

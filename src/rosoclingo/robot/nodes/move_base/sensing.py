@@ -1,5 +1,6 @@
 """What the move_base node learns from tf, laser and odometry."""
 
+import functools
 import math
 from typing import Any, NamedTuple, Optional, Tuple
 
@@ -11,7 +12,7 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation import Costmap, Pose2D, Velocity
+from rosoclingo.robot.navigation import Costmap, Pose2D, ScanDelay, Velocity
 from rosoclingo.robot.nodes.localization import from_transform
 from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
 
@@ -43,6 +44,7 @@ class Sensing:
         self._odom_frame = "odom"
         self._odom_in_map: Optional[Pose2D] = None  # as of the last look at where the robot is
         self._scan: Optional[Any] = None
+        self._delay = ScanDelay()
         self._angles: Tuple[Tuple[float, float, int], np.ndarray] = ((0.0, 0.0, 0), np.empty(0))
         self.velocity = Velocity()
         self.scanned_at = -math.inf
@@ -118,14 +120,27 @@ class Sensing:
         scan = self._scan
         if scan is None:
             return False
-        in_odom = self._lookup(self._odom_frame, scan.header.frame_id.lstrip("/"), scan.header.stamp)
-        if in_odom is None or self._odom_in_map is None:  # odometry of that time may still come
+        where = functools.partial(self._laser_pose, scan.header.frame_id.lstrip("/"), scan.header.stamp)
+        if where(0.0) is None:  # odometry of that time may still come
             return False
-        pose = self._odom_in_map.compose(in_odom)
         self._scan = None
-        ranges = np.asarray(scan.ranges, dtype=np.float64)
+        ranges, angles = np.asarray(scan.ranges, dtype=np.float64), self._beam_angles(scan)
         ranges = np.where(ranges < scan.range_min, np.nan, ranges)
-        return costmap.observe(pose, self._beam_angles(scan), ranges, scan.range_max)
+        before = self._delay.delay
+        rate = self._delay.see(costmap, angles, np.where(ranges < scan.range_max, ranges, np.nan), where)
+        if self._delay.delay != before:
+            rospy.loginfo(
+                "the laser's scans are %.2f s older than they say: their stamps are corrected", self._delay.delay
+            )
+        pose = where(self._delay.delay) or where(0.0)
+        return pose is not None and costmap.observe(pose, angles, ranges, scan.range_max, abs(rate) * self._delay.doubt)
+
+    def _laser_pose(self, frame: str, stamp: rospy.Time, before: float) -> Optional[Pose2D]:
+        """Return a laser's pose in the map some time (s) before a stamp; None where that is not known."""
+        if self._odom_in_map is None or stamp.to_sec() <= before:
+            return None
+        in_odom = self._lookup(self._odom_frame, frame, stamp - rospy.Duration.from_sec(before))
+        return self._odom_in_map.compose(in_odom) if in_odom else None
 
     def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
         """Return the pose of a frame in the map, None where tf does not know it; an empty name is the map itself."""

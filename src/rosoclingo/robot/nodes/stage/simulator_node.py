@@ -20,6 +20,7 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.stage.robot_topics import RobotTopics, prefixes
 from rosoclingo.robot.simulation import Box, ObstacleSpec, Simulation, WorldError, load_simulation
+from rosoclingo.robot.simulation.world_file import MOST_DELAY
 from rosoclingo.robot.simulation.world_state import resume_world, world_state
 from rosoclingo.srv import (
     PutObstacle,
@@ -60,6 +61,8 @@ class SimulatorNode:
             follow.
         ~base_watchdog_timeout (float, default 0.2): a robot without a command for that long (simulated s) stops; 0:
             never.
+        ~scan_delay (float, optional): s by which scans are older than they say, in place of what the world file says.
+            Those of Stage are a step late.
         ~paused (bool, default false): start paused.
         ~use_model_names (bool, default false): several robots: prefix with their names in the world file.
         ~kept (map, optional): set by the node, where robots, doors and obstacles are. One that was killed and is
@@ -85,6 +88,8 @@ class SimulatorNode:
     def __init__(self) -> None:
         given = Parameters()
         world, map_file = given.at("world").text(), given.at("map").text("")
+        late = given.at("scan_delay")
+        delay = late.number(0.0, low=0.0, high=MOST_DELAY) if late.given else None
         watchdog = given.at("base_watchdog_timeout").number(0.2, low=0.0)
         self._speed = given.at("speed").number(1.0, low=0.0)
         self._paused = given.at("paused").flag(False)
@@ -92,7 +97,7 @@ class SimulatorNode:
         kept = given.at("kept")
         given.check()
         compile_once("simulation", rospy.loginfo)
-        self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog), kept)
+        self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog, delay), kept)
         self._kept = KeptState("~kept", "the world begins anew when this node is killed")
         self._unkept, self._keep_at = True, 0.0  # whether all is not where it is kept, and the next time for that
         self._worker = Worker(self._go_on)
