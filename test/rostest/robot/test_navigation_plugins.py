@@ -3,6 +3,7 @@
 
 import pathlib
 import sys
+import threading
 import unittest
 
 import rospy
@@ -11,11 +12,12 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import RecoveryStatus
 from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan
+from std_srvs.srv import SetBool
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_to_hear
-from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
+from interface_helpers import wait_to_hear, wait_until
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
 class NavigationPlugins(unittest.TestCase):
@@ -83,6 +85,42 @@ class NavigationPlugins(unittest.TestCase):
             self.assertTrue(any(abs(p.x - 5.0) < 0.2 and abs(p.y - 0.6) < 0.2 for p in points))
             goal.pose.position.x = 14.5
             self.assertEqual(plan(start, goal, 0.0).plan.poses, [])
+
+    def test_a_way_that_is_never_found_can_be_cancelled_and_holds_up_nothing(self):
+        self.driver.send(pose_goal(12.2, 0.0))
+        wait_until(lambda: rospy.has_param("/looks_for_chart"), "the planner to be busy")
+        self.driver.client.cancel_goal()
+        self.assertEqual(self.driver.end()[0], PREEMPTED)
+        x, y, _ = self.driver.pose
+        self.assertEqual(self.driver.drive(x, y)[0], SUCCEEDED)
+        self.check_that_the_robot_is_driven_on()
+
+    def check_that_the_robot_is_driven_on(self):
+        """While anything plans, here for a service."""
+        self.driver.drive(2.5, 0.0)
+        rospy.delete_param("/looks_for_chart")  # of the test before
+        pause, answers = rospy.ServiceProxy("simulator/pause", SetBool), []
+        self.driver.send(pose_goal(8.5, 0.0))
+        self.driver.wait(lambda: self.driver.speed[0] > 0.2)
+        asker = threading.Thread(target=lambda: answers.append(ask_for_plan("move_base/make_plan", 12.2)))
+        pause(True)
+        asker.start()
+        wait_until(lambda: rospy.has_param("/looks_for_chart"), "the planner to be busy")
+        pause(False)
+        self.assertEqual(self.driver.end()[0], SUCCEEDED)
+        self.assertEqual(answers, [])
+        rospy.set_param("/chart", "found")
+        asker.join(60.0)
+        self.assertTrue(answers[0].poses)
+        self.assertEqual(self.driver.drive(2.5, 0.0)[0], SUCCEEDED)
+
+
+def ask_for_plan(service, x):
+    """What make_plan answers for the way along the corridor to x (m)."""
+    start, goal = PoseStamped(), PoseStamped()
+    start.header.frame_id = goal.header.frame_id = "map"
+    start.pose.position.x, goal.pose.position.x = 1.9, x
+    return rospy.ServiceProxy(service, GetPlan)(start, goal, 0.0).plan
 
 
 if __name__ == "__main__":

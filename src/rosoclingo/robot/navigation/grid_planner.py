@@ -2,7 +2,7 @@
 
 import enum
 import math
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class PlanOutcome(enum.Enum):
     """Why a planner answers as it does."""
 
     FOUND = "found"
+    GIVEN_UP = "planning was given up, as nobody waits for it any more"
     START_OFF_MAP = "the robot is outside of the map"
     GOAL_OFF_MAP = "the goal is outside of the map"
     START_BLOCKED = "the robot is too close to an obstacle, and nowhere near it can it stand"
@@ -84,11 +85,15 @@ class GridPlannerLimits(NamedTuple):
 class GlobalPlanner:
     """What a global planner plugin does: subclasses are named by class path in ``base_global_planner``.
 
-    It is made with its parameters, the mapping under the last part of its class path.
+    It is made with its parameters, the mapping under the last part of its class path. All calls come from one thread,
+    beside that which drives the robot; the costmap does not change meanwhile.
+    ``wanted`` tells whether anybody still waits for the plan: a planner that takes long asks it now and then, and
+    returns the outcome GIVEN_UP where nobody does.
     """
 
     def __init__(self, parameters: Optional[dict] = None) -> None:
         self.parameters = dict(parameters or {})
+        self.wanted: Callable[[], bool] = lambda: True
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return a path, or why there is none. ``tolerance`` (m) is default_tolerance unless given."""
@@ -147,12 +152,12 @@ class GridPlanner(GlobalPlanner):
             # Where it cannot turn the robot is to get straight in and straight out.
             weights = CostWeights(costmap.grounds[0].radius, STRAIGHT)
         landmarks = self._costs_of_landmarks(costmap, weights)
-        cells = find_cells(ground, *weights, *first.cell, *last.cell, 8, landmarks)
-        if not len(cells):
-            return _failed(PlanOutcome.NO_PATH)
-        if len(cells) < SHORT and not narrow:
+        cells = find_cells(ground, *weights, *first.cell, *last.cell, 8, landmarks, self.wanted)
+        if cells is not None and 0 < len(cells) < SHORT and not narrow:
             fine = weights._replace(weight=PART * weights.weight)
-            cells = find_cells(ground, *fine, *first.cell, *last.cell, 16, landmarks[:0])
+            cells = find_cells(ground, *fine, *first.cell, *last.cell, 16, landmarks[:0], self.wanted)
+        if cells is None or not len(cells):
+            return _failed(PlanOutcome.GIVEN_UP if cells is None else PlanOutcome.NO_PATH)
         points = np.concatenate([first.points, places_of(ground.places, cells), last.points])
         pull(points, ground, *weights, PULLS)
         points = straighten(points, ground, *weights)

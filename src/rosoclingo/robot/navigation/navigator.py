@@ -1,7 +1,7 @@
 """Driving to a goal: the state machine of move_base, without ROS."""
 
 import math
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rosoclingo.robot.navigation.navigation_types import (
     Tick,
     Trigger,
 )
+from rosoclingo.robot.navigation.planning import Planning, from_here
 from rosoclingo.robot.navigation.progress import Progress
 from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
@@ -36,13 +37,22 @@ SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 # counts once more for each detour and each way left: what seems to be open and closed in turns must not draw it to and
 # fro.
 WORTHWHILE = 0.9
+MOVED = 0.1  # m that the robot may have moved while it was planned
+
+
+class Asked(NamedTuple):
+    """A plan that is being looked for, from a start; ``keep``: the old one may stay, if the new one is no better."""
+
+    start: Pose2D
+    keep: bool
 
 
 class Navigator:
     """Takes goals and, once a control period, what is known of the robot; gives velocities and results.
 
-    ``costmap`` may be exchanged when a new map comes. Observers: ``on_plan(points)``, ``on_recovery(behavior, number,
-    total, pose)``, ``on_log(text)``; all optional attributes.
+    Plans come by ``planning``: while one is looked for that takes its time the robot is driven on by the old one, or
+    stands where it has none. Observers: ``on_plan(points)``, ``on_recovery(behavior, number, total, pose)``,
+    ``on_log(text)``; all optional attributes.
     """
 
     def __init__(
@@ -52,8 +62,11 @@ class Navigator:
         follower: LocalPlanner,
         recoveries: List[RecoveryBehavior],
         limits: Optional[NavigatorLimits] = None,
+        planning: Optional[Planning] = None,
     ) -> None:
-        self.costmap, self.planner, self.follower = costmap, planner, follower
+        self.costmap, self.follower = costmap, follower
+        self.planning = planning or Planning(planner)
+        self._asked: Optional[Asked] = None
         self.recoveries = recoveries
         self.limits = limits or NavigatorLimits()
         self.state = State.IDLE
@@ -89,6 +102,11 @@ class Navigator:
         if self.active:
             self._go(State.IDLE)
 
+    def take_map(self, costmap: Costmap) -> None:
+        """Go on with another map."""
+        self._drop()
+        self.costmap, self._changed = costmap, True
+
     def obstacles_changed(self) -> None:
         """Tell that the costmap has changed: the way ahead is looked at again."""
         self._changed = True
@@ -122,6 +140,7 @@ class Navigator:
 
     def _start(self, now: float) -> None:
         """Set the clocks and counts of a fresh goal."""
+        self._drop()
         self._now = self._last_plan = self._last_control = now
         self._progress = Progress(self.limits, now)
         self._block: Optional[Tuple[float, float]] = None
@@ -135,11 +154,16 @@ class Navigator:
     def _go(self, state: State) -> None:
         if state not in TRANSITIONS[self.state]:
             raise NavigationError(f"no transition from {self.state.value} to {state.value}")
+        if state in (State.IDLE, State.CLEARING):
+            self._drop()
         self.state = state
 
     def _planning(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
         """Look for a path; while there is none, wait for planner_patience."""
-        if self._make_plan(now, pose):
+        found = self._make_plan(now, pose)
+        if found is None:
+            return Tick()
+        if found:
             self._last_control = now
             self._go(State.CONTROLLING)
             return self._controlling(now, pose, velocity, period)
@@ -209,17 +233,39 @@ class Navigator:
         self._go(State.CLEARING)
         return Tick()
 
-    def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> bool:
-        """Plan; tell whether there is a path to follow. ``keep``: the old one may stay, if the new one is no better."""
-        if keep and self._block is not None and self._left > 0 and not self._seems_good(now):
-            self.costmap.bar(*self._block)
-        plan = self.planner.plan(self.costmap, pose, self.goal)
-        if plan.outcome is not PlanOutcome.FOUND and self.costmap.unbar():
-            plan = self.planner.plan(self.costmap, pose, self.goal)
-        self._planned_at, self._changed = now, False
+    def _ask(self, pose: Pose2D, keep: bool) -> Optional[Plan]:
+        """Have a plan looked for; return it if it is there already."""
+        self._asked, self._changed = Asked(pose, keep), False
+        self.planning.ask(self.costmap, pose, self.goal)
+        return self.planning.answer()
+
+    def _drop(self) -> None:
+        if self._asked is not None:
+            self._asked = None
+            self.planning.drop()
+
+    def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> Optional[bool]:
+        """Plan, or go on with that; tell whether there is a path to follow, None while that is not known."""
+        if self._asked is not None:
+            plan, keep = self.planning.answer(), self._asked.keep
+        else:
+            if keep and self._block is not None and self._left > 0 and not self._seems_good(now):
+                self.costmap.bar(*self._block)
+            plan = self._ask(pose, keep)
+        if plan is not None and plan.outcome is not PlanOutcome.FOUND and self.costmap.unbar():
+            plan = self._ask(pose, keep)
+        return None if plan is None else self._take_plan(now, pose, plan)
+
+    def _take_plan(self, now: float, pose: Pose2D, plan: Plan) -> bool:
+        """Follow a plan that has come, unless the old one is as good; tell whether there is one to follow."""
+        assert self._asked is not None
+        (start, keep), self._asked = self._asked, None
+        self._planned_at = now
         if plan.outcome is not PlanOutcome.FOUND:
             self.plan = plan
             return False
+        if start.distance(pose) > MOVED:
+            plan = plan._replace(points=from_here(plan.points, pose, start.distance(pose)))
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
@@ -237,12 +283,14 @@ class Navigator:
         self._block = self._first_block(pose)
         if self._block is None:
             self._good_until = now
+        if self._asked is not None:
+            return self._make_plan(now, pose) is not False
         if not self._changed:
             return True
         since = now - self._planned_at
         due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
         if due or (since >= MOMENT and not self._seems_good(now)):
-            return self._make_plan(now, pose, keep=True)
+            return self._make_plan(now, pose, keep=True) is not False
         return True
 
     def _seems_good(self, now: float) -> bool:

@@ -10,7 +10,6 @@ import pytest
 
 from rosoclingo.robot.navigation import Costmap, GridPlanner, OccupancyGrid
 from rosoclingo.robot.nodes import building, compiling
-from rosoclingo.robot.nodes.move_base.plugins import prepare
 
 HERE = Path(__file__).resolve().parents[2]
 SOURCES = Path(compiling.__file__).parents[3]  # by the same way as here, which what is kept is for
@@ -125,4 +124,7 @@ def test_the_build_goes_on_without_numba_and_says_so(tmp_path, module):
 def test_a_map_whose_clearest_cell_is_unknown_is_prepared():
     cells = np.full((80, 80), -1, dtype=np.int8)
     cells[30:50, 30:50] = 0
-    prepare(GridPlanner(), Costmap(OccupancyGrid(cells, 0.05)))
+    planner, costmap = GridPlanner(), Costmap(OccupancyGrid(cells, 0.05))
+    while planner.prepare(costmap):
+        pass
+    assert len(planner._landmarks.costs) > 0

@@ -7,6 +7,7 @@ Lengths are in cells, as in :mod:`rosoclingo.robot.navigation.compiled.clearance
 """
 
 import math
+from typing import Optional
 
 import numpy as np
 
@@ -23,6 +24,7 @@ ACTIVE = 6  # landmarks that lead one search: those that tell most of its two en
 ROWS = np.array([0, 0, 1, -1, 1, 1, -1, -1, 1, 1, -1, -1, 2, 2, -2, -2])
 COLUMNS = np.array([1, -1, 0, 0, 1, -1, 1, -1, 2, -2, 2, -2, 1, -1, 1, -1])
 AROUND = 8
+PORTION = 100000  # cells that are looked at in one go: some 50 ms
 LENGTHS = np.hypot(ROWS, COLUMNS)
 
 
@@ -129,33 +131,66 @@ def _leads(ground, row, column, k):
     return line_is_clear(ground, x0, y0, x1, y1, ground.radius)
 
 
-@jit
-def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_column, steps, landmarks):
+def find_cells(
+    ground, comfort, weight, start_row, start_column, goal_row, goal_column, steps, landmarks, wanted=None
+) -> Optional[np.ndarray]:
     """Return the cheapest way as an int32 array (n, 2) of (row, column), empty where there is none.
 
     Uses cells in which there is a place; start and goal must be such cells. ``steps``: 8, to the cells around one, or
     16, a knight's too; landmarks are for 8.
     ``landmarks``: float32 (n, cells), n from 0 on: what each cell costs from each landmark, infinity beyond reach.
+    ``wanted`` is asked between portions whether to go on; None is returned where it tells not to.
     """
-    clearance, places = ground.clearance, ground.places
-    height, width = clearance.shape
+    height, width = ground.clearance.shape
+    start, goal = start_row * width + start_column, goal_row * width + goal_column
+    guides = _guides_between(landmarks, start, goal)
+    if guides is None:
+        return np.empty((0, 2), dtype=np.int32)
+    costs, origins, closed, keys, items = _begun(height, width, start)
+    size = 1
+    while size > 0 and not closed[goal]:
+        if wanted is not None and not wanted():
+            return None
+        keys, items, size = _search(
+            ground, comfort, weight, goal, steps, landmarks, guides, costs, origins, closed, keys, items, size, PORTION
+        )
+    return _traced(origins, goal, width) if closed[goal] else np.empty((0, 2), dtype=np.int32)
+
+
+@jit
+def _guides_between(landmarks, start, goal):
+    """Return the landmarks that lead from start to goal; None where they tell that no way does."""
+    if _apart(landmarks, start, goal):
+        return None
+    return _guides(landmarks, start, goal)
+
+
+@jit
+def _begun(height, width, start):
+    """Return what a search works on: costs, origins, closed (all cells), and the heap, which holds the start."""
     total = height * width
     costs = np.full(total, np.inf, dtype=np.float32)
     origins = np.full(total, -1, dtype=np.int32)
     closed = np.zeros(total, dtype=np.uint8)
     keys = np.empty(4 * (height + width) + 64, dtype=np.float32)
     items = np.empty(keys.shape[0], dtype=np.int32)
-    start, goal = start_row * width + start_column, goal_row * width + goal_column
-    if _apart(landmarks, start, goal):
-        return np.empty((0, 2), dtype=np.int32)
-    guides = _guides(landmarks, start, goal)
     costs[start] = 0.0
-    size = _push(keys, items, np.int64(0), np.float32(0.0), np.int32(start))
-    while size > 0 and not closed[goal]:
+    keys[0], items[0] = 0.0, start
+    return costs, origins, closed, keys, items
+
+
+@jit
+def _search(ground, comfort, weight, goal, steps, landmarks, guides, costs, origins, closed, keys, items, size, most):
+    """Go on with a search by at most ``most`` cells, until the goal is closed; return (keys, items, size) left."""
+    clearance, places = ground.clearance, ground.places
+    height, width = clearance.shape
+    goal_row, goal_column = goal // width, goal % width
+    while size > 0 and not closed[goal] and most > 0:
         size = _pop(keys, items, size)
         here = items[size]
         if closed[here]:
             continue
+        most -= 1
         closed[here] = 1
         row, column = here // width, here % width
         cost = costs[here]
@@ -174,9 +209,7 @@ def find_cells(ground, comfort, weight, start_row, start_column, goal_row, goal_
                 costs[there], origins[there] = new, here
                 key = np.float32(new + _left(r, c, goal_row, goal_column, there, goal, steps, landmarks, guides))
                 size = _push(keys, items, size, key, np.int32(there))
-    if not closed[goal]:
-        return np.empty((0, 2), dtype=np.int32)
-    return _traced(origins, goal, width)
+    return keys, items, size
 
 
 @jit

@@ -1,24 +1,33 @@
 """The service of the move_base node that plans without driving."""
 
 import traceback
-from typing import Any, Callable, Optional, Tuple
+from concurrent import futures
+from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.srv import GetPlan, GetPlanResponse
 
-from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation import Costmap, GlobalPlanner, PlanOutcome, Pose2D
+from rosoclingo.common.worker import Worker, ending
+from rosoclingo.robot.navigation import PlanOutcome, Pose2D
 from rosoclingo.robot.nodes.array_messages import PlanResponse, path_message
 from rosoclingo.robot.nodes.localization import to_pose2d
+from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
 from rosoclingo.robot.nodes.move_base.sensing import Sensing
 
 
-class PlanService:
-    """Plans in the worker's thread; the answer is an empty path where there is none.
+class Wanted(NamedTuple):
+    """A plan that is being looked for, and the yaw (rad) to end with."""
 
-    ``place`` tells the costmap and the robot's pose, None for what is not known yet.
+    plan: futures.Future
+    yaw: float
+
+
+class PlanService:
+    """Has plans made beside all else; the answer is an empty path where there is none.
+
+    ``place`` tells the robot's pose, and whether there is a map to plan on.
 
     Services:
         ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): from a start, or where the robot is if the start names no
@@ -29,33 +38,44 @@ class PlanService:
         self,
         worker: Worker,
         sensing: Sensing,
-        planner: GlobalPlanner,
-        place: Callable[[], Tuple[Optional[Costmap], Optional[Pose2D]]],
+        planning: PlanningThread,
+        place: Callable[[], Tuple[bool, Optional[Pose2D]]],
     ) -> None:
-        self._sensing, self._planner, self._place = sensing, planner, place
+        self._worker, self._sensing, self._planning, self._place = worker, sensing, planning, place
         self.services = tuple(
-            rospy.Service(name, GetPlan, lambda request: worker.ask(lambda: self._plan(request)))
+            rospy.Service(name, GetPlan, self._answer)
             for name in ("~make_plan", f"~{global_planner_namespace()}/make_plan")
         )
 
-    def _plan(self, request: Any) -> GetPlanResponse:
+    def _answer(self, request: Any) -> GetPlanResponse:
+        """Answer when the plan is there, in the thread of the call."""
         response = GetPlanResponse()
         response.plan.header.frame_id = self._sensing.map_frame
-        costmap, pose = self._place()
-        goal = self._in_map(request.goal)
-        start = self._in_map(request.start) if request.start.header.frame_id else pose
-        if costmap is None or goal is None or start is None:
+        wanted = self._worker.ask(lambda: self._ask(request))
+        if wanted is None:
             rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
             return response
+        while not futures.wait([wanted.plan], 0.5).done:
+            if ending():
+                raise rospy.ServiceException(f"{rospy.get_name()} does not answer: it ends")
         try:
-            plan = self._planner.plan(costmap, start, goal, request.tolerance)
+            plan = wanted.plan.result()
         except Exception:  # noqa: BLE001 a user's planner may raise anything
             rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
             return response
         if plan.outcome is PlanOutcome.FOUND:
-            return PlanResponse(path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), goal.yaw))
+            return PlanResponse(path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), wanted.yaw))
         rospy.logwarn("make_plan: %s", plan.outcome.value)
         return response
+
+    def _ask(self, request: Any) -> Optional[Wanted]:
+        """Ask for a plan, in the worker's thread; return None where there is no map, start or goal."""
+        has_map, pose = self._place()
+        goal = self._in_map(request.goal)
+        start = self._in_map(request.start) if request.start.header.frame_id else pose
+        if not has_map or goal is None or start is None:
+            return None
+        return Wanted(self._planning.also(start, goal, request.tolerance), goal.yaw)
 
     def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
         """Return a pose in the map; a missing orientation is fine, only a position is asked for."""

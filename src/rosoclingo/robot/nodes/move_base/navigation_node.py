@@ -2,7 +2,7 @@
 
 import math
 import traceback
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -17,6 +17,7 @@ from move_base_msgs.msg import (
     MoveBaseResult,
 )
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
+from rospy.numpy_msg import numpy_msg
 from std_srvs.srv import Empty, EmptyResponse
 
 from rosoclingo.common.action_servers import forget_goal_times, start_server
@@ -27,10 +28,12 @@ from rosoclingo.robot.navigation import Costmap, MapError, Navigator, Outcome, P
 from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.localization import to_pose2d
 from rosoclingo.robot.nodes.map_server import grid_from_message
+from rosoclingo.robot.nodes.move_base.command_watch import CommandWatch
 from rosoclingo.robot.nodes.move_base.display import Display, View
 from rosoclingo.robot.nodes.move_base.make_plan import PlanService
 from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
-from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, prepare, recoveries
+from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
+from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, recoveries
 from rosoclingo.robot.nodes.move_base.reports import Reports, stamped_pose
 from rosoclingo.robot.nodes.move_base.sensing import Located, Sensing
 
@@ -144,7 +147,6 @@ class MoveBaseNode:
         self._planner, self._follower, self._recoveries = plan(), follow(), recover()
         self._navigator: Optional[Navigator] = None
         self._ready = False
-        self._prepares = True  # until it is done, or fails, which costs nothing but its gain
         self._last_tick = -float("inf")
         self._patience = PatienceClock()
         self._pose: Optional[Pose2D] = None
@@ -152,7 +154,8 @@ class MoveBaseNode:
         self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
         self._display = Display(self._settings, self._worker)
         self._reports = Reports(self._settings.frames.map)
-        self._cmd_vel = prompt_publisher("cmd_vel", Twist, 1)
+        self._planning = PlanningThread(self._worker, self._planner)
+        self._commands = CommandWatch(prompt_publisher("cmd_vel", Twist, 1).publish, self._settings.controller_period)
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
         self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
@@ -163,15 +166,16 @@ class MoveBaseNode:
         )
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._subscribers = (
-            rospy.Subscriber(self._settings.map_topic, OccupancyGridMessage, self._on_map, queue_size=1),
+            rospy.Subscriber(self._settings.map_topic, numpy_msg(OccupancyGridMessage), self._on_map, queue_size=1),
             rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1),
         )
         self._services = (
-            *PlanService(self._worker, self._sensing, self._planner, self._place).services,
+            *PlanService(self._worker, self._sensing, self._planning, self._place).services,
             rospy.Service("~clear_costmaps", Empty, self._on_clear),
         )
         self._worker.put(lambda: compile_once("navigation", rospy.loginfo))
         self._worker.start()
+        self._commands.start()
         rospy.on_shutdown(self._stop)
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
@@ -191,7 +195,7 @@ class MoveBaseNode:
 
     def _stop(self) -> None:
         self._worker.stop(2.0)
-        self._cmd_vel.publish(Twist())
+        self._commands.end()
 
     # ---- the worker -----------------------------------------------------------------------------------------------
 
@@ -203,16 +207,16 @@ class MoveBaseNode:
             return
         costmap = Costmap(grid, self._settings.costmap)
         if self._navigator is None:
-            navigator = Navigator(costmap, self._planner, self._follower, self._recoveries, self._settings.navigator)
+            navigator = Navigator(
+                costmap, self._planner, self._follower, self._recoveries, self._settings.navigator, self._planning
+            )
             navigator.on_plan = lambda points: self._display.plan(points, navigator.goal.yaw)
             navigator.on_recovery = self._reports.recovery
             navigator.on_log = rospy.logwarn
             self._navigator = navigator
-            self._guarded(lambda: prepare(self._planner, costmap))
         else:
-            self._navigator.costmap = costmap
-            self._navigator.obstacles_changed()
-        self._prepares = True
+            self._navigator.take_map(costmap)
+        self._planning.take_map(costmap)
         self._display.new_map(costmap)
 
     def _settle(self) -> None:
@@ -220,7 +224,9 @@ class MoveBaseNode:
         now = self._sensing.now()
         if self._navigator is None or now <= 0.0:
             return
-        self._prepare(self._navigator)
+        self._planning.tell()
+        if not (self._navigator.active or self._worker.waiting):
+            self._planning.spare()
         self._look(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)
@@ -251,13 +257,6 @@ class MoveBaseNode:
         """Enter a scan as soon as it is there, before the next control period needs it."""
         if self._watchful(navigator) and self._sensing.observe(navigator.costmap):
             navigator.obstacles_changed()
-
-    def _prepare(self, navigator: Navigator) -> None:
-        """Have the planner use the time while nothing is driven."""
-        if self._prepares and not (navigator.active or self._worker.waiting):
-            more: List[bool] = []
-            self._guarded(lambda: more.append(self._planner.prepare(navigator.costmap)))
-            self._prepares = any(more)
 
     def _guarded(self, work: Callable[[], None]) -> str:
         """Do what calls plugins, which may be anybody's; return what one of them raised, empty for nothing."""
@@ -292,7 +291,7 @@ class MoveBaseNode:
             raise ValueError(f"the velocity is not finite: {tuple(velocity)}")
         message = Twist()
         message.linear.x, message.angular.z = velocity
-        self._cmd_vel.publish(message)
+        self._commands.command(message)
 
     def _feed_back(self, pose: Pose2D, velocity: Velocity) -> None:
         self._server.publish_feedback(MoveBaseFeedback(stamped_pose(pose, self._settings.frames.map)))
@@ -350,9 +349,9 @@ class MoveBaseNode:
             self._drive(Velocity())
             self._server.set_preempted(MoveBaseResult(), "The goal was cancelled.")
 
-    def _place(self) -> Tuple[Optional[Costmap], Optional[Pose2D]]:
-        """Return the costmap and where the robot is, as far as they are known."""
-        return (self._navigator.costmap if self._navigator else None), self._pose
+    def _place(self) -> Tuple[bool, Optional[Pose2D]]:
+        """Tell whether there is a map, and where the robot is as far as that is known."""
+        return self._navigator is not None, self._pose
 
     def _clear(self) -> None:
         if self._navigator is not None and self._pose is not None:

@@ -1,7 +1,6 @@
 """The planners and recovery behaviours of the move_base node, which parameters name by class path."""
 
 import importlib
-import time
 from typing import Any, Callable, Dict, List, Type
 
 import rospy
@@ -10,7 +9,6 @@ from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation import (
     ClearCostmap,
-    Costmap,
     FollowerLimits,
     GlobalPlanner,
     GridPlanner,
@@ -50,7 +48,6 @@ OWN_SETTINGS: Dict[type, Dict[str, Any]] = {
 }
 # Read from a planner's namespace by the node itself, as the costmap needs to know.
 OF_THE_NODE = ("allow_unknown",)
-PREPARATION = 2.0  # s that a start lasts longer for: what is left to prepare then is done beside all else
 
 
 def global_planner(given: Parameters) -> Callable[[], GlobalPlanner]:
@@ -122,13 +119,6 @@ def _maker(named_by: Reader, kind: Type[Any], namespace: str, arguments: List[An
 def _namespace(path: str) -> str:
     """Return the last part of a class path."""
     return path.replace("/", ".").rsplit(".", 1)[-1]
-
-
-def prepare(planner: GlobalPlanner, costmap: Costmap) -> None:
-    """Have the planner prepared for a map, for the most part, before the first goal."""
-    enough = time.monotonic() + PREPARATION
-    while planner.prepare(costmap) and time.monotonic() < enough:
-        pass
 
 
 def _settings(given: Parameters, namespace: str, kind: type, foreign: bool) -> Dict[str, Any]:

@@ -1,0 +1,171 @@
+"""Plans that take long: the robot is driven on meanwhile, or stands, and what is not wanted any more is given up."""
+
+import math
+
+import numpy as np
+import pytest
+from navigation_worlds import Drive, room, simulation
+
+from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D, State
+from rosoclingo.robot.navigation.planning import Planning, from_here
+from rosoclingo.robot.simulation import ObstacleSpec
+
+WALLS = ((3.0, 0.0, 3.1, 2.4), (3.0, 3.3, 3.1, 6.0))
+START, GOAL = Pose2D(1.0, 1.0), Pose2D(5.0, 1.0)
+
+
+class LatePlanning(Planning):
+    """Answers what was planned at once after so many looks."""
+
+    def __init__(self, planner, late):
+        super().__init__(planner)
+        self.late, self.left, self.asked, self.dropped = late, 0, 0, 0
+
+    def ask(self, costmap, start, goal):
+        super().ask(costmap, start, goal)
+        self.left, self.asked = self.late, self.asked + 1
+
+    def answer(self):
+        self.left -= 1
+        return super().answer() if self.left < 0 else None
+
+    def drop(self):
+        super().drop()
+        self.dropped += 1
+
+
+def late_drive(late, things=()):
+    drive = Drive(simulation(room(walls=WALLS), START, obstacles=things))
+    drive.navigator.planning = LatePlanning(GridPlanner(), late)
+    return drive
+
+
+def test_the_robot_stands_until_there_is_a_way_and_drives_on_while_another_is_looked_for():
+    drive = late_drive(30, (ObstacleSpec("box", (3.05, 2.6), 0.1),))
+    planning, speeds = drive.navigator.planning, []
+    drive.navigator.set_goal(0.0, GOAL)
+    while drive.world.time < 2.95:
+        assert drive.step() is None
+        assert drive.robot.v == drive.robot.w == 0.0
+    assert planning.asked == 1
+
+    def note(drive):
+        if planning.left >= 0 and planning.asked > 1:
+            speeds.append(drive.robot.v)
+
+    assert drive.to(GOAL, each=note).message == "Goal reached."
+    assert drive.collisions == []
+    assert planning.asked > 2, "what the map lacks has made it plan again"
+    assert max(speeds) > 0.5, "it was driven while a plan was looked for"
+
+
+def test_a_late_plan_is_followed_from_where_the_robot_is():
+    """Else it would go back to where it was when the plan was asked for."""
+    prompt, late = late_drive(0), late_drive(25)
+    took = []
+    for drive in (prompt, late):
+        began = []
+
+        def note(drive, began=began):
+            drive.navigator.obstacles_changed()
+            if not began and drive.robot.v > 0.0:
+                began.append(drive.world.time)
+            assert drive.robot.v > -0.01
+
+        assert drive.to(GOAL, each=note).message == "Goal reached."
+        took.append(drive.world.time - began[0])
+    assert took[1] < 1.2 * took[0]
+
+
+@pytest.mark.parametrize("end", ["cancel", "goal", "map", "blind"])
+def test_what_is_not_wanted_any_more_is_dropped(end):
+    drive = late_drive(10000)
+    navigator, planning = drive.navigator, drive.navigator.planning
+    navigator.set_goal(0.0, GOAL)
+    drive.step()
+    assert navigator.state is State.PLANNING
+    assert (planning.asked, planning.dropped) == (1, 0)
+    if end == "cancel":
+        navigator.cancel()
+        assert not navigator.active
+        navigator.set_goal(1.0, GOAL)
+    elif end == "goal":
+        navigator.set_goal(1.0, Pose2D(1.0, 5.0))
+    elif end == "map":
+        navigator.take_map(Costmap(room(walls=WALLS)))
+    else:
+        navigator.blind(1.0, None, "")
+        navigator.blind(100.0, None, "")
+        assert not navigator.active
+        navigator.set_goal(101.0, GOAL)
+    assert planning.dropped == 1
+    planning.late = 0
+    assert drive.step() is None
+    assert planning.asked == 2
+    assert navigator.state is State.CONTROLLING
+
+
+def test_a_way_that_does_not_come_for_long_costs_no_patience():
+    drive = late_drive(300)
+    assert drive.to(GOAL).message == "Goal reached."
+    assert drive.recoveries == []
+    assert drive.world.time > 30.0
+
+
+@pytest.mark.parametrize(
+    ("pose", "moved", "first"),
+    [((0.0, 0.0), 0.0, (0, 0)), ((1.1, 0.1), 1.0, (1, 0)), ((2.0, 0.9), 3.0, (2, 1)), ((9.0, 9.0), 0.3, (0, 0))],
+)
+def test_what_is_left_of_a_path(pose, moved, first):
+    points = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2)], dtype=float)
+    left = from_here(points, Pose2D(*pose), moved)
+    assert tuple(left[0]) == first
+    assert tuple(left[-1]) == (2.0, 2.0)
+    assert len(from_here(points[:2], Pose2D(1.0, 0.0), 5.0)) == 2
+
+
+def test_a_twin_knows_what_it_was_told():
+    costmap = Costmap(room(walls=WALLS))
+    twin, blank = costmap.twin(), Costmap(room(walls=WALLS))
+    angles = np.linspace(-math.pi, math.pi, 90)
+    for x in (1.0, 4.5):
+        for _ in range(10):
+            costmap.observe(Pose2D(x, 3.0), angles, np.full(90, 0.6), 6.0)
+        costmap.bar(x, 4.0)
+    assert costmap.has_marks
+    assert not twin.has_marks
+    assert same(twin, blank)
+    twin.catch_up(costmap)
+    assert twin.has_marks
+    assert same(twin, costmap)
+    planner = GridPlanner()
+    for goal in (GOAL, Pose2D(1.0, 5.0)):
+        assert np.array_equal(planner.plan(twin, START, goal).points, planner.plan(costmap, START, goal).points)
+    costmap.forget(1.0, 3.0)
+    costmap.unbar()
+    twin.catch_up(costmap)
+    assert not twin.has_marks
+    assert same(twin, blank)
+
+
+def same(a, b):
+    return all(np.array_equal(one, other) for one, other in zip(a._layers(), b._layers()))
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_planning_over_a_big_map_is_given_up_when_nobody_waits():
+    cells = np.zeros((4000, 4000), dtype=np.int8)
+    cells[::60], cells[:, ::60] = 100, 100
+    for at in range(30, 4000, 60):
+        cells[:, at : at + 12] = cells[at : at + 12] = 0
+    costmap = Costmap(OccupancyGrid(cells, 0.05), CostmapLimits(inflation_radius=0.3))
+    planner, ends = GridPlanner(), (Pose2D(1.8, 1.8), Pose2D(196.8, 196.8))
+    looks = []
+    planner.wanted = lambda: looks.append(1) or len(looks) < 3
+    assert planner.plan(costmap, *ends).outcome is PlanOutcome.GIVEN_UP
+    assert len(looks) == 3
+    near = (ends[0], Pose2D(20.0, 20.0))
+    planner.wanted = lambda: looks.append(1) or True
+    assert planner.plan(costmap, *near).outcome is PlanOutcome.FOUND
+    assert len(looks) > 3
