@@ -12,7 +12,7 @@ from roslaunch.core import RLException  # noqa: E402
 from roslaunch.xmlloader import XmlLoader  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-SIM = {"rosoclingo": ("rosoclingo", "simulator"), "stage": ("stage_ros", "stageros"), "none": None}
+SIM = {"rosoclingo": ("rosoclingo", "simulator"), "stage": ("rosoclingo", "stage"), "none": None}
 NAV = {"rosoclingo": ("rosoclingo", "move_base"), "move_base": ("move_base", "move_base"), "none": None}
 MAP = {"rosoclingo": ("rosoclingo", "map_server"), "map_server": ("map_server", "map_server"), "none": None}
 LOCALIZATION = {
@@ -97,7 +97,7 @@ def test_the_mailbot_passes_its_arguments_through(sim, nav):
 
 def test_the_mailbot_in_another_world():
     config = load("mailbot.launch", sim="stage", localization="amcl", stage_world="/a.world", initial_pose="3 2 1")
-    assert node(config, "stageros").args == "-g /a.world"
+    assert node(config, "stageros").args.split() == ["--speed", "1.0", "/a.world"]
     assert parameters(config, "/amcl/")["initial_pose_x"] == 3.0
 
 
@@ -166,8 +166,8 @@ def test_an_unknown_word_is_refused_with_those_that_are_known(file, argument):
 def test_what_stage_is_told():
     config = load("simulation.launch", sim="stage", base_watchdog_timeout="0.5")
     stage = node(config, "stageros")
-    switch, world = stage.args.split()
-    assert switch == "-g"
+    *pace, world = stage.args.split()
+    assert pace == ["--speed", "1.0"]
     assert Path(world).resolve() == ROOT / "worlds" / "office.world"
     assert parameters(config, "/stageros/") == {"base_watchdog_timeout": 0.5}
     assert not stage.remap_args
@@ -175,7 +175,23 @@ def test_what_stage_is_told():
 
 def test_stage_names_topics_after_the_models_where_it_is_asked_to():
     stage = node(load("simulation.launch", sim="stage", use_model_names="true", stage_world="/a.world"), "stageros")
-    assert stage.args.split() == ["-g", "-u", "/a.world"]
+    assert stage.args.split() == ["--speed", "1.0", "-u", "/a.world"]
+
+
+@pytest.mark.parametrize("file", ["simulation.launch", "mailbot.launch", "house.launch"])
+def test_the_pace_of_stage(file):
+    def args(**more):
+        return node(load(file, sim="stage", stage_world="/a.world", **more), "stageros").args.split()
+
+    assert args(speed="10") == ["--speed", "10", "/a.world"]
+    assert args(speed="0") == ["--speed", "0", "/a.world"]
+    assert args(stage_args="-g") == ["--speed", "1.0", "-g", "/a.world"]
+    assert args(stage_window="true", stage_args="") == ["--speed", "1.0", "--window", "/a.world"]
+
+
+def test_scans_that_are_late():
+    assert "/simulator/scan_delay" not in load("simulation.launch").params
+    assert load("simulation.launch", scan_delay="0.1").params["/simulator/scan_delay"].value == 0.1
 
 
 def test_what_fake_localization_is_told():

@@ -23,7 +23,7 @@ CORNERS = 16  # of the polygon that stands for a disc
 
 HEAD = """\
 # Made from {source} by "rosrun rosoclingo stage_world"; do not edit. Open doors and packages are not in it.
-resolution 0.02
+resolution 0.01
 interval_sim {interval}
 
 define floorplan model

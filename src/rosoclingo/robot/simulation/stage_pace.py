@@ -1,0 +1,42 @@
+"""Stage at a pace: its world file with another speed. Stage itself keeps it, but only where it has a window."""
+
+import os
+import re
+from pathlib import Path
+from typing import List
+
+from rosoclingo.robot.simulation.spec import WorldError
+
+__all__ = ["paced_world", "read_stage_world"]
+
+# Comments, texts, brackets, words and numbers, white space.
+TOKENS = re.compile(r'#[^\n]*|"[^"\n]*"|[()\[\]]|[^\s"#()\[\]]+|\s+|.')
+FILES = ("bitmap", "include", "texture")  # words before the name of a file, which is relative to the world file
+
+
+def read_stage_world(path: str) -> str:
+    """Return the text of a world file of Stage. Raises WorldError, which names the file."""
+    try:
+        return Path(path).read_text(encoding="utf-8", errors="surrogateescape")
+    except OSError as error:
+        raise WorldError(f"Stage's world {path} cannot be read: {error.strerror}") from error
+
+
+def paced_world(text: str, folder: str, speed: float) -> str:
+    """Return a world file of Stage in ``folder`` for a pace (simulated s per s), to be put anywhere."""
+    kept: List[str] = []
+    depth, word, drops = 0, "", False
+    for token in TOKENS.findall(text):
+        if drops and not token.isspace():  # the old speed
+            drops = False
+            continue
+        if token == "speedup" and depth == 0:
+            drops = True
+            continue
+        depth += (token == "(") - (token == ")")
+        if token.startswith('"') and word in FILES and len(token) > 2 and not token.startswith('"/'):
+            token = f'"{os.path.join(os.path.abspath(folder), token[1:-1])}"'
+        if not token.isspace():
+            word = token
+        kept.append(token)
+    return "".join(kept).rstrip("\n") + f"\nspeedup {speed:g}\n"

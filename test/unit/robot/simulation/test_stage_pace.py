@@ -1,0 +1,144 @@
+"""Stage at a pace: its world file, how it is started, and what a stand-in for it is told and ends with."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rosoclingo.robot.simulation import WorldError
+from rosoclingo.robot.simulation.stage_pace import paced_world, read_stage_world
+
+ROOT = Path(__file__).resolve().parents[4]
+WORLD = """\
+# speedup 3 in a comment, and "half a text
+interval_sim 100  # ms
+speedup 2.5 # the old one
+include "parts/robot.inc"
+window ( size [ 600 400 ] speedup 7 )
+model ( name "bitmap" bitmap "maps/a map.png" ) model ( bitmap "/b.png" bitmap "" )
+"""
+
+
+def test_the_pace_is_another_and_files_are_found_from_anywhere():
+    text = paced_world(WORLD, "/worlds", 10.0)
+    assert text.count("speedup 10\n") == 1
+    assert "2.5" not in text
+    assert 'include "/worlds/parts/robot.inc"' in text
+    assert 'bitmap "/worlds/maps/a map.png"' in text
+    assert 'name "bitmap" bitmap' in text
+    assert 'bitmap "/b.png" bitmap ""' in text
+    assert "window ( size [ 600 400 ] speedup 7 )" in text
+    assert '# speedup 3 in a comment, and "half a text\n' in text
+    assert paced_world(text, "/elsewhere", 10.0).count("speedup 10") == 1
+
+
+@pytest.mark.parametrize("name", ["office", "house"])
+def test_of_the_shipped_worlds_only_the_pace_changes(name):
+    text = (ROOT / "worlds" / f"{name}.world").read_text()
+    lines = zip(text.splitlines(), paced_world(text, str(ROOT / "worlds"), 0.5).splitlines())
+    different = [new for old, new in lines if old != new]
+    assert different == [f'  bitmap "{ROOT}/worlds/{name}.pgm"']
+
+
+def test_a_world_that_is_not_there():
+    with pytest.raises(WorldError, match="/no/such\\.world cannot be read: No such file"):
+        read_stage_world("/no/such.world")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "command"),
+    [
+        ((1.0, False, []), ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "rosrun", "stage_ros", "stageros"]),
+        ((1.0, True, ["-u"]), ["rosrun", "stage_ros", "stageros", "-u"]),
+        ((0.0, False, ["-u"]), ["rosrun", "stage_ros", "stageros", "-g", "-u"]),
+        ((5.0, False, ["-g"]), ["rosrun", "stage_ros", "stageros", "-g"]),
+    ],
+)
+def test_what_is_started(arguments, command):
+    real_stage = pytest.importorskip("rosoclingo.robot.nodes.stage.real_stage")
+    assert real_stage.stage_command(*arguments) == command
+
+
+STAGE = """#!/bin/sh
+echo "$@"; echo "display $DISPLAY"
+for last in "$@"; do case $last in *.world) cat "$last";; esac; done
+trap 'exit 7' INT
+{then}
+"""
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Runs the script with a stage_ros of the test's; without one where ``then`` is None."""
+    if not shutil.which("rosrun"):
+        pytest.skip("no rosrun")
+
+    def start(*arguments, then="exit 3", path=None):
+        package = tmp_path / "stage_ros"
+        if then is not None:
+            package.mkdir()
+            (package / "package.xml").write_text(
+                '<package format="2"><name>stage_ros</name><version>1.0.0</version><description>a test\'s</description>'
+                '<maintainer email="nobody@example.org">nobody</maintainer><license>none</license></package>'
+            )
+            (package / "stageros").write_text(STAGE.format(then=then))
+            (package / "stageros").chmod(0o755)
+        (tmp_path / "a.world").write_text(WORLD)
+        environment = dict(os.environ, ROS_PACKAGE_PATH=f"{tmp_path}:{os.environ.get('ROS_PACKAGE_PATH', '')}")
+        environment["PYTHONPATH"] = os.pathsep.join(sys.path)
+        environment.pop("DISPLAY", None)
+        command = [sys.executable, ROOT / "scripts" / "stage", *arguments, tmp_path / "a.world"]
+        return subprocess.Popen(
+            [*map(str, command), "__name:=stageros"], env={**environment, **({"PATH": path} if path else {})},
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        )  # fmt: skip
+
+    return start
+
+
+@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no xvfb-run")
+def test_it_has_a_screen_of_its_own_and_its_exit_code_is_handed_on(stage):
+    process = stage("--speed", "4")
+    said, _ = process.communicate(timeout=120)
+    assert process.returncode == 3
+    words, display, *world = said.splitlines()
+    assert words.endswith("a.world __name:=stageros")
+    assert not words.startswith("-g")
+    assert display.startswith("display :")
+    assert world[-1] == "speedup 4"
+    assert not os.path.exists(words.split()[0]), "its own world file is removed"
+
+
+def test_free_running_needs_no_screen(stage):
+    process = stage("--speed", "0", "-u")
+    said, _ = process.communicate(timeout=120)
+    assert said.splitlines()[0].startswith("-g -u ")
+    assert said.splitlines()[1] == "display "
+
+
+def test_what_ends_it_ends_stage(stage):
+    process = stage("--speed", "0", then="echo ready; while :; do sleep 0.05; done")
+    while process.stdout.readline() != "ready\n":
+        pass
+    os.killpg(process.pid, signal.SIGINT)
+    process.communicate(timeout=120)
+    assert process.returncode == 7
+
+
+def test_without_stage_it_says_so(stage):
+    process = stage(then=None)
+    _, said = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert "there is no package stage_ros: source the setup.bash" in said
+
+
+def test_without_a_virtual_screen_it_says_so(stage, tmp_path):
+    process = stage("--speed", "1", path=str(tmp_path))
+    _, said = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert "there is no xvfb-run" in said
+    assert "stage_window:=true" in said
