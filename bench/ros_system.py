@@ -53,12 +53,12 @@ def write_map(folder: Path, grid) -> Path:
     return path
 
 
-def move_base_client(kind):
+def move_base_client(kind, prefix: str = ""):
     """Return an action client (a class of actionlib) of move_base, once that is there; exits where it is not."""
     import rospy
     from move_base_msgs.msg import MoveBaseAction
 
-    client = kind("move_base", MoveBaseAction)
+    client = kind(prefix + "move_base", MoveBaseAction)
     deadline = time.monotonic() + PATIENCE
     while not client.wait_for_server(rospy.Duration(20.0)):
         if time.monotonic() > deadline:

@@ -1,0 +1,44 @@
+"""Collisions that are told by the robot's standing still, as Stage tells them."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
+from stalls import Stalls  # noqa: E402
+
+
+def drive(*parts):
+    """Parts of (steps of 0.1 s, commanded speed or None, speed in truth)."""
+    stalls, x, now = Stalls(), 0.0, 0.0
+    for steps, wanted, true in parts:
+        for _ in range(steps):
+            if wanted is not None:
+                stalls.command(now, wanted, 0.0)
+            now, x = now + 0.1, x + 0.1 * true
+            stalls.truth(now, x, 0.0, 0.0)
+    return stalls.times
+
+
+@pytest.mark.parametrize(
+    ("parts", "times"),
+    [
+        ([(20, 0.5, 0.5)], 0),
+        ([(20, 0.0, 0.0)], 0),
+        ([(5, 0.5, 0.5), (20, 0.5, 0.0)], 1),
+        ([(5, 0.5, 0.5), (5, 0.5, 0.0), (5, -0.5, -0.5), (5, 0.5, 0.5), (5, 0.5, 0.0)], 2),
+        ([(5, 0.5, 0.5), (20, None, 0.0)], 0),  # no command: its watchdog
+        ([(5, 0.0, 0.0), (2, 0.5, 0.0), (5, 0.5, 0.4)], 0),  # it sets off
+    ],
+)
+def test_stalls(parts, times):
+    assert drive(*parts) == times
+
+
+def test_who_cannot_turn_is_stalled():
+    stalls = Stalls()
+    for step in range(10):
+        stalls.command(0.1 * step, 0.0, 0.5)
+        stalls.truth(0.1 * step + 0.1, 1.0, 1.0, 0.3)
+    assert stalls.times == 1
