@@ -89,6 +89,7 @@ COMMANDS = {  # with what they have of ROS
     "journal": (),
     "new": (),
     "places": (),
+    "stage": (),
     "stage_world": (),
     "rviz_on_map": (),
 }
