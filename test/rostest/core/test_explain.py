@@ -2,6 +2,9 @@
 """The core's service ~explain: why a goal was given up, while the core goes on."""
 
 import json
+import re
+import shlex
+import subprocess
 import sys
 import threading
 import unittest
@@ -57,6 +60,11 @@ class ExplainGoals(unittest.TestCase):
         self.assertIn("told: _blocked(office2,office3,", found.message)
         reason = json.loads(found.reason)
         self.assertEqual({one["rule"]["kind"] for one in reason["rules"][:1]}, {"volatile constraint"})
+
+        page = (Path(__file__).resolve().parents[3] / "doc" / "why_no_plan.md").read_text()
+        (command,) = re.findall(r"^    (rosservice call /rosoclingo/explain .*)$", page, re.MULTILINE)
+        said = subprocess.run(shlex.split(command), stdout=subprocess.PIPE, text=True, check=True, timeout=PATIENCE)
+        self.assertIn("goal(office1,office4,7)", said.stdout)
 
         known = self.explain("8")
         self.assertFalse(known.success)
