@@ -190,8 +190,9 @@ def test_the_pace_of_stage(file):
 
 
 def test_scans_that_are_late():
-    assert "/simulator/scan_delay" not in load("simulation.launch").params
-    assert load("simulation.launch", scan_delay="0.1").params["/simulator/scan_delay"].value == 0.1
+    for file in ("simulation.launch", "mailbot.launch", "house.launch"):
+        assert "/simulator/scan_delay" not in load(file).params
+        assert load(file, scan_delay="0.1").params["/simulator/scan_delay"].value == 0.1
 
 
 def test_what_fake_localization_is_told():

@@ -97,12 +97,19 @@ def load_map(path: Union[str, Path]) -> OccupancyGrid:
     info = read_map_info(path)
     try:
         with Image.open(str(info["image"])) as image:
-            levels = _levels(image, info["mode"])
+            cells = _cells(image, info)
     except Exception as error:  # noqa: BLE001 what Pillow raises for a broken image depends on its format
         raise MapError("map {}: image {}: {}".format(path, info["image"], error or repr(error))) from error
-    cells = _occupancy(levels, info)
     x, y = info["origin"]
     return OccupancyGrid(np.ascontiguousarray(cells[::-1]), info["resolution"], x, y)
+
+
+def _cells(image: Image.Image, info: Mapping[str, Any]) -> np.ndarray:
+    """Return the occupancy of each pixel (int8); of 256 greys each is looked at once, as large maps are large."""
+    if image.mode in ("1", "L"):
+        table = _occupancy((np.arange(256.0), np.full(256, 255.0)), info)
+        return np.asarray(table[np.asarray(image.convert("L"))])
+    return _occupancy(_levels(image, info["mode"]), info)
 
 
 def _levels(image: Image.Image, mode: str) -> Tuple[np.ndarray, np.ndarray]:
@@ -115,9 +122,6 @@ def _levels(image: Image.Image, mode: str) -> Tuple[np.ndarray, np.ndarray]:
     if image.mode.startswith("I"):  # 16 bits, of which the upper 8 count
         grey = np.clip(np.asarray(image, dtype=np.int64), 0, 65535) // 256
         return grey.astype(np.float64), np.full(grey.shape, 255.0)
-    if image.mode in ("1", "L"):
-        grey = np.asarray(image.convert("L"), dtype=np.float64)
-        return grey, np.full(grey.shape, 255.0)
     transparent = image.mode[-1] in "Aa" or "transparency" in image.info
     rgba = np.asarray(image.convert("RGBA"), dtype=np.float64)
     return rgba[:, :, : 4 if transparent and mode == "trinary" else 3].mean(axis=2), rgba[:, :, 3]
