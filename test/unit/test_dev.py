@@ -145,6 +145,8 @@ needs_workspace = pytest.mark.skipif(
 )
 
 
+@pytest.mark.slow
+@pytest.mark.once
 @needs_workspace
 def test_the_packages_of_overlays_are_found(tmp_path):
     first = overlay(tmp_path / "first", "stage_ros", "first")
@@ -157,6 +159,8 @@ def test_the_packages_of_overlays_are_found(tmp_path):
     assert in_overlays("--overlay", first, *ask, ROSOCLINGO_OVERLAY=str(second)) == ["first", own]
 
 
+@pytest.mark.slow
+@pytest.mark.once
 @needs_workspace
 def test_an_overlay_on_top_of_the_distribution_mixes_no_libraries(tmp_path):
     """Debian's half of cffi and the virtual environment's other half end whatever imports them."""

@@ -59,6 +59,7 @@ def test_the_robot_stands_until_there_is_a_way_and_drives_on_while_another_is_lo
     assert max(speeds) > 0.5, "it was driven while a plan was looked for"
 
 
+@pytest.mark.slow
 def test_a_late_plan_is_followed_from_where_the_robot_is():
     """Else it would go back to where it was when the plan was asked for."""
     prompt, late = late_drive(0), late_drive(25)
@@ -105,6 +106,7 @@ def test_what_is_not_wanted_any_more_is_dropped(end):
     assert navigator.state is State.CONTROLLING
 
 
+@pytest.mark.slow
 def test_a_way_that_does_not_come_for_long_costs_no_patience():
     drive = late_drive(300)
     assert drive.to(GOAL).message == "Goal reached."

@@ -105,6 +105,7 @@ def test_without_anything_to_see_nothing_is_found():
     assert (drive.delay.delay, drive.delay.doubt) == (0.0, 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.1, 0.2])
 def test_no_walls_beside_walls(delay):
     """Where scans are put at their stamps' poses, and turns are not heeded, hundreds of cells are marked."""
