@@ -10,7 +10,7 @@ import rospy
 import rostest
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import RecoveryStatus
-from nav_msgs.msg import Path
+from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
 from std_srvs.srv import SetBool
 
@@ -85,6 +85,13 @@ class NavigationPlugins(unittest.TestCase):
             self.assertTrue(any(abs(p.x - 5.0) < 0.2 and abs(p.y - 0.6) < 0.2 for p in points))
             goal.pose.position.x = 14.5
             self.assertEqual(plan(start, goal, 0.0).plan.poses, [])
+
+    def test_walls_are_where_they_are_though_scans_are_late(self):
+        for x, y, yaw in ((4.0, 0.0, 3.0), (2.0, 0.0, 0.0), (4.0, 0.3, -2.0)):
+            self.assertEqual(self.driver.drive(x, y, yaw)[0], SUCCEEDED)
+        static = rospy.wait_for_message("map", OccupancyGrid).data
+        seen = rospy.wait_for_message("move_base/global_costmap/costmap", OccupancyGrid).data
+        self.assertLess(sum(new == 100 != old for old, new in zip(static, seen)), 10)
 
     def test_a_way_that_is_never_found_can_be_cancelled_and_holds_up_nothing(self):
         self.driver.send(pose_goal(12.2, 0.0))
