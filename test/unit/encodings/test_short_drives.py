@@ -1,5 +1,6 @@
 """Short drives: of the shortest plans one that drives the least."""
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shipped import ENCODINGS
@@ -39,7 +40,9 @@ def driven(places, distances):
     return sum(distances.get((a, b), distances.get((b, a), 0)) for a, b in zip(way, way[1:]))
 
 
-@settings(max_examples=max(3, settings.default.max_examples // 8))
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=max(3, settings.default.max_examples // 20))
 @given(
     st.fixed_dictionaries({(a, b): st.integers(1, 9) for a, b in WAYS}),
     st.lists(st.tuples(st.sampled_from(PLACES), st.sampled_from(PLACES)), min_size=1, max_size=2),
