@@ -22,6 +22,22 @@ def pose_goal(x, y, yaw=0.0, frame="map"):
     return goal
 
 
+class SteadyClient(actionlib.SimpleActionClient):
+    """A SimpleActionClient that hears of what comes before ``send_goal`` has returned: actionlib's own drops it."""
+
+    def __init__(self, name, action):
+        self._sending = threading.RLock()
+        super().__init__(name, action)
+
+    def send_goal(self, *arguments, **callbacks):
+        with self._sending:
+            super().send_goal(*arguments, **callbacks)
+
+    def _handle_transition(self, handle):
+        with self._sending:
+            super()._handle_transition(handle)
+
+
 class Driver:
     """A move_base client that knows where the robot truly is and what it ran into."""
 
@@ -34,7 +50,7 @@ class Driver:
         rospy.Subscriber(prefix + "base_pose_ground_truth", Odometry, self._on_truth)
         self.prefix = prefix
         collisions = rospy.Subscriber("/simulator/collisions", String, lambda one: self.collisions.append(one.data))
-        self.client = actionlib.SimpleActionClient(prefix + "move_base", MoveBaseAction)
+        self.client = SteadyClient(prefix + "move_base", MoveBaseAction)
         while not self.client.wait_for_server(rospy.Duration(5.0)):
             if rospy.is_shutdown():
                 raise RuntimeError("the test was ended before move_base was there")

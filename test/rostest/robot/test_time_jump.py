@@ -11,14 +11,13 @@ from pathlib import Path
 import rosnode
 import rospy
 import rostest
-from actionlib import SimpleActionClient
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from rosoclingo.msg import PackageStates, PickupAction, PickupGoal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from interface_helpers import PATIENCE, executable, kill, wait_for_server
-from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 
 
 class TimeJump(unittest.TestCase):
@@ -32,7 +31,7 @@ class TimeJump(unittest.TestCase):
         driver.send(pose_goal(4.0, 0.0))
         driver.wait(lambda: driver.speed[0] > 0.3)
         cancelled = rospy.get_time()
-        pickup = SimpleActionClient("pickup", PickupAction)
+        pickup = SteadyClient("pickup", PickupAction)
         wait_for_server(pickup.action_client)
         pickup.cancel_goals_at_and_before_time(rospy.Time.from_sec(cancelled + 1000.0))
         ended = pickup.send_goal_and_wait(PickupGoal(package="1"))
