@@ -225,8 +225,7 @@ class MoveBaseNode:
         if self._navigator is None or now <= 0.0:
             return
         self._planning.tell()
-        if not (self._navigator.active or self._worker.waiting):
-            self._planning.spare()
+        self._planning.spare()
         self._look(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)

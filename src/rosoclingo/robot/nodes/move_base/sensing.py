@@ -120,7 +120,8 @@ class Sensing:
         scan = self._scan
         if scan is None:
             return False
-        where = functools.partial(self._laser_pose, scan.header.frame_id.lstrip("/"), scan.header.stamp)
+        frame, stamp = scan.header.frame_id.lstrip("/"), scan.header.stamp
+        where = functools.lru_cache(maxsize=None)(functools.partial(self._laser_pose, frame, stamp))
         if where(0.0) is None:  # odometry of that time may still come
             return False
         self._scan = None
