@@ -90,6 +90,8 @@ class TwoRobots(unittest.TestCase):
         rival.send(pose_goal(1.9, 0.0))
         self.assertEqual(anna.end()[0], PREEMPTED)
         rival.wait(lambda: rival.speed[0] > 0.1)
+        rival.client.cancel_goal()
+        rival.wait(lambda: rival.speed == (0.0, 0.0))
         self.assertTrue(rospy.ServiceProxy("simulator/set_pose", SetRobotPose)("anna", 4.0, -0.2, 2.0).success)
         told = PoseWithCovarianceStamped()
         told.header.frame_id = "map"
@@ -97,10 +99,17 @@ class TwoRobots(unittest.TestCase):
         lost = rospy.Publisher("robot_0/initialpose", PoseWithCovarianceStamped, queue_size=1)
         wait_until(lost.get_num_connections, "the localisation to listen")
         lost.publish(told)
+        wait_until(lambda: is_near(rospy.wait_for_message("robot_0/amcl_pose", type(told)), told), "it to be found")
         self.assertEqual(rival.drive(8.0, 0.0), (SUCCEEDED, "Goal reached."))
         self.assertLess(rival.distance(8.0, 0.0), 0.2)
         truth.unregister()
         bert.wait(lambda: bert.speed[0] < 0.01)
+
+
+def is_near(found, told):
+    """Whether two poses are next to each other."""
+    a, b = found.pose.pose.position, told.pose.pose.position
+    return math.hypot(a.x - b.x, a.y - b.y) < 0.05
 
 
 def stroll(message):
