@@ -101,7 +101,12 @@ def test_the_mailbot_in_another_world():
     assert parameters(config, "/amcl/")["initial_pose_x"] == 3.0
 
 
-LAUNCH_FILES = {"core.launch": "respawn", "mailbot.launch": "core_respawn", "house.launch": "core_respawn"}
+LAUNCH_FILES = {
+    "core.launch": "respawn",
+    "mailbot.launch": "core_respawn",
+    "house.launch": "core_respawn",
+    "mailbot_day.launch": "core_respawn",
+}
 
 
 @pytest.mark.parametrize("file", LAUNCH_FILES)

@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""Times the search for plans with control knowledge, written in Golog, and without it.
+
+Blocks lie in random towers and are to be built up to other random towers, one move of a block in each step. ``alone``
+is the domain by itself, with a choice of any move in each step; ``free`` the control program that may do anything until
+the towers stand; ``control`` a program that moves a block to its place for good as soon as that is ready, the first one
+first, and only else puts down on the table what is in the way: at least one of the shortest plans is left. All plans
+are shortest, and checked.
+To be run in the built workspace: ./dev exec python3 bench/golog.py --blocks 16
+"""
+
+import argparse
+import random
+import statistics
+import time
+from pathlib import Path
+
+from figures import Figure, parse, write
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo.program.sources import Source
+
+ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
+
+DOMAIN = """
+#program base.
+place(B) :- block(B).
+place(table).
+on(B,X,0) :- first(B,X).
+
+#program cumulative(t).
+#external _request/2.
+#external _return/3.
+holds(B,X,t)   :- on(B,X,t-1).
+covered(X,t)   :- on(B,X,t-1), X != table.
+right(B,t)     :- last(B,table), on(B,table,t-1).
+right(B,t)     :- last(B,X), on(B,X,t-1), right(X,t).
+wrong(t)       :- block(B), not right(B,t).
+can(B,X,t)     :- block(B), place(X), B != X, not covered(B,t), not covered(X,t), not on(B,X,t-1).
+moved(B,t)     :- _action_lib(B,X,t).
+on(B,X,t)      :- _action_lib(B,X,t).
+on(B,X,t)      :- on(B,X,t-1), not moved(B,t).
+:- 2 { _action_lib(B,X,t) }.
+#show _action_lib/3.
+"""
+
+ALONE = """
+#program cumulative(t).
+asked(t) :- _request(tower,t+1).
+asked(t) :- asked(t-1).
+{ _action_lib(B,X,t) : can(B,X,t) } 1 :- asked(t).
+#program volatile(t).
+:- asked(t), wrong(t).
+:- asked(t), _action_lib(B,X,t).
+"""
+
+WORDS = """
+#include "golog.lp".
+#program cumulative(t).
+golog_action(move(B,X),B,X,t) :- can(B,X,t).
+golog_holds(done,t)           :- not wrong(t).
+golog_holds(ready(B,X),t)     :- last(B,X), not right(B,t), can(B,X,t), right(X,t).
+golog_holds(ready(B,table),t) :- last(B,table), not right(B,t), can(B,table,t).
+golog_holds(astray(B),t)      :- block(B), not right(B,t), can(B,table,t).
+"""
+
+PROGRAMS = """
+proc free { achieve done; }
+
+proc control {
+    while not done {
+        if ready(_, _) { pick B, X: ready(B, X) and not some C: ready(C, _) and C < B { move(B, X); } }
+        else           { pick B: astray(B) { move(B, table); } }
+    }
+}
+"""
+
+KINDS = {"alone": "tower", "free": "run(free,1)", "control": "run(control,1)"}
+
+
+def towers(blocks, dice):
+    """Random towers: pairs of a block and what it stands on."""
+    order, found = dice.sample(range(1, blocks + 1), blocks), {}
+    for number, block in enumerate(order):
+        found[block] = order[number - 1] if number and dice.random() < 0.8 else "table"
+    return found
+
+
+def program_of(kind, first, last):
+    """The program of a task: towers at first, and at last."""
+    facts = [f"block({one})." for one in first]
+    facts += [f"first({one},{below})." for one, below in first.items()]
+    facts += [f"last({one},{below})." for one, below in last.items()]
+    sources = [Source("domain.lp", DOMAIN), Source("task.lp", "#program base. " + " ".join(facts))]
+    if kind == "alone":
+        return ReactiveProgram([*sources, Source("alone.lp", ALONE)])
+    return ReactiveProgram([*sources, Source("words.lp", WORDS, ENCODINGS), Source("blocks.golog", PROGRAMS)])
+
+
+def plan_of(kind, program, limit):
+    """Return the moves of the plan and the processor time of the search in seconds, no moves where that is too long."""
+    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
+    solver.solve()
+    update = parse_update(f"#step 1 : 100. _request({KINDS[kind]},2). #endstep.")
+    begin = time.process_time()
+    result = solver.update(update, lambda: time.process_time() - begin > limit)
+    taken = time.process_time() - begin
+    if result.outcome is not SolveOutcome.SATISFIABLE:
+        return None, taken
+    moves = {one.arguments[2].number: one.arguments[:2] for one in result.answers[0] if one.name == "_action_lib"}
+    return [tuple(map(str, moves[step])) for step in sorted(moves)], taken
+
+
+def check(moves, first, last):
+    """Play the moves; raises AssertionError where one is not possible, or they do not lead to the end."""
+    below = {str(one): str(under) for one, under in first.items()}
+    for block, under in moves:
+        assert block not in below.values(), f"{block} is not free"
+        assert under == "table" or under not in below.values(), f"{under} is not free"
+        below[block] = under
+    assert below == {str(one): str(under) for one, under in last.items()}, "that is not what was wanted"
+
+
+def main():
+    """Solves the tasks in each way, prints the times."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--blocks", type=int, default=18)
+    parser.add_argument("--tasks", type=int, default=5)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), help="only these")
+    parser.add_argument("--limit", type=float, default=300.0, metavar="S", help="processor time of one search in s")
+    options = parse(parser, blocks=17, tasks=1, limit=30.0)
+    dice, times = random.Random(options.seed), {kind: [] for kind in options.kinds}
+    for task in range(1, options.tasks + 1):
+        first, last = towers(options.blocks, dice), towers(options.blocks, dice)
+        lengths = {}
+        for kind in options.kinds:
+            moves, taken = plan_of(kind, program_of(kind, first, last), options.limit)
+            times[kind].append(taken)
+            lengths[kind] = "no plan in time" if moves is None else f"{len(moves)} moves"
+            if moves is not None:
+                check(moves, first, last)
+            print(f"task {task}: {kind:8} {taken:8.2f} s, {lengths[kind]}", flush=True)
+    found = [Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s") for kind in options.kinds]
+    if {"alone", "control"} <= set(options.kinds):
+        ratio = [one / other for one, other in zip(times["alone"], times["control"])]
+        print(f"without control knowledge {statistics.median(ratio):.1f} times as long (median; {min(ratio):.1f} at least)")
+        found.append(Figure("alone over control", statistics.median(ratio), "times", "higher"))
+    write(options.json, found)
+
+
+if __name__ == "__main__":
+    main()

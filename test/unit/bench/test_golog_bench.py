@@ -1,0 +1,19 @@
+"""The bench of control programs, on few blocks: all ways have plans of the same length that lead to the end."""
+
+import random
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
+
+import golog  # noqa: E402
+
+
+def test_control_knowledge_leaves_a_shortest_plan():
+    dice = random.Random(3)
+    for _ in range(3):
+        first, last = golog.towers(5, dice), golog.towers(5, dice)
+        found = {kind: golog.plan_of(kind, golog.program_of(kind, first, last), 60.0)[0] for kind in golog.KINDS}
+        assert len({len(moves) for moves in found.values()}) == 1, found
+        for moves in found.values():
+            golog.check(moves, first, last)
