@@ -144,7 +144,9 @@ def main():
     found = [Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s") for kind in options.kinds]
     if {"alone", "control"} <= set(options.kinds):
         ratio = [one / other for one, other in zip(times["alone"], times["control"])]
-        print(f"without control knowledge {statistics.median(ratio):.1f} times as long (median; {min(ratio):.1f} at least)")
+        print(
+            f"without control knowledge {statistics.median(ratio):.1f} times as long (median; {min(ratio):.1f} at least)"
+        )
         found.append(Figure("alone over control", statistics.median(ratio), "times", "higher"))
     write(options.json, found)
 
