@@ -100,7 +100,7 @@ def check_golog(programs, folder, own):
     (folder / "calls.lp").write_text("#program base. calls(3).\n", encoding="utf-8")
     (folder / "run.txt").write_text("#step 1. _request(run(control,1),2). #endstep.\n", encoding="utf-8")
     files = [ROOT / "encodings" / "golog" / "elevator.golog", "calls.lp"]
-    assert output_of(programs / "check", *files, **own) == "nothing in 6 files\n"
+    assert output_of(programs / "check", *files, **own) == "nothing in 7 files\n"
     done = output_of(programs / "oclingo", *files, "--shortest", "--stream", "run.txt", **own)
     assert "_action_lib(turnoff,3,t)" in done, done
 
