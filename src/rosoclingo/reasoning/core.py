@@ -172,8 +172,9 @@ class Core:
         return self._feeder.pending or bool(self._execution.under_way) or self._plan is None or self._later()
 
     def _later(self) -> bool:
-        unseen = any(goal.request_cycle is not None and goal.request_cycle > self._step for goal in self._goals.fed)
-        return unseen or bool(self.plan.after(self._step))
+        fed, patient = self._goals.fed, self._waits < self._planner.lookahead
+        unseen, planned = any((one.request_cycle or 0) > self._step for one in fed), self.plan.after(self._step)
+        return unseen or bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
 
     def _next_cycle(self, now: float) -> None:
         goals = self.queue.in_vain()

@@ -109,6 +109,11 @@ class Planner:
         self.ended_by = ""
 
     @property
+    def solver(self) -> StreamSolver:
+        """The solver that it asks."""
+        return self._solver
+
+    @property
     def log(self) -> StreamLog:
         """All that the solver has taken."""
         return self._solver.log
@@ -127,6 +132,11 @@ class Planner:
     def stream(self) -> Stream:
         """The last update and what it followed on: what it is about where there is no plan."""
         return Stream(self._before or StreamLog(), self.in_force, self.lookahead)
+
+    def ends_later(self, step: int) -> bool:
+        """Whether the last answer, and each that there is, ends later than at ``step``."""
+        plan = self.log.plan
+        return plan is not None and plan.shortest and plan.horizon > step
 
     def over(self, step: int, since: int = 0) -> int:
         """What concerns cycles before the one returned comes too late from the update of ``step`` on.

@@ -243,3 +243,17 @@ def test_where_time_is_over_it_is_not_said_to_be_sure():
     assert driver.goal("b", "go(hall,3)").finish().states("b")[-1] == "succeeded"
     assert len(driver.problems) == 2
     assert all("may contradict what was done and told before" in text for text in driver.problems)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fact", ["_blocked(office1,office2,6)", "_blocked(office1,office2,7)"])
+def test_a_fact_of_a_cycle_to_come_that_leaves_nothing_to_do_ends_a_cancelled_goal(fact):
+    """Nothing is done meanwhile, but the answer ends later than now: its end is waited for."""
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office3,office1,1)").until("pickup")
+    driver.succeed().succeed()
+    assert driver.awaited == ["_action_lib(move_base,office1,5)"]
+    driver.core.cancel_goal("key")
+    driver.core.receive("door", [fact])
+    driver.succeed().finish()
+    assert driver.states("key")[-1] == "preempted"
+    assert driver.core.live_goals == []
