@@ -12,12 +12,13 @@ from setuptools import find_packages, setup
 #: What pip installs, with all that it imports.
 WITHOUT_ROS = [
     "rosoclingo",
-    *(f"rosoclingo.{room}{below}" for room in ("oclingo", "languages") for below in ("", ".*")),
+    *(f"rosoclingo.{room}{below}" for room in ("oclingo", "languages", "reasoning") for below in ("", ".*")),
+    "rosoclingo.common",
 ]
 LIBRARIES = ("clingo",)
 
 COMMANDS = [
-    "check = rosoclingo.oclingo.service.check_command:main",
+    "check = rosoclingo.reasoning.verifying.verify_option:main",
     "oclingo = rosoclingo.oclingo.service.command:main",
     "golog = rosoclingo.languages.golog.golog_command:main",
     "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",

@@ -11,10 +11,12 @@ import pytest
 from rosoclingo.oclingo.program.lint.kinds import KINDS
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, WHY = ((ROOT / "doc" / name).read_text(encoding="utf-8") for name in ("check.md", "why_no_plan.md"))
+NAMES = ("check.md", "why_no_plan.md", "verify.md")
+PAGE, WHY, VERIFY = ((ROOT / "doc" / name).read_text(encoding="utf-8") for name in NAMES)
 FILES = {
     PAGE: ["lamp.lp", "evening.txt", "light.lp", "labels.yaml", "interfaces.yaml"],
     WHY: ["rooms.lp", "evening.txt"],
+    VERIFY: ["rooms.lp", "open.lp"],
 }
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -31,7 +33,7 @@ def matches(shown, printed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [PAGE, WHY], ids=["check", "why_no_plan"])
+@pytest.mark.parametrize("page", [PAGE, WHY, VERIFY], ids=["check", "why_no_plan", "verify"])
 def test_the_page_is_true(tmp_path, page):
     pytest.importorskip("genpy", reason="types of messages are looked at")
     files, commands, end = [], 0, 0

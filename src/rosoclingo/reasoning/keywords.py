@@ -14,6 +14,7 @@ FAILED = "_failed"
 STATUS = "_status"
 EXPLAIN = "_explain"
 REFUSE = "_refuse"
+NEVER = "_never"
 CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
 RUN = "_run"
@@ -23,7 +24,7 @@ CORE = "rosoclingo"
 
 #: Keywords that only the core itself or the program may state: ``(name, arity)``.
 RESERVED = frozenset(
-    {(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (REFUSE, 3), (CANCEL_ACTION, 3)}
+    {(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (REFUSE, 3), (CANCEL_ACTION, 3), (NEVER, 2)}
 )
 
 #: What stands for the present cycle in facts and in what is told of the state.

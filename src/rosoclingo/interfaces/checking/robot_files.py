@@ -2,12 +2,14 @@
 
 import argparse
 import sys
+from contextlib import suppress
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 import clingo
 
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
+from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
 from rosoclingo.interfaces.templates import (
@@ -66,6 +68,13 @@ class RobotFiles:
             faults += self._unheard(program, specs)
         return Texts(faults, [(one.name, one.text) for one in files])
 
+    def reasons(self) -> Dict[str, List[clingo.Symbol]]:
+        """Return the values, other than success, with which the interfaces say that actions may return."""
+        file = self._interfaces
+        specs = {} if file is None or file.faults else survey(Reader(file.data))
+        told = {spec.name: [rule.returns for rule in spec.rules if rule.status != SUCCEEDED] for spec in specs.values()}
+        return {name: list(_terms([*results, *_OWN_REASONS])) for name, results in told.items()}
+
     def _look_at_labels(self, faults: List[Fault]) -> List[Named]:
         file = self._labels
         if file is None or file.faults:
@@ -101,6 +110,17 @@ class RobotFiles:
                     mend = likely_external(signature, program.external_signatures)
                     text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({mend})"
                     yield self._interfaces.fault(text, "unheard-fact")  # type: ignore[union-attr]
+
+
+#: Reasons of the interface layer itself.
+_OWN_REASONS = tuple(one for status, one in DEFAULT_RETURNS.items() if status != SUCCEEDED)
+
+
+def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:
+    """Yield the results that are ground terms; what is filled in only later is left out."""
+    for one in results:
+        with suppress(ProgressionError):
+            yield parse_term(str(one))
 
 
 def _label_names(file: YamlFile) -> Iterator[Named]:

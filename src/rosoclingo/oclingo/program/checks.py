@@ -27,6 +27,7 @@ KEYWORDS = {
         Signature("_explain", 3),
         Signature("_cancel", 3),
         Signature("_refuse", 3),
+        Signature("_never", 2),
         Signature("_says", 2),
     )
 }
@@ -60,6 +61,7 @@ def _form(keyword: Signature) -> str:
         "_status": "_status(Id,Status,C)",
         "_explain": "_explain(What,Text,C)",
         "_refuse": "_refuse(Fact,Text,C)",
+        "_never": "_never(Text,C)",
         "_says": "_says(Action,Text)",
     }
     return forms[keyword.name]

@@ -68,8 +68,7 @@ def domains(parts: Sequence[Part], opened: Iterable[Signature], constants: Const
     The steps at which rules see an atom then follow from it: it is declared with the first of them.
     """
     found: Dict[Signature, Domain] = {}
-    used = {one.signature for part in parts if part.parameter for _, one in part.atoms if one.head}
-    fixed = {one.signature for part in parts for _, one in part.atoms if one.head} - used - set(opened)
+    fixed = fixed_signatures(parts) - set(opened)
     for signature in sorted(opened):
         uses = list(_uses(parts, signature))
         place = _place(uses, constants)
@@ -80,6 +79,12 @@ def domains(parts: Sequence[Part], opened: Iterable[Signature], constants: Const
         if lines:
             found[signature] = Domain(name, [_STEP], "\n".join(lines), tuple(lines.values()))
     return found
+
+
+def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:
+    """Return the predicates that base alone defines."""
+    used = {one.signature for part in parts if part.parameter for _, one in part.atoms if one.head}
+    return {one.signature for part in parts for _, one in part.atoms if one.head} - used
 
 
 _Use = Tuple[Part, AST, AST]
@@ -111,7 +116,7 @@ def _declaration(
     """Yield, where base binds the variables of ``term``, the statement that declares it, and what binds them."""
     position, offset = place
     others = [one for number, one in enumerate(term.arguments) if number != position]
-    binding = [literal for literal in _plain_literals(statement) if _binds(literal, part.parameter, fixed)]
+    binding = [literal for literal in plain_literals(statement) if binds(literal, part.parameter, fixed)]
     bound = {name for literal in binding for name in names_in(literal)}
     names = {name for one in others for name in names_in(one)}
     if not names <= bound or any(_mentions(one, part.parameter) for one in others):
@@ -124,7 +129,7 @@ def _declaration(
     yield text, tuple(term_signature(literal.atom.symbol) for literal in needed)
 
 
-def _plain_literals(statement: AST) -> Iterator[AST]:
+def plain_literals(statement: AST) -> Iterator[AST]:
     """Yield the positive literals of a body that are one atom each."""
     for literal in statement.body if hasattr(statement, "body") else ():
         plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
@@ -132,7 +137,7 @@ def _plain_literals(statement: AST) -> Iterator[AST]:
             yield literal
 
 
-def _binds(literal: AST, parameter: str, fixed: Set[Signature]) -> bool:
+def binds(literal: AST, parameter: str, fixed: Set[Signature]) -> bool:
     """Tell whether the literal binds variables that stand alone in it to what base alone defines."""
     term = literal.atom.symbol
     alone = term.ast_type == ASTType.Function and all(_is_simple(one) for one in term.arguments)

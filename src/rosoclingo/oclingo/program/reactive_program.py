@@ -119,6 +119,16 @@ class ReactiveProgram:
         return Signature(name, arity) in self.head_signatures
 
     @property
+    def values(self) -> Mapping[str, clingo.Symbol]:
+        """The values of all constants."""
+        return self._values
+
+    @cached_property
+    def step_signatures(self) -> Set[Signature]:
+        """The predicates that rules in the parts of steps define."""
+        return {one.signature for part in self.parts if part.parameter for _, one in part.atoms if one.head}
+
+    @property
     def tells_plainly(self) -> bool:
         """Whether an answer tells its actions, no returns, and by rules of its own what returns bear on.
 

@@ -6,7 +6,9 @@ import shutil
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Optional, Protocol, Sequence, TextIO, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Protocol, Sequence, TextIO, Tuple
+
+import clingo
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program.lint.linting import Finding, findings, is_error, lint_sources
@@ -27,8 +29,8 @@ needed."""
 
 _EPILOG = """\
 A comment "% check: ok KIND" silences findings of a kind on its line or, alone on a line, on the next one. Exit code: 0
-nothing was found; 1 something was, an error, a warning, or no plan for a request; 2 a file can't be read, or the
-command line is wrong."""
+nothing was found; 1 something was, an error, a warning, no plan for a request, or what --verify looks for;
+2 a file can't be read, or the command line is wrong."""
 
 
 class Texts(NamedTuple):
@@ -50,8 +52,40 @@ class More(Protocol):
     def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
         """Return what may be wrong with it; without the program where that could not be read."""
 
+    def reasons(self) -> Mapping[str, Sequence[clingo.Symbol]]:
+        """Return values with which actions may return that are no success, by interface."""
 
-def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
+
+class Told(Protocol):
+    """What came of a verification."""
+
+    @property
+    def clean(self) -> bool:
+        """Whether all that was asked for is proven."""
+
+    def text(self) -> str:
+        """Return it for people."""
+
+    def to_message(self) -> Dict[str, Any]:
+        """Return it as a plain value that JSON knows."""
+
+
+class Verifier(Protocol):
+    """Looks for what breaks a program while it runs."""
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Add what tells how."""
+
+    def sources(self, options: argparse.Namespace) -> List[Source]:
+        """Return what it adds to the program."""
+
+    def run(
+        self, program: ReactiveProgram, options: argparse.Namespace, reasons: Mapping[str, Sequence[clingo.Symbol]]
+    ) -> Optional[Told]:
+        """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
+
+
+def make_parser(more: Optional[More] = None, verifier: Optional[Verifier] = None) -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     parser = argparse.ArgumentParser(prog="check", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("files", nargs="+", metavar="FILE", help="program files, read in order (-: standard input)")
@@ -80,20 +114,24 @@ def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
     )
     if more is not None:
         more.add_arguments(parser)
+    if verifier is not None:
+        verifier.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
     return parser
 
 
-def main(arguments: Optional[Sequence[str]] = None, more: Optional[More] = None) -> int:
+def main(
+    arguments: Optional[Sequence[str]] = None, more: Optional[More] = None, verifier: Optional[Verifier] = None
+) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
-    options = make_parser(more).parse_args(arguments)
+    options = make_parser(more, verifier).parse_args(arguments)
     try:
-        return check(options, more)
+        return check(options, more, verifier)
     except KeyboardInterrupt:
         return 130
 
 
-def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
+def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Optional[Verifier] = None) -> int:
     """Look at what the options ``files``, ``const``, ``stream`` and ``json`` name, print it; return the exit code."""
     unreadable: List[Fault] = []
     sources = [source for file in options.files for source in _read(file, unreadable)]
@@ -101,7 +139,7 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
     try:
         constants = constants_of(options.const)
         parse_constants(constants)
-        sources += more.sources(options) if more is not None else []
+        sources += [source for one in (more, verifier) if one is not None for source in one.sources(options)]
     except ProgramError as error:
         unreadable += error.faults
     if unreadable:
@@ -109,12 +147,16 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
         return UNREADABLE
     try:
         found, files, program = _look(sources, constants, stream, options, more)
-        trials = _trials(program, stream, options) if program is not None and not program.faults else []
+        usable = program if program is not None and not program.faults else None
+        trials = _trials(usable, stream, options) if usable is not None else []
+        reasons = more.reasons() if more is not None else {}
+        verdict = verifier.run(usable, options, reasons) if verifier is not None and usable is not None else None
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
-    (_print_json if options.json else _print_text)(found, dict(files), trials, sys.stdout)
-    return FOUND if found or any(one.answer is None or one.fault for one in trials) else CLEAN
+    (_print_json if options.json else _print_text)(found, dict(files), trials, verdict, sys.stdout)
+    failed = any(one.answer is None or one.fault for one in trials) or (verdict is not None and not verdict.clean)
+    return FOUND if found or failed else CLEAN
 
 
 def _trials(program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace) -> List[Trial]:
@@ -161,7 +203,9 @@ def _read(file: str, unreadable: List[Fault]) -> List[Source]:
         return []
 
 
-def _print_text(found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], output: TextIO) -> None:
+def _print_text(
+    found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], verdict: Optional[Told], output: TextIO
+) -> None:
     lines = {name: text.splitlines() for name, text in files.items()}
     for one in found:
         output.write(f"{_place(one.fault)}: {one.severity}: {_words(one.fault)} [{one.fault.kind}]\n")
@@ -171,6 +215,8 @@ def _print_text(found: Sequence[Finding], files: Dict[str, str], trials: Sequenc
     output.write("{} in {}\n".format(", ".join(filter(None, told)) or "nothing", _counted(len(files), "file")))
     width = max(shutil.get_terminal_size((100, 24)).columns, 60)
     output.writelines(f"\n{one.text(width)}" for one in trials)
+    if verdict is not None:
+        output.write(f"\n{verdict.text()}")
 
 
 def _place(fault: Fault) -> str:
@@ -194,7 +240,9 @@ def _counted(number: int, what: str) -> str:
     return "" if not number else f"{number} {what}{'s' * (number > 1)}"
 
 
-def _print_json(found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], output: TextIO) -> None:
+def _print_json(
+    found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], verdict: Optional[Told], output: TextIO
+) -> None:
     errors = sum(map(is_error, found))
     told: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
     told["findings"] = [
@@ -211,4 +259,6 @@ def _print_json(found: Sequence[Finding], files: Dict[str, str], trials: Sequenc
     ]
     if trials:
         told["plans"] = [one.to_message() for one in trials]
+    if verdict is not None:
+        told["verify"] = verdict.to_message()
     output.write(json.dumps(told, indent=2) + "\n")

@@ -108,6 +108,10 @@ class CycleIndex(AtomIndex):
         """Return, once, the atoms of ``cycle`` that are known by now, with their literals."""
         return self._cycles.pop(cycle, []) if cycle in self.cycles() else []
 
+    def of_cycle(self, cycle: int) -> List[Tuple[clingo.Symbol, int]]:
+        """Return the atoms of ``cycle`` that have not been popped, with their literals."""
+        return self._cycles[cycle] if cycle in self.cycles() else []
+
     def among(self, atoms: Container[clingo.Symbol]) -> List[clingo.Symbol]:
         """Return those of the ``atoms`` that have not been popped."""
         return [atom for cycle in self.cycles() for atom, _ in self._cycles[cycle] if atom in atoms]

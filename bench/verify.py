@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""Measures how far the shipped programs are verified: depth in events, states, processor time.
+
+The programs are those of the paper, the office, the house, the tutorial and the template of a package. Each is
+verified to a depth, within a limit of processor time; what was proven is the figure. To be run in the built workspace:
+./dev exec python3 bench/verify.py. It needs no ROS.
+"""
+
+import argparse
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple, Tuple
+
+from figures import Figure, parse, write
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.reasoning.verifying.likely_events import Wanted
+from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.verification import verify
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Subject(NamedTuple):
+    """A program: its files, the depth of the bench and of its short form, goals and facts of each kind."""
+
+    files: Tuple[str, ...]
+    depth: int
+    short: int
+    each: int = 2
+
+
+SUBJECTS = {
+    "paper": Subject(("encodings/paper.lp",), 4, 2),
+    "office": Subject(("encodings/mailbot.lp", "encodings/office.lp"), 2, 1, 1),
+    "house": Subject(("encodings/house.lp", "encodings/home.lp"), 2, 1, 1),
+    "tutorial": Subject(("doc/tutorial.md",), 4, 2),
+    "template": Subject(("templates/package/encodings/@NAME@.lp",), 4, 2),
+}
+
+
+def load(files):
+    """The program of some files; of a document the first program in it."""
+    sources = [Source.from_file(ROOT / name) for name in files]
+    texts = [
+        re.search(r"```prolog\n(.*?)```", one.text, re.DOTALL) if one.name.endswith(".md") else None for one in sources
+    ]
+    return ReactiveProgram([replace(one, text=text.group(1)) if text else one for one, text in zip(sources, texts)])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--programs", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), help="(default: all)")
+    parser.add_argument("--seconds", type=float, default=1200.0, help="processor time for each (default: %(default)g)")
+    parser.add_argument("--quick", action="store_true", help="lesser depths")
+    options = parse(parser, quick=True, seconds=60.0)
+    found = []
+    for name in options.programs:
+        subject = SUBJECTS[name]
+        depth = subject.short if options.quick else subject.depth
+        limits, wanted = Limits(events=depth), Wanted(most=subject.each)
+        verdict = verify(load(subject.files), wanted, limits, options.seconds)
+        print(f"{name}:\n{verdict.text()}", flush=True)
+        if verdict.faults:
+            raise SystemExit(f"{name} is not clean")
+        found += [
+            Figure(f"{name}, depth", verdict.progress.proven, "events", "higher"),
+            Figure(f"{name}, states", verdict.progress.states, "", "higher"),
+            Figure(f"{name}, time", verdict.seconds, "s of processor"),
+        ]
+    write(options.json, found)
+
+
+if __name__ == "__main__":
+    main()

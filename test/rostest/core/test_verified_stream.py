@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""A stream that verification has found is played to a core node, which shows what was found."""
+
+import os
+import sys
+import unittest
+from pathlib import Path
+
+import rospkg
+import rospy
+import rostest
+from rosgraph_msgs.msg import Log
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Hands, Updates
+from interface_helpers import wait_to_hear, wait_until
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.verifying.findings import Kind
+from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.verification import verify
+
+PROGRAM = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data", "late_door.lp")
+
+
+class VerifiedStream(unittest.TestCase):
+    def setUp(self):
+        rospy.init_node("verified_stream_test")
+        self.said = []
+        log = rospy.Subscriber("/rosout", Log, lambda message: self.said.append(message.msg))
+        self.hands = Hands()
+        self.hands.wait_for("/rosoclingo")
+        self.client, self.updates = Client(), Updates()
+        wait_to_hear(log, nodes=["/rosoclingo"])
+
+    def test_the_core_shows_what_was_found(self):
+        verdict = verify(
+            ReactiveProgram.from_files([PROGRAM]), limits=Limits(events=2, together=1, steps=12), seconds=250
+        )
+        (fault,) = verdict.faults
+        self.assertEqual((fault.finding.kind, fault.finding.cost), (Kind.NO_ANSWER, 2))
+        for step in fault.finding.way:
+            under_way = [self.hands.take() for _ in step.move.answers]
+            self.assertEqual(under_way, [str(one.action.atom) for one in step.move.answers])
+            for one in step.move.happenings:
+                if one.kind == "ask":
+                    self.client.send(one.text)
+                else:
+                    self.hands.tell(one.text, origin="sensor")
+                    self.told = one.text
+            for answer in step.move.answers:
+                self.hands.tell(answer.text)
+        wait_until(lambda: any(self._is_doubt(text) for text in self.said), "the core to doubt what it was told")
+
+    def _is_doubt(self, text):
+        return self.told in text and "contradicts that go(" in text
+
+
+if __name__ == "__main__":
+    rostest.rosrun("rosoclingo", "verified_stream", VerifiedStream)

@@ -1,0 +1,113 @@
+"""Small programs for verification, sound ones and such with a fault, and how a finding is played on a core."""
+
+from core_driver import Driver
+
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.verifying.confirmation import SteeredSolver
+
+#: A robot goes where somebody wants it; what fails is given up. A sensor tells of closed places, which nothing heeds.
+VISITS = """
+#program base.
+place(home). place(hall). place(den). at(home,0).
+#program cumulative(t).
+#external _request/2. #external _return/3. #external _closed/2.
+asked(P,t)  :- _request(visit(P),t+1), place(P).
+wanted(P,t) :- asked(P,t), not at(P,t-1), not _request(cancel(P),t).
+wanted(P,t) :- wanted(P,t-1), not at(P,t-1), not failed(P,t-1), not _request(cancel(P),t).
+{ _action_lib(go,P,t) : wanted(P,t) } 1.
+failed(P,t) :- _action_lib(go,P,t), _return(go,V,t), V != P.
+moved(t) :- _action_lib(go,P,t), not failed(P,t).
+at(P,t) :- _action_lib(go,P,t), not failed(P,t).
+at(P,t) :- at(P,t-1), not moved(t).
+_status(P,accepted,t) :- wanted(P,t).
+_status(P,succeeded,t) :- wanted(P,t-1), at(P,t-1).
+_status(P,succeeded,t) :- asked(P,t), at(P,t-1).
+_status(P,aborted,t) :- wanted(P,t-1), failed(P,t-1).
+_status(P,canceled,t) :- _request(cancel(P),t), not at(P,t-1), not failed(P,t-1).
+seen(P,t) :- _closed(P,t), place(P).
+#show _action_lib/3. #show _status/3. #show seen/2.
+#program volatile(t).
+:- wanted(P,t), not at(P,t), not failed(P,t).
+"""
+
+#: A robot grabs a thing, goes to the door and drops it there; where it cannot go it gives up, and still has it.
+CARRIES = """
+#program base.
+thing(cup). thing(pen). spot(desk). spot(door). at(desk,0).
+#program cumulative(t).
+#external _request/2. #external _return/3.
+wanted(X,t) :- _request(bring(X),t+1), thing(X), not _request(cancel(X),t).
+wanted(X,t) :- wanted(X,t-1), not dropped(X,t-1), not failed(t-1), not _request(cancel(X),t).
+{ _action_lib(go,S,t) : spot(S), not at(S,t-1);
+  _action_lib(grab,X,t) : wanted(X,t), not held(X,t-1), at(desk,t-1);
+  _action_lib(drop,X,t) : wanted(X,t), held(X,t-1), at(door,t-1) } 1 :- wanted(Y,t).
+failed(t) :- _action_lib(A,P,t), _return(A,V,t), V != P.
+moved(t) :- _action_lib(go,S,t), not failed(t).
+at(S,t) :- _action_lib(go,S,t), not failed(t).
+at(S,t) :- at(S,t-1), not moved(t).
+held(X,t) :- _action_lib(grab,X,t), not failed(t).
+held(X,t) :- held(X,t-1), not dropped(X,t).
+dropped(X,t) :- _action_lib(drop,X,t), not failed(t).
+_status(X,accepted,t) :- wanted(X,t).
+_status(X,succeeded,t) :- wanted(X,t-1), dropped(X,t-1).
+_status(X,aborted,t) :- wanted(X,t-1), failed(t-1).
+_status(X,canceled,t) :- _request(cancel(X),t), not dropped(X,t-1), not failed(t-1).
+#show _action_lib/3. #show _status/3.
+#program volatile(t).
+:- wanted(X,t), not dropped(X,t), not failed(t).
+"""
+
+#: What is done is known from the returns of the step before; their values are looked at.
+ECHO = """
+#program base.
+job(wash). job(iron).
+#program cumulative(t).
+#external _request/2. #external _return/3.
+wanted(J,t) :- _request(do(J),t+1), job(J), not _request(cancel(J),t).
+wanted(J,t) :- wanted(J,t-1), not came(J,t), not failed(J,t), not _request(cancel(J),t).
+{ _action_lib(run,J,t) : wanted(J,t) } 1.
+came(J,t) :- _action_lib(run,J,t-1), _return(run,J,t-1).
+failed(J,t) :- _action_lib(run,J,t-1), _return(run,V,t-1), V != J.
+_status(J,accepted,t) :- wanted(J,t).
+_status(J,succeeded,t) :- came(J,t).
+_status(J,aborted,t) :- failed(J,t).
+_status(J,canceled,t) :- _request(cancel(J),t), not came(J,t), not failed(J,t).
+tried(J,t) :- _action_lib(run,J,t).
+tried(J,t) :- tried(J,t-1), not _request(do(J),t+1).
+#show _action_lib/3. #show _status/3.
+#program volatile(t).
+:- wanted(J,t), not tried(J,t).
+"""
+
+
+def edited(text, *pairs):
+    """A program in which some words are replaced by others; where there are none to be replaced, it has rules more."""
+    for old, new in pairs:
+        assert old in text, old
+        text = text.replace(old, new)
+    return text
+
+
+def more(text, rules):
+    """A program with further rules in its cumulative part."""
+    return text.replace("#show _action_lib/3.", f"{rules}\n#show _action_lib/3.")
+
+
+def play(program, way, steps=20):
+    """The real core after a way that was found, with a solver that takes of several shortest plans the one found."""
+    chosen = {step.cycle: step.chosen for step in way if step.cycle}
+    settings = CoreSettings(horizon_limit=steps)
+    driver = Driver(settings=settings, program=program, solver=lambda one: SteeredSolver(one, chosen))
+    for step in way:
+        for one in step.move.happenings:
+            if one.kind == "ask":
+                driver.core.add_goal(one.text, one.text)
+            elif one.kind == "cancel":
+                driver.core.cancel_goal(one.text)
+            else:
+                driver.core.receive("sensor", [one.text])
+        for answer in step.move.answers:
+            driver.core.receive(answer.action.interface_name, [answer.text])
+        driver.core.poll(driver.now)
+        driver.core.advance(driver.now)
+    return driver
