@@ -17,6 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import comes_to
+from rosoclingo.common.greeting import Greeting, greet_first
 
 PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on how fast the machine is, or how busy
 
@@ -53,18 +54,6 @@ def wait_for_server(client):
     wait_to_hear(client.status_sub, client.feedback_sub, client.result_sub)
 
 
-class Greeting(rospy.SubscribeListener):
-    """Sends messages to each newcomer, before anything else."""
-
-    def __init__(self, messages):
-        super().__init__()
-        self._messages = messages
-
-    def peer_subscribe(self, _topic, _publish_all, publish):
-        for message in self._messages():
-            publish(message)
-
-
 class CoreSide:
     """Sends commands as the core does and collects what comes back.
 
@@ -78,6 +67,7 @@ class CoreSide:
         self._run = [InterfaceIO(interface="rosoclingo", facts=[f'_run("{run}")'])] if run else []
         greeting = Greeting(lambda: [*self._run, *self.under_way])
         self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, subscriber_listener=greeting, queue_size=100)
+        greet_first(self._publisher)
         for message in [*self._run, *self.under_way]:
             self._publisher.publish(message)  # to those who came before rospy had heard of the greeting
         self.announced = set()
@@ -99,6 +89,12 @@ class CoreSide:
         """Send an action, to newcomers too."""
         self.under_way.append(InterfaceIO(interface=interface, facts=[fact]))
         self.send(interface, fact)
+
+    def cancel(self, interface, fact):
+        """Cancel an action; whoever comes is told of that, too, as a node that was killed may not have heard it."""
+        cancellation = fact.replace("_action_lib", "_cancel")
+        self.under_way.append(InterfaceIO(interface=interface, facts=[cancellation]))
+        self.send(interface, cancellation)
 
     def die(self):
         """Be heard and hear no more."""

@@ -3,25 +3,12 @@
 from collections import deque
 from typing import Callable, Deque, NamedTuple, Optional
 
-import rospy
-
+from rosoclingo.common.greeting import Greeting
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO
 
 # Seconds of wall time that an answer waits for the node that asked to be connected.
 PATIENCE = 1.0
-
-
-class _Announcement(rospy.SubscribeListener):
-    """Tells each node that connects which interface there is: a message without facts."""
-
-    def __init__(self, interface: str) -> None:
-        super().__init__()
-        self.message = InterfaceIO(interface=interface)
-
-    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
-        """Called by rospy when a subscriber has connected."""
-        publish(self.message)
 
 
 class _Waiting(NamedTuple):
@@ -41,9 +28,9 @@ class Outbox:
     """
 
     def __init__(self, topic: str, interface: str) -> None:
-        announcement = _Announcement(interface)
-        self._publisher = prompt_publisher(topic, InterfaceIO, subscriber_listener=announcement)
-        self._publisher.publish(announcement.message)  # to those that another interface of this node has met already
+        announcement = InterfaceIO(interface=interface)
+        self._publisher = prompt_publisher(topic, InterfaceIO, subscriber_listener=Greeting(lambda: [announcement]))
+        self._publisher.publish(announcement)  # to those that another interface of this node has met already
         self._waiting: Deque[_Waiting] = deque()
 
     def put(self, message: InterfaceIO, reader: str, wall: float, wanted: Optional[Callable[[], bool]] = None) -> None:

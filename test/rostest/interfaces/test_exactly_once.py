@@ -165,7 +165,7 @@ class ExactlyOnce(unittest.TestCase):
     def test_a_goal_that_was_taken_up_can_be_cancelled(self):
         fact, answer, _, _ = self.begin("arm")
         self.kill_node()
-        self.core.send("arm", fact.replace("_action_lib", "_cancel"))
+        self.core.cancel("arm", fact)
         self.servers["arm"].wait_for_new_reader(NODE, self.readers)
         self.servers["arm"].cancelled().set_canceled()
         self.assertEqual(self.core.receive(), [answer.format("preempted")])

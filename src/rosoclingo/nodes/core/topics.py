@@ -6,6 +6,7 @@ import rospy
 from clingo import Symbol
 from std_msgs.msg import String, UInt32
 
+from rosoclingo.common.greeting import Greeting, greet_first
 from rosoclingo.msg import InterfaceIO, State, TaskPlan
 from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.keywords import CORE, run_of
@@ -29,10 +30,10 @@ class CoreTopics:
         self._under_way: Tuple[InterfaceIO, ...] = ()
         self._look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
-        newcomers = _Newcomers(self._greeting)
-        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, newcomers, queue_size=100)
-        _greet_first(self._out)
-        for message in self._greeting():  # to those who came before rospy had heard of the newcomers' greeting
+        greeting = Greeting(self._greeting)
+        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, greeting, queue_size=100)
+        greet_first(self._out)
+        for message in self._greeting():  # to those who came before rospy had heard of the greeting
             self._out.publish(message)
         self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
         self._state = rospy.Publisher("~state", State, latch=True, queue_size=10)
@@ -97,31 +98,6 @@ class CoreTopics:
         """Note what a newcomer has to know."""
         wanted = _messages((action, action.atom) for action in self._awaited())
         self._under_way = (*wanted, *_messages((action, action.cancellation) for action in self._preempted()))
-
-
-class _Newcomers(rospy.SubscribeListener):
-    """Sends an interface node that comes what it has to know, and to it alone: the run, and the actions under way."""
-
-    def __init__(self, messages: Callable[[], Tuple[InterfaceIO, ...]]) -> None:
-        super().__init__()
-        self._messages = messages
-
-    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
-        """Called by rospy when a subscriber has connected."""
-        for message in self._messages():
-            publish(message)
-
-
-def _greet_first(publisher: rospy.Publisher) -> None:
-    """Let no message of another thread come before what a newcomer is sent: rospy adds it to the listeners first."""
-    impl = publisher.impl
-    add = impl.add_connection
-
-    def add_connection(connection: object) -> bool:
-        with impl.publock:
-            return bool(add(connection))
-
-    impl.add_connection = add_connection
 
 
 def _messages(facts: Iterable[Tuple[Action, Symbol]]) -> Tuple[InterfaceIO, ...]:
