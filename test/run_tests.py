@@ -40,7 +40,18 @@ GROUPS = ("lint", "unit", "rostest", "python38", "install", "pip")  # and "quick
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
 # long, or about no language
-ONCE = ("burst", "core_disk", "core_interrupted", "core_launch", "crowd", "late_world", "replay", "request_lost")
+ONCE = (
+    "burst",
+    "core_disk",
+    "core_interrupted",
+    "core_launch",
+    "crowd",
+    "explain",
+    "late_world",
+    "recorder",
+    "replay",
+    "request_lost",
+)
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")

@@ -33,6 +33,7 @@ def matches(shown, printed):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("page", [PAGE, WHY, VERIFY], ids=["check", "why_no_plan", "verify"])
 def test_the_page_is_true(tmp_path, page):
     pytest.importorskip("genpy", reason="types of messages are looked at")

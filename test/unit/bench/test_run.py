@@ -79,6 +79,7 @@ def test_this_checkouts_bench_measures_a_commit_that_has_none(repository):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_it_measures_a_commit_that_has_another(repository):
     repository.bench("another value")
     commit = repository.commit(3)
@@ -142,6 +143,7 @@ def runner(*arguments):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_real_bench(tmp_path):
     done = runner("service", "--work", tmp_path)
     assert done.returncode == 0, done.stderr

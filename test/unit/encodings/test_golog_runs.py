@@ -108,6 +108,7 @@ class Play:
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @RUNS
 @given(st.data())
 def test_what_is_left_is_what_the_definitions_leave(data):

@@ -154,6 +154,7 @@ def test_with_a_way_shut_a_plan_is_found_soon(way):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @ANSWERS
 @given(st.data())
 def test_it_changes_no_answer(data):

@@ -42,6 +42,7 @@ def floors(draw):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @PLANS
 @given(st.data())
 def test_plans_are_shortest(data):
@@ -199,6 +200,7 @@ def test_a_detour_is_taken_while_a_connection_is_blocked():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("first", [1, pytest.param(2, marks=RARE)])
 def test_who_is_driven_by_somebody_else_gives_up_until_somebody_asks(first):
     robot = Mailbot(6, ROW)
@@ -447,6 +449,7 @@ def test_what_is_remembered_of_a_long_run_does_not_grow():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_place_that_navigation_does_not_know_may_be_left():
     driver = Driver.of_shipped("mailbot.lp", "office.lp")
     driver.core.add_goal("first", "goal(office1,office3,1)")

@@ -50,6 +50,7 @@ def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @EXAMPLES
 @given(st.data())
 def test_it_changes_no_answer(data):
@@ -69,6 +70,7 @@ def test_it_changes_no_answer(data):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (8, 3), (60, 1)])
 def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopeless):
     """Seven packages, three at a time, over one corridor: there in three loads, or back."""
@@ -80,6 +82,7 @@ def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopel
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
@@ -87,6 +90,7 @@ def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
     """Whatever else there is to do, and however many steps there are."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (1, 3)], 3)

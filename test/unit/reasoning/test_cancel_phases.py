@@ -184,6 +184,7 @@ def test_somebody_else_drives_the_robot(tries):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_what_the_core_ended_itself_is_counted_for_nobody():
     office = Office(preempt=True)
     for package in range(1, 6):

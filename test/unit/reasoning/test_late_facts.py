@@ -178,6 +178,7 @@ def test_what_was_done_can_not_be():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_facts_of_cycles_long_over_are_taken_for_the_present():
     driver = Driver(BATTERY)
     for number in range(130):
@@ -246,6 +247,7 @@ def test_where_time_is_over_it_is_not_said_to_be_sure():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("fact", ["_blocked(office1,office2,6)", "_blocked(office1,office2,7)"])
 def test_a_fact_of_a_cycle_to_come_that_leaves_nothing_to_do_ends_a_cancelled_goal(fact):
     """Nothing is done meanwhile, but the answer ends later than now: its end is waited for."""

@@ -86,6 +86,7 @@ def test_there_is_slowly_room_for_more_goals_again():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
     driver = ask(BusyDriver(most=99), *range(1, 60))

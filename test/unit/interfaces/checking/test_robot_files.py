@@ -59,12 +59,14 @@ def told(folder, files, capsys, *options):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_nothing_is_said_of_systems_that_are_right(name, tmp_path, capsys):
     assert told(tmp_path, texts(name), capsys) == []
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_nothing_is_said_of_their_labels_alone(name, tmp_path, capsys):
     files = texts(name)
@@ -130,6 +132,7 @@ SEEDS = [
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_a_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)

@@ -65,6 +65,7 @@ def journal():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_cut_at_every_byte_it_is_the_state_before_that_line(journal):
     states = [copy.deepcopy(state) for state, _ in history(journal)[1]]
     assert len(states) > 20

@@ -129,6 +129,7 @@ def test_a_door_that_closes_on_the_way_is_gone_round():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_door_closed_for_good_ends_with_the_reason():
     drive = Drive(door_world((2.9, 4.9, 3.1, 6.0)))
     drive.world.set_door("door", False)
@@ -296,6 +297,7 @@ def test_two_robots_pass_each_other_in_a_corridor():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("seed", range(3))
 def test_a_tight_door_is_not_touched(seed):
     """Four and a half centimetres on either side, entered from anywhere, to and fro."""

@@ -102,6 +102,7 @@ def test_where_the_robot_is_at_first():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_the_command(tmp_path):
     script = [sys.executable, str(ROOT / "scripts" / "places")]
     environment = {"PYTHONPATH": str(ROOT / "src"), "PATH": "/usr/bin:/bin", "NUMBA_DISABLE_JIT": "1"}

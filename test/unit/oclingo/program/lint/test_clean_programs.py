@@ -5,6 +5,7 @@ import pytest
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("name", lint_programs.NAMES)
 def test_nothing_is_said_of_a_program_that_is_right(name):
     assert list(map(str, lint_programs.lint(lint_programs.program(name)))) == []

@@ -201,6 +201,7 @@ def seeded(name, file, old, new):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
     sources, (line, column) = seeded(name, file, old, new)

@@ -92,6 +92,7 @@ def test_a_program_without_constants():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house"])
 def test_constants_of_the_shipped_programs(name):
     assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []
