@@ -129,6 +129,24 @@ def test_what_ends_it_ends_stage(stage):
     assert process.returncode == 7
 
 
+def test_what_ends_it_while_stage_begins_ends_stage(monkeypatch):
+    real_stage = pytest.importorskip("rosoclingo.robot.nodes.stage.real_stage")
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def slow(command):
+        process = start(command)
+        os.kill(os.getpid(), signal.SIGINT)
+        return process
+
+    start = subprocess.Popen
+    monkeypatch.setattr(real_stage.subprocess, "Popen", slow)
+    try:
+        assert real_stage.run_command(["sleep", "600"]) == 128 + signal.SIGINT
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
 def test_without_stage_it_says_so(stage):
     process = stage(then=None)
     _, said = process.communicate(timeout=120)

@@ -12,7 +12,7 @@ import rospkg
 
 from rosoclingo.robot.simulation.stage_pace import paced_world, read_stage_world
 
-__all__ = ["StageError", "run_stage", "stage_command"]
+__all__ = ["StageError", "run_command", "run_stage", "stage_command"]
 
 STAGEROS = ["rosrun", "stage_ros", "stageros"]
 VIRTUAL = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24"]
@@ -54,13 +54,25 @@ def run_stage(world: str, speed: float, window: bool, switches: Sequence[str], r
         file = Path(folder, os.path.basename(world))
         paced = paced_world(text, os.path.dirname(world), speed if speed > 0.0 else 1.0)
         file.write_text(paced, encoding="utf-8", errors="surrogateescape")
-        return _run([*command, str(file), *ros])
+        return run_command([*command, str(file), *ros])
 
 
-def _run(command: Sequence[str]) -> int:
+def run_command(command: Sequence[str]) -> int:
     """Run a command, and hand over what ends this process; return its exit code, as a shell has it."""
-    process = subprocess.Popen(list(command))
+    processes: List[subprocess.Popen] = []
+    early: List[int] = []
+
+    def hand_over(number: int, _frame: object) -> None:
+        for process in processes:
+            process.send_signal(number)
+        if not processes:
+            early.append(number)
+
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, _frame: process.send_signal(number))
+        signal.signal(number, hand_over)  # before there is a process: what ends this one may come at once
+    process = subprocess.Popen(list(command))
+    processes.append(process)
+    for number in early:
+        process.send_signal(number)
     code = process.wait()
     return code if code >= 0 else 128 - code
