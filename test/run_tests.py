@@ -15,7 +15,7 @@ import xml.etree.ElementTree as ElementTree
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from durations import Duration, summary
 from importable import rostests_within
@@ -100,20 +100,23 @@ class Tests:
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
-        """All groups; beside rostests, which wait, a workspace is built that they do not use."""
+        """All groups; beside rostests, which wait, goes what is no rostest and does not use their workspace."""
         outcome = self.lint(()) + self.unit(())
-        with _beside(_python38_environment) as found:
+        with _beside(self._installed) as installed:
             outcome += self.rostest(())
-            environment = found.result()
-        outcome += self._unit_again(environment)
-        with _beside(lambda: self.install(()) + self._pip(environment)) as installed:
+            environment, others = installed.result()
+        with _beside(self._unit_again, environment) as units:
             outcome += self._rostests_again(environment)
-            return outcome + installed.result()
+            return outcome + others + units.result()
 
     def python38(self, _names: Sequence[str]) -> Outcome:
         """On Python 3.8, if there is one: the unit tests, and the rostests that need no compiled module."""
         environment = _python38_environment()
         return self._unit_again(environment) + self._rostests_again(environment)
+
+    def _installed(self) -> Tuple[Mapping[str, str], Outcome]:
+        environment = _python38_environment()
+        return environment, self.install(()) + self._pip(environment)
 
     def _pip(self, python38: Mapping[str, str]) -> Outcome:
         pythons = [sys.executable, *filter(None, [python38 and shutil.which("python3", path=python38["PATH"])])]

