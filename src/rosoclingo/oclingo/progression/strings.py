@@ -6,6 +6,7 @@ core doesn't.
 """
 
 from dataclasses import replace
+from operator import is_not
 from typing import Tuple
 
 import clingo
@@ -19,7 +20,7 @@ MARK = "__oclingo_quoted"
 def strings_apart(update: StreamUpdate) -> StreamUpdate:
     """Return ``update`` with every string turned into a constant of the same text, quotes included."""
     items: Tuple[Item, ...] = tuple(map(_item, update.items))
-    return replace(update, items=items)
+    return replace(update, items=items) if any(map(is_not, items, update.items)) else update
 
 
 def holds_string_apart(atom: clingo.Symbol) -> bool:
@@ -49,15 +50,23 @@ def from_marked(symbol: clingo.Symbol) -> clingo.Symbol:
 
 def _item(item: Item) -> Item:
     if isinstance(item, Withdraw):
-        return Withdraw(_symbol(item.atom))
+        return Withdraw(_symbol(item.atom)) if _holds_string(item.atom) else item
     return _statement(item) if isinstance(item, Statement) else item
 
 
 def _statement(statement: Statement) -> Statement:
-    if '"' not in str(statement):
+    atoms = [one.atom for one in statement.body]
+    if not any(map(_holds_string, atoms if statement.head is None else [statement.head, *atoms])):
         return statement
     head = None if statement.head is None else _symbol(statement.head)
     return Statement(head, tuple(Literal(_symbol(one.atom), one.positive) for one in statement.body))
+
+
+def _holds_string(symbol: clingo.Symbol) -> bool:
+    kind = symbol.type
+    if kind == clingo.SymbolType.Function:
+        return any(map(_holds_string, symbol.arguments))
+    return bool(kind == clingo.SymbolType.String)
 
 
 def _symbol(symbol: clingo.Symbol) -> clingo.Symbol:
