@@ -1,6 +1,7 @@
 """The live page's server: who is let in, what is sent to whom, and the page in a browser."""
 
 import asyncio
+import gc
 import json
 import socket
 import threading
@@ -204,6 +205,22 @@ def test_there_are_so_many_viewers_and_no_more(served):
         assert (await told(await served.connect()))["whole"]
 
     play(scene())
+
+
+def test_viewers_are_told_of_its_end_and_nothing_is_left_over(served, capfd):
+    async def scene():
+        clients = [await served.connect() for _ in range(3)]
+        for client in clients:
+            assert await told(client)
+        await asyncio.get_event_loop().run_in_executor(None, served.server.stop, PATIENCE)
+        for client in clients:
+            while await told(client) is not None:
+                pass
+            assert client.close_code == 1001
+
+    play(scene())
+    gc.collect()
+    assert "destroyed" not in capfd.readouterr().err
 
 
 # ---- what is sent ---------------------------------------------------------------------------------------------------

@@ -92,11 +92,24 @@ class PageServer:
             self._application(), max_header_size=16384, max_body_size=MOST_BYTES, idle_connection_timeout=60
         )
         server.add_sockets(self._sockets)
-        PeriodicCallback(self._tick, 1000 * PERIOD).start()
+        ticks = PeriodicCallback(self._tick, 1000 * PERIOD)
+        ticks.start()
         self._loop.add_callback(self._ready.set)
         self._loop.start()
+        ticks.stop()
         server.stop()
+        self._loop.run_sync(self._let_go)
         self._loop.close(all_fds=True)
+
+    async def _let_go(self) -> None:
+        """Tell the viewers, and end what waits for a browser."""
+        for viewer in list(self.viewers):
+            viewer.close(1001, "the page's server ends")
+        await asyncio.sleep(0)  # what is said goes out
+        waiting = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in waiting:
+            task.cancel()
+        await asyncio.gather(*waiting, return_exceptions=True)
 
     def _application(self) -> Application:
         files = [(path, _File, {"server": self, "path": path, "data": data}) for path, data in self._files.items()]
