@@ -51,6 +51,11 @@ class Robot:
             rospy.sleep(0.02)
 
 
+def places_in(message):
+    """Where each package is."""
+    return {package.id: "carried" if package.carried else package.location for package in message.packages}
+
+
 class Office(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -67,7 +72,7 @@ class Office(unittest.TestCase):
 
     @classmethod
     def note(cls, message):
-        cls.places = {package.id: "carried" if package.carried else package.location for package in message.packages}
+        cls.places = places_in(message)
 
     def setUp(self):
         for package, label in {"1": "office1", "2": "office1", "3": "office1", "4": "office1", "5": "office2"}.items():
@@ -128,18 +133,27 @@ class Office(unittest.TestCase):
         wait_until(lambda: self.pick("1")[1].outcome == PickupResult.NOT_AT_LABEL, "the pose to be too old")
 
     def test_cancel_while_waiting_and_while_handling(self):
-        handles = [self.pickup.send_goal(PickupGoal(package=str(package))) for package in range(1, 4)]
-        wait_until(lambda: handles[0].get_comm_state() == CommState.ACTIVE, "the arm to begin")
-        wait_until(lambda: handles[2].get_comm_state() == CommState.PENDING, "the last goal to be known")
-        handles[0].cancel()
-        handles[2].cancel()
-        ends = [self.end(handle) for handle in handles]
-        self.assertEqual(
-            [status for status, _ in ends], [GoalStatus.PREEMPTED, GoalStatus.SUCCEEDED, GoalStatus.RECALLED]
-        )
-        self.assertEqual([result.outcome for _, result in ends], [PickupResult.PREEMPTED, 0, PickupResult.PREEMPTED])
-        wait_until(lambda: self.places["2"] == "carried", "package 2 to be carried")
-        self.assertEqual([self.places[package] for package in "13"], ["office1", "office1"])
+        parameters = ["_labels:={office1: [0, 0]}", "_packages:={office1: [1, 2, 3]}", "_duration:=4"]
+        with Process(executable("office"), "__ns:=slow", *parameters):
+            places = {}
+            topic = rospy.Subscriber("slow/packages", PackageStates, lambda message: places.update(places_in(message)))
+            client = ActionClient("slow/pickup", PickupAction)
+            wait_for_server(client)
+            handles = [client.send_goal(PickupGoal(package=str(package))) for package in range(1, 4)]
+            wait_until(lambda: handles[0].get_comm_state() == CommState.ACTIVE, "the arm to begin")
+            wait_until(lambda: handles[2].get_comm_state() == CommState.PENDING, "the last goal to be known")
+            handles[0].cancel()
+            handles[2].cancel()
+            ends = [self.end(handle) for handle in handles]
+            self.assertEqual(
+                [status for status, _ in ends], [GoalStatus.PREEMPTED, GoalStatus.SUCCEEDED, GoalStatus.RECALLED]
+            )
+            self.assertEqual(
+                [result.outcome for _, result in ends], [PickupResult.PREEMPTED, 0, PickupResult.PREEMPTED]
+            )
+            wait_until(lambda: places.get("2") == "carried", "package 2 to be carried")
+            self.assertEqual([places[package] for package in "13"], ["office1", "office1"])
+            topic.unregister()
 
     def test_putting_and_removing(self):
         self.assertEqual(self.put("8", "office2").message, "package 8 is at office2")
