@@ -4,6 +4,7 @@ from typing import Any
 
 import rospy
 from actionlib import ActionServer, SimpleActionServer
+from actionlib_msgs.msg import GoalStatusArray
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import ending
@@ -12,11 +13,14 @@ __all__ = ["forget_cancels", "forget_goal_times", "start_server"]
 
 
 def start_server(server: ActionServer) -> None:
-    """Start a server that sends results at once, lest one wait in a queue as the node ends.
+    """Start a server that sends at once: nothing waits in a queue as the node ends, and who publishes waits for nobody.
 
     Its status topic outlives a jump of simulated time; actionlib's own timer ends with one.
     """
-    prompt_publisher(rospy.remap_name(server.ns) + "/result", server.ActionResult)  # the server's own shares it
+    name = rospy.remap_name(server.ns)
+    prompt_publisher(name + "/status", GoalStatusArray, latch=True)  # the server's own share what these have set up
+    prompt_publisher(name + "/feedback", server.ActionFeedback)
+    prompt_publisher(name + "/result", server.ActionResult)
     server.start()
     if server.status_frequency > 0.0:
         server.status_timer.shutdown()

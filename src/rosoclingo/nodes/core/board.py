@@ -7,6 +7,7 @@ import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalStatus
 
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import GoalState, GoalStates
 
 #: Goals that are told of after they have ended.
@@ -27,7 +28,7 @@ class GoalBoard:
         self._waits: Dict[str, str] = {}
         self._changed = False
         self._last = float("-inf")
-        self._topic = rospy.Publisher("~goals", GoalStates, latch=True, queue_size=10)
+        self._topic = prompt_publisher("~goals", GoalStates, 10, latch=True)
         self._publish()
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:

@@ -7,6 +7,7 @@ from clingo import Symbol
 from std_msgs.msg import String, UInt32
 
 from rosoclingo.common.greeting import Greeting, greet_first
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO, State, TaskPlan
 from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.keywords import CORE, run_of
@@ -31,15 +32,15 @@ class CoreTopics:
         self._look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
         greeting = Greeting(self._greeting)
-        self._out = rospy.Publisher("out_rosoclingo", InterfaceIO, greeting, queue_size=100)
+        self._out = prompt_publisher("out_rosoclingo", InterfaceIO, subscriber_listener=greeting)
         greet_first(self._out)
         for message in self._greeting():  # to those who came before rospy had heard of the greeting
             self._out.publish(message)
-        self._task_plan = rospy.Publisher("~task_plan", TaskPlan, latch=True, queue_size=10)
-        self._state = rospy.Publisher("~state", State, latch=True, queue_size=10)
-        self._program = rospy.Publisher("~program", String, latch=True, queue_size=1)
-        self._updates = rospy.Publisher("~updates", String, queue_size=100)
-        self._cycle = rospy.Publisher("~cycle", UInt32, latch=True, queue_size=10)
+        self._task_plan = prompt_publisher("~task_plan", TaskPlan, 10, latch=True)
+        self._state = prompt_publisher("~state", State, 10, latch=True)
+        self._program = prompt_publisher("~program", String, 1, latch=True)
+        self._updates = prompt_publisher("~updates", String)
+        self._cycle = prompt_publisher("~cycle", UInt32, 10, latch=True)
         self._told = 0
         self._tell_cycle(cycle)
 

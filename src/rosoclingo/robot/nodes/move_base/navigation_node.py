@@ -7,11 +7,9 @@ from typing import Any, Callable, Optional, Tuple
 import numpy as np
 import rospy
 from actionlib import SimpleActionServer
-from actionlib_msgs.msg import GoalStatusArray
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import (
     MoveBaseAction,
-    MoveBaseActionFeedback,
     MoveBaseActionGoal,
     MoveBaseFeedback,
     MoveBaseResult,
@@ -159,11 +157,6 @@ class MoveBaseNode:
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
         self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
-        # The action server's own publishers of these topics share what these have set up.
-        self._prompt = (
-            prompt_publisher("move_base/status", GoalStatusArray, latch=True),
-            prompt_publisher("move_base/feedback", MoveBaseActionFeedback),
-        )
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._subscribers = (
             rospy.Subscriber(self._settings.map_topic, numpy_msg(OccupancyGridMessage), self._on_map, queue_size=1),
