@@ -2,7 +2,8 @@
 """Times the core's response: from the last return on in_rosoclingo to the next action on out_rosoclingo.
 
 A real master and two real core nodes with the mailbot program, one of them with a journal, in turns; this process is
-the client and the interface layer, which answers each action at once, so that the figures are the cores' and ROS's own.
+the client and the interface layer, which answers each action at once or after some seconds, so that the figures are the
+cores' and ROS's own.
 The disk is that of the folder for temporary files (TMPDIR). To be run in the built workspace:
 ./dev exec python3 bench/response.py
 """
@@ -32,8 +33,8 @@ from rosoclingo.reasoning.keywords import CORE
 class Responder:
     """Answers each action of the core in a namespace at once and notes when the next one comes."""
 
-    def __init__(self, space):
-        self.space, self.answered = space, None
+    def __init__(self, space, seconds=0.0):
+        self.space, self.answered, self._seconds = space, None, seconds
         self.responses, self.clingo = {}, {}  # cycle -> seconds; the plan is told after its actions
         self.messages = queue.Queue()
         self.out = rospy.Publisher(f"/{space}/in_rosoclingo", InterfaceIO, queue_size=10)
@@ -81,6 +82,7 @@ class Responder:
                 continue
             if self.answered is not None:
                 self.responses[_cycle(message)] = received - self.answered
+            time.sleep(self._seconds)
             for text in message.facts:
                 action, value, cycle = parse_atom(text).arguments
                 self.answered = time.perf_counter()
@@ -138,15 +140,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--batches", type=int, default=20, help="batches of requests (default: %(default)s)")
     parser.add_argument("--requests", type=int, default=3, help="requests in a batch (default: %(default)s)")
+    parser.add_argument("--programs", nargs="+", help="the core's program in place of the mailbot's: files")
+    parser.add_argument("--seconds", type=float, default=0.0, help="that an action takes (default: %(default)s)")
     options = parse(parser, batches=5)
     port = own_master()
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         for space, journal, wait in (("without", "none", []), ("with", folder, ["--wait"])):
             command = ["roslaunch", *wait, "-p", str(port), "rosoclingo", "core.launch", f"journal:={journal}"]
+            command += [f"programs:={list(map(os.path.abspath, options.programs))}"] if options.programs else []
             environment = {**os.environ, "ROS_NAMESPACE": space}
             stack.enter_context(launched(command, environment))
         rospy.init_node("bench_response", disable_signals=True)
-        responders = [Responder("without"), Responder("with")]
+        responders = [Responder("without", options.seconds), Responder("with", options.seconds)]
         begin(responders, options.requests)
         cycles = play(responders, options.batches, options.requests)
         found = [*report(responders[0], cycles[0]), *report(responders[1], cycles[1], " with a journal")]

@@ -9,7 +9,15 @@ from actionlib_msgs.msg import GoalStatusArray
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import ending
 
-__all__ = ["forget_cancels", "forget_goal_times", "start_server"]
+__all__ = ["announce_server", "forget_cancels", "forget_goal_times", "start_server"]
+
+
+def announce_server(server: ActionServer) -> None:
+    """Let clients know that there will be a server, which may take long to start; its own publishers share these."""
+    name = rospy.remap_name(server.ns)
+    prompt_publisher(name + "/status", GoalStatusArray, latch=True)
+    prompt_publisher(name + "/feedback", server.ActionFeedback)
+    prompt_publisher(name + "/result", server.ActionResult)
 
 
 def start_server(server: ActionServer) -> None:
@@ -17,10 +25,7 @@ def start_server(server: ActionServer) -> None:
 
     Its status topic outlives a jump of simulated time; actionlib's own timer ends with one.
     """
-    name = rospy.remap_name(server.ns)
-    prompt_publisher(name + "/status", GoalStatusArray, latch=True)  # the server's own share what these have set up
-    prompt_publisher(name + "/feedback", server.ActionFeedback)
-    prompt_publisher(name + "/result", server.ActionResult)
+    announce_server(server)
     server.start()
     if server.status_frequency > 0.0:
         server.status_timer.shutdown()

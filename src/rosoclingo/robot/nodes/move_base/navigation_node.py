@@ -18,7 +18,7 @@ from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from rospy.numpy_msg import numpy_msg
 from std_srvs.srv import Empty, EmptyResponse
 
-from rosoclingo.common.action_servers import forget_goal_times, start_server
+from rosoclingo.common.action_servers import announce_server, forget_goal_times, start_server
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
@@ -157,6 +157,7 @@ class MoveBaseNode:
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
         self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
+        announce_server(self._server.action_server)  # clients wait while all is compiled
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._subscribers = (
             rospy.Subscriber(self._settings.map_topic, numpy_msg(OccupancyGridMessage), self._on_map, queue_size=1),
