@@ -140,6 +140,7 @@ def test_the_floor_of_a_map():
     assert "places" not in parameters(load("mailbot.launch"), "/rosoclingo/")
 
 
+@pytest.mark.once
 def test_a_floor_that_cannot_be_made():
     with pytest.raises(RLException, match="places"):
         load("core.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office9")

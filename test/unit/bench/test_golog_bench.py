@@ -4,11 +4,14 @@ import random
 import sys
 from pathlib import Path
 
+import pytest
+
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 
 import golog  # noqa: E402
 
 
+@pytest.mark.once
 def test_control_knowledge_leaves_a_shortest_plan():
     dice = random.Random(3)
     for _ in range(3):

@@ -49,6 +49,7 @@ at(P,t) :- _action_lib(go,P,t).
     assert [one.text for one in found.told] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
 
 
+@pytest.mark.once
 @pytest.mark.slow
 def test_what_takes_too_long_is_ended(monkeypatch):
     monkeypatch.setattr(explaining_process, "PATIENCE", (0.1, 0.2))

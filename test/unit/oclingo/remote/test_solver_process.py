@@ -377,6 +377,7 @@ def goes(solver, cycle, before):
     return [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number == cycle], answer
 
 
+@pytest.mark.once
 @pytest.mark.slow
 def test_a_long_stream_goes_on_from_a_state_not_from_its_start():
     here = ReactiveSolver(ReactiveProgram.from_text(RUN), shortest=True, oclingo_strings=False)
@@ -397,6 +398,7 @@ def test_a_long_stream_goes_on_from_a_state_not_from_its_start():
         assert min(shown) <= 90 - compaction.SHOWN_STEPS
 
 
+@pytest.mark.once
 @pytest.mark.slow
 def test_states_that_come_with_searches_lead_back_whatever_ends_the_child():
     with process_of(RUN, shortest=True, oclingo_strings=False, horizon_limit=100, log_limit=2) as process:

@@ -136,6 +136,7 @@ def test_the_more_directions_the_shorter_the_way(steps, most):
     assert most - 0.01 < max(over) < most
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("thickness", [1, 2, 3, 4, 7])
 @pytest.mark.parametrize("width", [4, 6])
 @pytest.mark.parametrize("turned", [False, True])

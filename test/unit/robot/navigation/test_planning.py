@@ -40,6 +40,7 @@ def late_drive(late, things=()):
     return drive
 
 
+@pytest.mark.once
 def test_the_robot_stands_until_there_is_a_way_and_drives_on_while_another_is_looked_for():
     drive = late_drive(30, (ObstacleSpec("box", (3.05, 2.6), 0.1),))
     planning, speeds = drive.navigator.planning, []
