@@ -133,11 +133,10 @@ class Core:
         """Start the next cycle if there is reason to; False when the core waits for something to arrive."""
         if self.awaited:
             self._preempt()
-            return False
-        if not self._due():
-            return False
-        self._next_cycle(now)
-        return True
+        elif self._due():
+            self._next_cycle(now)
+            return True
+        return False
 
     def improve(self, stopped: Callable[[], bool]) -> bool:
         """While actions run and nothing waits, shorten the plan, what runs stays; tell whether more may be found.
@@ -153,6 +152,14 @@ class Core:
             self._announce.progress(self._step, self._goals.fed, self._shown())
         self._improvable = result is not None or stopped()
         return self._improvable
+
+    def prepare(self) -> None:
+        """While the last action of the cycle runs, have the answer prepared should it fail; nothing waits for that."""
+        failure = self._execution.likely_failure
+        if failure is not None:
+            step, over, lookahead = self._outlook()
+            update = self._feeder.preview(step, self._execution.under_way, [failure], over)
+            self._planner.prepare(update, lookahead)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, as the core ends."""
@@ -184,13 +191,13 @@ class Core:
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
-        told = self._announce.told
-        self._step = told + 1
-        self._planner.lookahead = steps_for(len(self.queue.served), self._settings.horizon_limit)
-        since = min(
-            (goal.request_cycle or self._announce.told for goal in self._goals.fed), default=self._announce.told
-        )
-        self._solve(self._feeder.next_update(self._step, self._planner.over(self._step, since - 1)), now)
+        self._step, over, self._planner.lookahead = self._outlook()
+        self._solve(self._feeder.next_update(self._step, over), now)
+
+    def _outlook(self) -> Tuple[int, int, int]:
+        """The next update's step, the cycle before which all that is told comes too late then, and how far it looks."""
+        told, steps = self._announce.told, steps_for(len(self.queue.served), self._settings.horizon_limit)
+        return told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps
 
     def _solve(self, batch: Batch, now: float) -> None:
         try:
@@ -250,7 +257,7 @@ class Core:
         self._announce.plan(result, self._shown())
         if result.outcome is SolveOutcome.UNSATISFIABLE:
             self._recover(result, batch, now, mended)
-        elif _new_goals(batch) or not self._keep_plan(now):
+        elif batch.known_goals or not self._keep_plan(now):
             self._too_much(batch, self._planner.why_none(result), now)
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
@@ -308,7 +315,7 @@ class Core:
     def _too_much(self, batch: Batch, why: str, now: float) -> None:
         """Nothing is known in time: the newest goals wait, or the search goes on; the last plan is kept if it can."""
         self._plan = None
-        fresh = _new_goals(batch)
+        fresh = batch.known_goals
         self._put_off(self.queue.too_many(fresh), fresh, why)
         if fresh and not any(goal.fed for goal in fresh):
             self._keep_plan(now)
@@ -393,8 +400,3 @@ class Core:
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
         return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
-
-
-def _new_goals(batch: Batch) -> List[Goal]:
-    """The goals of a batch that the program was told of."""
-    return [goal for goal in batch.goals if goal.live and goal.fed]

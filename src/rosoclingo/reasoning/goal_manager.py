@@ -55,6 +55,10 @@ class GoalManager:
         """The live goals that the program knows, oldest first."""
         return self._book.fed
 
+    def oldest_request(self, told: int) -> int:
+        """The cycle of the oldest request of those goals, ``told`` where there is none."""
+        return min((goal.request_cycle or told for goal in self.fed), default=told)
+
     def by_key(self, key: str) -> Optional[Goal]:
         """The live goal of a client's handle."""
         return self._book.by_key(key)

@@ -1,6 +1,6 @@
 """The input feeder of Fig. 4: it turns what happened into the next stream update."""
 
-from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from clingo import Function, Number, Symbol, SymbolType
 
@@ -28,6 +28,11 @@ class Batch(NamedTuple):
     def goals(self) -> Tuple[Goal, ...]:
         """The goals whose requests the update carries for the first time."""
         return tuple(item for item in self.requests if isinstance(item, Goal))
+
+    @property
+    def known_goals(self) -> List[Goal]:
+        """Those of the goals that the program was told of."""
+        return [goal for goal in self.goals if goal.live and goal.fed]
 
     @property
     def request_cycle(self) -> int:
@@ -154,9 +159,7 @@ class InputFeeder:
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         requests = [one for one in self._requests if not (too_early and isinstance(one, Goal))]
-        renewed = [one.identifier for one in requests if isinstance(one, Goal)]
-        rejected = [one for one in self._rejected if one not in renewed]
-        return self._batch(step, self._executed, (*rejected, *requests), self._facts.values(), over)
+        return self._batch(step, self._executed, self._after_rejected(requests), self._facts.values(), over)
 
     def taken(self, batch: Batch) -> None:
         """Record that the latest update is in force: what it carries no longer waits; the program knows its goals."""
@@ -198,10 +201,18 @@ class InputFeeder:
         facts = group(record, "fact").items()
         self._facts = {symbol_of(text): Observation.of_record(value) for text, value in facts}
 
-    def preview(self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = ()) -> StreamUpdate:
+    def preview(
+        self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), over: int = 0
+    ) -> StreamUpdate:
         """Return what the next update would be, with ``further`` facts."""
         facts = {**self._facts, **{atom: Observation(atom, step) for atom in further}}
-        return self._batch(step, (*self._executed, *executed), self._requests, facts.values()).update
+        requests = self._after_rejected(self._requests)
+        return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
+
+    def _after_rejected(self, requests: Sequence[Union[Goal, Symbol]]) -> Tuple[Union[Goal, Symbol], ...]:
+        """Return ``requests`` behind the cancellations of what was rejected, but for what is asked for anew."""
+        renewed = [one.identifier for one in requests if isinstance(one, Goal)]
+        return (*(one for one in self._rejected if one not in renewed), *requests)
 
     def _batch(
         self,

@@ -33,6 +33,9 @@ NOW = Function("now")
 #: The return value of an action that did not answer in time.
 TIMEOUT = Function("timeout")
 
+#: The return value of an action that failed, where nothing else is told.
+FAILURE = Function("failed")
+
 #: The return value of an action that was ended since nobody wants it any more.
 PREEMPTED = Function("preempted")
 

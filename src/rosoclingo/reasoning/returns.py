@@ -10,6 +10,7 @@ from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
 from rosoclingo.reasoning.events import Event, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
+    FAILURE,
     LONGEST,
     RESERVED,
     RETURN,
@@ -210,6 +211,7 @@ class ExecutionMonitor:
         self._known: Dict[Symbol, None] = {}
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
+        self._reasons: Dict[Symbol, Symbol] = {}  # interface -> why an action of it failed last
         self.observations = Observations()
 
     @property
@@ -226,6 +228,14 @@ class ExecutionMonitor:
     def executed(self) -> Tuple[Action, ...]:
         """The latest actions done, oldest first, also where the program knows nothing of them any more."""
         return tuple(self._executed)
+
+    @property
+    def likely_failure(self) -> Optional[Symbol]:
+        """The return by which the last action under way may fail: as one of its interface did last."""
+        if len(self.awaited) != 1:
+            return None
+        (action,) = self.awaited
+        return Return(action.interface, self._reasons.get(action.interface, FAILURE), action.cycle).atom
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""
@@ -263,6 +273,7 @@ class ExecutionMonitor:
             return ()
         for answer, actions in dispatch.failures:
             self.observations.add_failure(answer, actions)
+            self._reasons[answer.interface] = answer.value
         self._executed.extend(dispatch.actions)
         return dispatch.actions
 

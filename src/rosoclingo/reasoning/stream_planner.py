@@ -199,6 +199,10 @@ class Planner:
         except SolverError:  # its log is as it was, the next update goes on from there
             return None
 
+    def prepare(self, update: StreamUpdate, lookahead: int) -> None:
+        """Have the answer to ``update`` prepared, should it be fed next with that ``lookahead``; nothing waits for it."""
+        self._solver.prepare(self._whole(update, lookahead))
+
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with that ``result``, gave no plan."""
         if result.outcome is SolveOutcome.INTERRUPTED:

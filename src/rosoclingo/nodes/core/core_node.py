@@ -268,6 +268,7 @@ class CoreNode:
         while not self._ending and not self._worker.waiting and self._core.advance(self._time()):
             self._send()
         self._send()
+        self._core.prepare()
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
 

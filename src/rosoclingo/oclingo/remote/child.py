@@ -15,6 +15,9 @@ from rosoclingo.oclingo.remote.wire import Lines, Message, encode
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request."""
 
+GROWTH = 32 * 2**20
+"""Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
+
 _CHUNK = 1 << 20
 
 Stopped = Callable[[], bool]
@@ -22,6 +25,19 @@ Stopped = Callable[[], bool]
 
 class WorkerLostError(Exception):
     """The worker process has ended; the text says how."""
+
+
+class Growth:
+    """How much a child has grown since it was looked at first: clingo never forgets a term."""
+
+    def __init__(self) -> None:
+        self._first: Optional[int] = None
+
+    def is_too_much(self, memory: int) -> bool:
+        """Tell whether it is to be replaced, with so many bytes of memory."""
+        if self._first is None:
+            self._first = memory
+        return memory > self._first + max(GROWTH, self._first // 2)
 
 
 class WorkerProcess:

@@ -9,28 +9,22 @@ import time
 import weakref
 from collections import deque
 from contextlib import suppress
-from dataclasses import replace
-from typing import Any, Callable, Deque, FrozenSet, Iterator, List, Optional, Type
-
-import clingo
+from typing import Any, Callable, Deque, Iterator, List, Optional, Type
 
 from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.remote.child import Stopped, WorkerLostError, WorkerProcess
+from rosoclingo.oclingo.remote.child import Growth, Stopped, WorkerLostError, WorkerProcess
 from rosoclingo.oclingo.remote.place import Place
+from rosoclingo.oclingo.remote.preparation import Preparation, Spare, Subject
+from rosoclingo.oclingo.remote.process_solver import ProcessSolver
 from rosoclingo.oclingo.remote.wire import (
     Message,
     faults_from_message,
     plan_to_message,
     program_to_message,
-    question_to_message,
-    result_from_message,
-    verdict_from_message,
 )
-from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.oclingo.solving.solver import ForeseeingSolver, SolveResult
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, Taken, entry_to_message
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_to_message
 
 POLL_PREPARING = 0.02
 """Seconds of wall time between two looks at the stop request while a child takes a program or a log.
@@ -46,82 +40,8 @@ PATIENCE = 2.0
 
 BEHIND = 16  # updates that were foreseen which the child is told of though it is at something else
 
-GROWTH = 32 * 2**20
-"""Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
-
 LOAD = 20
 """Seconds of wall time that count for one second of work: a solver that does not work at all is not waited for."""
-
-
-class ProcessSolver(ForeseeingSolver):
-    """Solves a reactive logic program under a stream of updates, in a child process.
-
-    The methods are those of :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver`; not thread-safe.
-    """
-
-    def __init__(self, process: "SolverProcess") -> None:
-        """Make a solver in ``process``, to which nothing has been fed; that does not wait for the process."""
-        super().__init__()
-        self._process = process
-        self._place = process.place()
-
-    def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:
-        """Search without an update."""
-        return self._search(None, stopped)
-
-    def update(self, update: StreamUpdate, stopped: Optional[Stopped] = None) -> SolveResult:
-        """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
-
-        Raises SolverError where the update as a whole can't be taken, DroppedError where the child had to be ended;
-        the log is then as it was before. An interrupted search leaves the update in force. What was foreseen is
-        answered at once, whatever the child is at, which takes it while the caller goes on.
-        """
-        result = self._go_on(update)
-        if result is not None:
-            self._process.follow(self._place, self._log)
-        else:
-            result = self._search(update, stopped)
-        return replace(result, warnings=update.warnings + result.warnings)
-
-    def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
-        """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do.
-
-        A stop is passed on, and not waited for.
-        """
-        if self._log.plan is None or self._log.plan.shortest:
-            return None
-        command, reply = {"do": "improve", "plan": plan_to_message(self._log.plan)}, {}
-        with suppress(NotReadyError):
-            reply = self._process.have(self._place, self._log, command, stopped, leaves=True)
-        if not reply:
-            return None
-        result = result_from_message(reply)
-        self._log.plan = result.plan
-        self._has_answered(result)
-        return result
-
-    def inquire(
-        self,
-        update: StreamUpdate,
-        doubted: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
-        stopped: Optional[Stopped] = None,
-    ) -> Verdict:
-        """Tell whether ``update`` would have an answer, had ``untold`` never been told; raises as updates do."""
-        question = question_to_message(update, doubted, untold)
-        return verdict_from_message(self._process.have(self._place, self._log, question, stopped))
-
-    def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
-        reply = self._process.ask(self._place, self._log, update, stopped)
-        result = result_from_message(reply)
-        self._log = self._log.then(Taken(update, reply["grounded"]))
-        if self._process.plans:
-            self._log.plan = result.plan or self._log.plan
-        if reply["checkpoint"] is not None:
-            self._log = self._log.then(Checkpoint(message=reply["checkpoint"])).cut()
-        self._has_answered(result)
-        self._process.has_read(self._place, self._log)
-        return result
 
 
 class SolverProcess:
@@ -171,9 +91,9 @@ class SolverProcess:
         self._left: List[int] = []
         self._preparing: Deque[Optional[Place]] = deque()  # what the child is at: the program (None) or a solver
         self._child: Optional[WorkerProcess] = None
-        self._spare: Optional[WorkerProcess] = None
+        self._spare = Spare(self._new_child)
         self._closed = False
-        self._first_memory: Optional[int] = None  # that of the child when its log was shortened first
+        self._growth = Growth()  # looked at where the child's log is shortened
         self._worked = 0.0  # processor time of the children that were
         self._respawn()
 
@@ -185,7 +105,7 @@ class SolverProcess:
     @property
     def spare_pid(self) -> Optional[int]:
         """Process id of the child that is kept ready, None where there is none."""
-        return None if self._spare is None else self._spare.pid
+        return self._spare.pid
 
     @property
     def worked(self) -> float:
@@ -218,7 +138,7 @@ class SolverProcess:
         """End the child; nothing can be asked any more."""
         self._closed = True
         self._discard()
-        self._discard_spare()
+        self._spare.discard()
 
     def place(self) -> Place:
         """Return a place for a solver in the child, free again when it is no longer referred to."""
@@ -226,12 +146,41 @@ class SolverProcess:
         weakref.finalize(place, self._left.append, place.number).atexit = False
         return place
 
-    def ask(self, place: Place, log: StreamLog, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> Message:
-        """Have the solver at ``place`` read ``log``, take ``update`` and search; return the child's reply."""
-        text = None if update is None else str(update)
-        reply = self.have(place, log, {"do": "update", "update": text}, stopped)
-        self._have_spare()
-        return reply
+    def ask(
+        self, place: Place, log: StreamLog, update: Optional[StreamUpdate], stopped: Optional[Stopped]
+    ) -> List[Message]:
+        """Have the solver at ``place`` read ``log``, take ``update`` and search; return the child's reply.
+
+        Where that was prepared there may be more: of searches without an update that followed.
+        """
+        replies = [] if update is None else self._prepared_for(Subject(place, log, update, None), stopped)
+        if not replies:
+            text = None if update is None else str(update)
+            replies = [self.have(place, log, {"do": "update", "update": text}, stopped)]
+            if self._keeps_spare:
+                self._spare.have()
+        return replies
+
+    def prepare(self, subject: Subject) -> None:
+        """Have the child that is kept ready find an answer that may be asked for; it then takes the other's place."""
+        if not self._closed and self._keeps_spare:
+            self._spare.prepare(subject)
+
+    def _prepared_for(self, subject: Subject, stopped: Optional[Stopped]) -> List[Message]:
+        """Go on with the child that has prepared for that; return what it has found, nothing where there is none."""
+        prepared, found = self._spare.taken(subject), []  # type: Optional[Preparation], List[Message]
+        if prepared is not None:
+
+            def take() -> Message:
+                """Wait for what is found."""
+                found.extend(prepared.take(stopped, (self._grace, self._patience)))
+                return {}
+
+            self._discard()
+            self._have(prepared.child, 0)
+            self._guarded(take, subject.place, subject.log)
+            subject.place.child, subject.place.read = (self._child if found else None), subject.log
+        return found
 
     def have(
         self, place: Place, log: StreamLog, command: Message, stopped: Optional[Stopped], leaves: bool = False
@@ -276,10 +225,7 @@ class SolverProcess:
 
         clingo never forgets a term: every step of a stream leaves some behind, in the process as a whole.
         """
-        memory = 0 if self._child is None else self._child.memory
-        if self._first_memory is None:
-            self._first_memory = memory
-        elif memory > self._first_memory + max(GROWTH, self._first_memory // 2):
+        if self._growth.is_too_much(0 if self._child is None else self._child.memory):
             self._respawn(place, log)
 
     def _guarded(self, action: Callable[[], Message], *solver: Any) -> Message:
@@ -352,13 +298,18 @@ class SolverProcess:
 
     def _spawn(self) -> None:
         """Have a child, the one that was kept ready if there is one; it answers once it has the program."""
-        self._first_memory = None
+        spare = self._spare.taken()
+        if spare is None:
+            self._have(self._new_child(), 1)
+        else:
+            self._have(spare.child, spare.release())
+
+    def _have(self, child: WorkerProcess, loading: int) -> None:
+        """Go on with a ``child``, which first gives so many other replies; what it has worked before is not counted."""
+        self._child, self._growth = child, Growth()
+        self._worked -= child.worked
         self._preparing.clear()
-        self._child, self._spare = self._spare, None
-        if self._child is None or not self._child.alive:
-            self._discard()
-            self._child = self._new_child()
-        self._preparing.append(None)
+        self._preparing.extend([None] * loading)
 
     def _new_child(self) -> WorkerProcess:
         try:
@@ -367,14 +318,6 @@ class SolverProcess:
             raise WorkerLostError(f"no solver process can be started: {error}") from None
         child.send(self._program)
         return child
-
-    def _have_spare(self) -> None:
-        """Start a child to be kept ready; it loads the program while the caller goes on."""
-        if not self._keeps_spare or (self._spare is not None and self._spare.alive):
-            return
-        self._discard_spare()
-        with suppress(WorkerLostError):  # there is none then, until the next answer
-            self._spare = self._new_child()
 
     def _respawn(self, place: Optional[Place] = None, log: Optional[StreamLog] = None) -> None:
         """Have another child under way for the next call; where that fails, the next call tries again."""
@@ -389,8 +332,3 @@ class SolverProcess:
         if child is not None:
             self._worked += child.worked
             child.kill()
-
-    def _discard_spare(self) -> None:
-        spare, self._spare = self._spare, None
-        if spare is not None:
-            spare.kill()

@@ -11,6 +11,7 @@ import os
 import select
 import signal
 import sys
+import time
 from typing import Callable, Dict, List, Optional, Sequence
 
 from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
@@ -55,9 +56,17 @@ class Commands:
         while True:
             while self._queue:
                 command = self._queue.pop(0)
-                if command["do"] not in ("interrupt", "drop"):
+                if command["do"] not in ("interrupt", "drop", "now"):
                     return command
             self._read()
+
+    def are_none(self, seconds: float) -> bool:
+        """Wait so many seconds of wall time, and tell whether nothing has come, or the word to begin at once."""
+        end = time.monotonic() + seconds
+        while not self._queue and (left := end - time.monotonic()) > 0:
+            if select.select([self._descriptor], [], [], left)[0]:
+                self._read()
+        return all(command["do"] == "now" for command in self._queue)
 
     def interrupted(self) -> bool:
         """Tell whether the search at work is to be ended."""
@@ -118,6 +127,7 @@ class Worker:
             "rebuild": self._rebuild,
             "update": self._update,
             "follow": self._follow,
+            "prepare": self._prepare,
             "improve": self._improve,
             "inquire": self._inquire,
             "explain": self._explain,
@@ -154,9 +164,11 @@ class Worker:
         return {}
 
     def _update(self, command: Message) -> Message:
-        """Have a solver read what is new in its log, take an update, and search."""
+        """Have a solver read what is new in its log, take an update, and search; it may be told a plan to begin with."""
         solver, update = self._solvers[command["solver"]], _update_of(command["update"])
         solver.restore(self._known.longer(solver.log, command["log"]))
+        if "plan" in command:
+            solver.log.plan = plan_from_message(command["plan"])
         if update is None:
             result = solver.solve(self._commands.interrupted, self._commands.dropped)
         else:
@@ -178,6 +190,14 @@ class Worker:
         solver.log.foreseen = True
         solver.read()
         return {}
+
+    def _prepare(self, command: Message) -> Message:
+        """Answer an update that may come, unless something else does before long; forget all but that."""
+        self._solvers, self._known = {}, KnownLogs()
+        if not self._commands.are_none(command["pause"]):
+            return {"left": True}
+        self._rebuild(command)
+        return self._update({**command, "log": []})
 
     def _improve(self, command: Message) -> Message:
         """Have a solver read what is new in its log, and shorten the plan."""

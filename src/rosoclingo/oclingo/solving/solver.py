@@ -84,7 +84,7 @@ class StreamSolver(Protocol):
     """Solves a reactive logic program under a stream of updates.
 
     See :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` and
-    :class:`~rosoclingo.oclingo.remote.solver_process.ProcessSolver`.
+    :class:`~rosoclingo.oclingo.remote.process_solver.ProcessSolver`.
     """
 
     @property
@@ -100,6 +100,9 @@ class StreamSolver(Protocol):
 
     def improve(self, stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
         """Look for a shorter plan until there is one, ``stopped`` says so or nothing is left to try."""
+
+    def prepare(self, update: StreamUpdate) -> None:
+        """Have the answer to ``update`` prepared, should it come next."""
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to those in ``executed``."""

@@ -333,6 +333,9 @@ class LoggedSolver:
         """Go on from a ``log``, an earlier one of this solver or any other; it is read when there is need."""
         self._log = log
 
+    def prepare(self, update: StreamUpdate) -> None:
+        """Have the answer to ``update`` prepared, should it come next; a solver that can't do so beside does nothing."""
+
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
 

@@ -25,7 +25,7 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_update,
 )
-from rosoclingo.oclingo.remote import solver_process as process_module
+from rosoclingo.oclingo.remote import child as child_module
 from rosoclingo.oclingo.remote.child import WorkerProcess
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving import compaction
@@ -215,7 +215,7 @@ def test_the_process_kept_ready_may_be_lost_as_well():
 @pytest.mark.once
 @pytest.mark.parametrize("files", [["mailbot.lp", "office.lp"], ["house.lp", "home.lp"]], ids=["office", "house"])
 def test_stops_at_any_time_cost_no_process_with_our_encodings(files, monkeypatch):
-    monkeypatch.setattr(process_module, "GROWTH", 2**60)  # none is replaced for its size
+    monkeypatch.setattr(child_module, "GROWTH", 2**60)  # none is replaced for its size
     chance, speed, looks = random.Random(3), random.Random(3), [0]
     program = shipped(*files)
 
@@ -438,7 +438,7 @@ def test_the_state_of_a_search_that_was_ended_has_its_update():
 
 def test_a_child_that_has_grown_is_replaced_between_two_searches(monkeypatch):
     """clingo's terms are never freed: only an end of the process gives the memory back."""
-    monkeypatch.setattr(process_module, "GROWTH", 100)
+    monkeypatch.setattr(child_module, "GROWTH", 100)
     sizes = iter([100, 190, 201, 300, 440, 451, 99])
     monkeypatch.setattr(WorkerProcess, "memory", property(lambda self: next(sizes)))
     with process_of(ENDLESS, shortest=True, oclingo_strings=False, horizon_limit=100, log_limit=0) as process:

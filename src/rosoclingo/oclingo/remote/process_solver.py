@@ -1,0 +1,103 @@
+"""A reactive solver that works in a child process."""
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING, FrozenSet, List, Optional
+
+import clingo
+
+from rosoclingo.oclingo.errors import NotReadyError
+from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.remote.child import Stopped
+from rosoclingo.oclingo.remote.preparation import Subject
+from rosoclingo.oclingo.remote.wire import (
+    plan_to_message,
+    question_to_message,
+    result_from_message,
+    verdict_from_message,
+)
+from rosoclingo.oclingo.solving.inquiry import Verdict
+from rosoclingo.oclingo.solving.solver import ForeseeingSolver, SolveResult
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, Taken
+
+if TYPE_CHECKING:
+    from rosoclingo.oclingo.remote.solver_process import SolverProcess
+
+
+class ProcessSolver(ForeseeingSolver):
+    """Solves a reactive logic program under a stream of updates, in a child process.
+
+    The methods are those of :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver`; not thread-safe.
+    """
+
+    def __init__(self, process: "SolverProcess") -> None:
+        """Make a solver in ``process``, to which nothing has been fed; that does not wait for the process."""
+        super().__init__()
+        self._process = process
+        self._place = process.place()
+
+    def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:
+        """Search without an update."""
+        return self._search(None, stopped)
+
+    def update(self, update: StreamUpdate, stopped: Optional[Stopped] = None) -> SolveResult:
+        """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
+
+        Raises SolverError where the update as a whole can't be taken, DroppedError where the child had to be ended;
+        the log is then as it was before. An interrupted search leaves the update in force. What was foreseen is
+        answered at once, whatever the child is at, which takes it while the caller goes on.
+        """
+        result = self._go_on(update)
+        if result is not None:
+            self._process.follow(self._place, self._log)
+        else:
+            result = self._search(update, stopped)
+        return replace(result, warnings=update.warnings + result.warnings)
+
+    def prepare(self, update: StreamUpdate) -> None:
+        """Have the answer to ``update`` prepared, should it come next; nothing waits for that."""
+        self._process.prepare(Subject(self._place, self._log, update, self._log.plan))
+
+    def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
+        """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do.
+
+        A stop is passed on, and not waited for.
+        """
+        if self._log.plan is None or self._log.plan.shortest:
+            return None
+        command, reply = {"do": "improve", "plan": plan_to_message(self._log.plan)}, {}
+        with suppress(NotReadyError):
+            reply = self._process.have(self._place, self._log, command, stopped, leaves=True)
+        if not reply:
+            return None
+        result = result_from_message(reply)
+        self._log.plan = result.plan
+        self._has_answered(result)
+        return result
+
+    def inquire(
+        self,
+        update: StreamUpdate,
+        doubted: FrozenSet[clingo.Symbol],
+        untold: FrozenSet[clingo.Symbol],
+        stopped: Optional[Stopped] = None,
+    ) -> Verdict:
+        """Tell whether ``update`` would have an answer, had ``untold`` never been told; raises as updates do."""
+        question = question_to_message(update, doubted, untold)
+        return verdict_from_message(self._process.have(self._place, self._log, question, stopped))
+
+    def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
+        results: List[SolveResult] = []
+        for reply in self._process.ask(self._place, self._log, update, stopped):
+            self._log = self._log.then(Taken(None if results else update, reply["grounded"]))
+            if reply["checkpoint"] is not None:
+                self._log = self._log.then(Checkpoint(message=reply["checkpoint"])).cut()
+            results.append(result_from_message(reply))
+        better = [one for one in results if one.answers and one.horizon <= results[0].horizon]
+        result = replace((better or results[:1])[-1], warnings=results[0].warnings)
+        if self._process.plans:
+            self._log.plan = result.plan or self._log.plan
+        self._place.ahead = result.answers != results[-1].answers
+        self._has_answered(result)
+        self._process.has_read(self._place, self._log)
+        return result

@@ -1,0 +1,187 @@
+"""Answers that the child which is kept ready has before their updates come."""
+
+import os
+import signal
+import time
+
+import pytest
+from children import ended, kill
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolverError, parse_atom, parse_update
+from rosoclingo.oclingo.remote import child as child_module
+from rosoclingo.oclingo.remote import preparation
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+
+OPTIONS = {"shortest": True, "oclingo_strings": False, "plan_time": 60.0}
+
+#: A robot goes from place to place; where it is told of a failure, clingo has to ground anew what might depend on it.
+WALK = """
+#program base. at(0,0). #show _action_lib/3.
+#program cumulative(t).
+#external _request/2. #external _return/3. #external _failed/3.
+{ _action_lib(go,X+1,t); _action_lib(idle,X,t) } 1 :- at(X,t-1), wanted(Y,t), X < Y.
+at(X,t) :- _action_lib(go,X,t), not _failed(go,_,t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,X,t), not _failed(go,_,t).
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
+
+ASK = parse_update("#step 1 : 50. _request(5,1). #endstep.")
+
+
+def after_first(value):
+    """The update that tells how the first action ended."""
+    return parse_update(f"#step 2 : 50. #closed 1. :- not _action_lib(go,1,1). _return(go,{value},1). #endstep.")
+
+
+@pytest.fixture
+def here():
+    """A solver in this process."""
+    solver = ReactiveSolver(ReactiveProgram.from_text(WALK), **OPTIONS)
+    solver.update(ASK)
+    return solver
+
+
+@pytest.fixture
+def process(monkeypatch):
+    monkeypatch.setattr(preparation, "PAUSE", 0.0)
+    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **OPTIONS) as one:
+        yield one
+
+
+@pytest.fixture
+def solver(process):
+    """A solver in ``process`` that has been asked."""
+    one = process.solver()
+    one.update(ASK)
+    return one
+
+
+def is_ready(process):
+    """Whether nothing is under way in the child that is kept ready."""
+    one = process._spare._one
+    one._receive()
+    return not (one._due or one._stale)
+
+
+def wait(process):
+    limit = time.monotonic() + 60
+    while not is_ready(process):
+        assert time.monotonic() < limit
+        time.sleep(0.002)
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_the_answer_that_was_prepared_is_the_one_that_is_searched_for(here, process, solver, waits):
+    """The child that has it goes on; whether it is there or under way."""
+    old, spare = process.pid, process.spare_pid
+    solver.prepare(after_first("no"))
+    if waits:
+        wait(process)
+    worked = process.worked
+    assert solver.update(after_first("no")) == here.update(after_first("no"))
+    assert (process.pid, process.spare_pid) == (spare, None)
+    assert ended(old)
+    assert process.worked >= worked
+    assert solver.log.key == here.log.key
+    assert solver.log.plan == here.log.plan
+    done = "#step 3 : 50. #closed 2. :- not _action_lib(go,1,2). _return(go,no,2). #endstep."
+    assert solver.update(parse_update(done)) == here.update(parse_update(done))
+    assert process.spare_pid is not None, "another one is kept ready"
+
+
+@pytest.mark.parametrize("value", ["1", "other"])
+def test_what_was_prepared_is_of_no_use_where_something_else_comes(here, process, solver, value):
+    pid = process.pid
+    solver.prepare(after_first("no"))
+    assert solver.update(after_first(value)) == here.update(after_first(value))
+    assert process.pid == pid
+
+
+def test_the_latest_is_what_is_prepared(here, process, solver):
+    """However many there were that nothing came of."""
+    for number in range(5):
+        solver.prepare(after_first(f"no{number}"))
+    wait(process)
+    for _ in range(2):
+        solver.prepare(after_first("no"))
+    wait(process)
+    spare = process.spare_pid
+    assert solver.update(after_first("no")) == here.update(after_first("no"))
+    assert process.pid == spare
+
+
+@pytest.mark.parametrize("when", ["begun", "ready"])
+def test_the_child_that_prepares_may_be_lost(here, process, solver, when):
+    solver.prepare(after_first("no"))
+    if when == "ready":
+        wait(process)
+    os.kill(process.spare_pid, signal.SIGKILL)
+    assert ended(process.spare_pid)
+    assert solver.update(after_first("no")) == here.update(after_first("no"))
+
+
+def test_the_child_that_prepares_takes_the_place_of_one_that_is_lost(here, process, solver):
+    """What it was at is left; nothing of that gets among what it is asked next."""
+    solver.prepare(after_first("no"))
+    spare = process.spare_pid
+    kill(process)
+    assert solver.update(after_first("other")) == here.update(after_first("other"))
+    assert process.pid == spare
+
+
+def test_it_is_replaced_once_it_has_grown(process, solver, monkeypatch):
+    monkeypatch.setattr(child_module, "GROWTH", 0)
+    sizes = iter([10, 100])
+    monkeypatch.setattr(child_module.WorkerProcess, "memory", property(lambda self: next(sizes)))
+    pids = []
+    for number in range(3):
+        solver.prepare(after_first(f"no{number}"))
+        pids.append(process.spare_pid)
+        if pids[-1] is not None:
+            wait(process)
+    assert (len(set(pids[:2])), pids[2]) == (1, None)
+
+
+def test_a_plan_that_has_become_better_is_prepared_for(here):
+    """The robot goes on from it where the failure leaves it one."""
+    options = {**OPTIONS, "plan_time": 0.0}
+    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **options) as one:
+        solver = one.solver()
+        best = here.log.plan
+        solver.update(ASK)
+        (go,) = (action for action in best.actions if cycle_of(action) == 1)
+        wait_once = {action for action in best.since(2).later().actions}
+        idle = parse_atom("_action_lib(idle,1,2)")
+        solver.log.plan = Plan(frozenset({go, idle, *wait_once}), best.horizon + 1)
+        solver.prepare(after_first("no"))
+        wait(one)
+        solver.log.plan = best
+        solver.prepare(after_first("no"))
+        wait(one)
+        assert solver.update(after_first("no")).horizon == best.horizon + 1
+
+
+def test_an_update_that_is_refused_is_refused_though_it_was_prepared(process):
+    limited = {**OPTIONS, "horizon_limit": 3}
+    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **limited) as one:
+        solver = one.solver()
+        solver.update(parse_update("#step 1 : 50. _request(1,1). #endstep."))
+        solver.prepare(parse_update("#step 9 : 50. #endstep."))
+        wait(one)
+        with pytest.raises(SolverError, match="beyond the horizon limit"):
+            solver.update(parse_update("#step 9 : 50. #endstep."))
+        assert solver.update(after_first("1")).step == 2
+
+
+def test_nothing_is_prepared_where_none_is_kept_ready():
+    with SolverProcess(ReactiveProgram.from_text(WALK), **OPTIONS) as one:
+        solver = one.solver()
+        solver.update(ASK)
+        solver.prepare(after_first("no"))
+        assert one.spare_pid is None
+        solver.update(after_first("no"))
