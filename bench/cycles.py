@@ -3,7 +3,8 @@
 
 The pure core and its solver in a process of its own carry out requests on a row of offices; each action is a success,
 some time after it went out, in which the core does what the node lets it do. Processor time tells what a cycle costs,
-wall time how long the robot waits. To be run in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
+wall time how long the robot waits. With --fail some
+actions fail, once the answer to that is prepared: those cycles are told apart. To be run in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
 """
 
 import argparse
@@ -40,54 +41,74 @@ def processor_clock(pid):
 class Run:
     """A core with its solver's process."""
 
-    def __init__(self, program, plan_time):
+    def __init__(self, program, plan_time, prepares):
         self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self.process.start()
         self.core = Core(program, self.process.solver, lambda event: None, CoreSettings())
         self.core.start()
+        self.prepares = prepares
 
     def clocks(self):
         """Seconds of wall time, and of processor time of the core and of its solver."""
         return time.perf_counter(), time.process_time(), time.clock_gettime(processor_clock(self.process.pid))
 
-    def act(self, seconds):
-        """Let the actions take so long, and answer; what is due then is the next cycle's."""
+    def prepare(self):
+        """Have the answer prepared to what is awaited failing, and wait for that."""
+        self.core.prepare()
+        while self.process.prepares:
+            time.sleep(0.01)
+            self.core.prepare()
+
+    def act(self, seconds, value=None):
+        """Let the actions take so long, and answer, by their parameters or a value; what is due then is next."""
         end = time.perf_counter() + seconds
+        if value is not None and self.prepares:
+            self.prepare()
         while time.perf_counter() < end and self.core.improve(lambda: time.perf_counter() >= end):
             pass
         time.sleep(max(0.0, end - time.perf_counter()))
         for action in self.core.awaited:
-            self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+            self.core.receive("bench", [f"_return({action.interface},{value or action.parameter},{action.cycle})"])
 
     def cycle(self):
         """Go on to the next actions; return what that took."""
-        before = self.clocks()
+        pids = [self.process.pid, self.process.spare_pid]
+        before, spare = self.clocks(), self.process.spare_pid and time.clock_gettime(processor_clock(pids[1]))
         while self.core.advance(0.0):
             pass
+        if self.process.pid == pids[1]:  # it had the answer
+            before = (*before[:2], spare)
         return tuple(1000 * (after - one) for one, after in zip(before, self.clocks()))
 
 
 def play(options):
-    """Carry out all requests; return the first plan's cycle, and the others."""
-    run, source = Run(program_of(options.program, options.offices), options.plan_time), random.Random(options.seed)
+    """Carry out all requests; return the first plan's cycle, the others, and those after failures."""
+    program = program_of(options.program, options.offices)
+    run, source = Run(program, options.plan_time, not options.unprepared), random.Random(options.seed)
     places = range(1, 5 if options.program == "paper" else options.offices + 1)
     for number in range(1, options.requests + 1):
         start, end = source.sample(places, 2)
         run.core.add_goal(str(number), f"goal(office{start},office{end},{number})")
-    cycles = [run.cycle()]
+    cycles, failed = [run.cycle()], []
     while run.core.awaited and len(cycles) <= options.cycles:
-        run.act(options.seconds)
+        fails = options.fail and not len(cycles) % options.fail
+        run.act(options.seconds, "failed" if fails else None)
         cycles.append(run.cycle())
+        failed += [cycles[-1]] if fails else []
         if options.verbose:
             print(run.core.cycle, "wall {:.1f} core {:.1f} solver {:.1f} ms".format(*cycles[-1]), flush=True)
     run.process.close()
-    return cycles[0], cycles[1:-1] if not run.core.awaited else cycles[1:]
+    return cycles[0], cycles[1:-1] if not run.core.awaited else cycles[1:], failed
 
 
-def report(first, cycles):
+def report(first, cycles, failed):
     """Print the figures and return them."""
     print("first plan: wall {:.0f} ms, core {:.0f} ms, solver {:.0f} ms".format(*first))
     found = [Figure("first plan", sum(first[1:]), "ms of processor")]
+    for name, place in (("core", 1), ("solver", 2)) if failed else ():
+        median = statistics.median(cycle[place] for cycle in failed)
+        print(f"{len(failed)} of them after failures, {name}: median {median:.1f} ms")
+        found.append(Figure(f"after a failure, {name}, median", median, "ms of processor"))
     for name, place, unit in (("wall", 0, "ms"), ("core", 1, "ms of processor"), ("solver", 2, "ms of processor")):
         values = sorted(cycle[place] for cycle in cycles)
         median, late = statistics.median(values), values[int(0.99 * (len(values) - 1))]
@@ -105,6 +126,8 @@ def main():
     parser.add_argument("--seconds", type=float, default=0.2, help="that an action takes (default: %(default)s)")
     parser.add_argument("--plan-time", type=float, default=1.0, help="(default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--fail", type=int, default=0, help="one action in so many fails (default: none)")
+    parser.add_argument("--unprepared", action="store_true", help="prepare no answers to failures")
     parser.add_argument("--verbose", action="store_true", help="tell each cycle")
     options = parse(parser, requests=5, seconds=0.1)
     write(options.json, report(*play(options)))

@@ -73,7 +73,8 @@ class PreparedRun(Run):
         """Prepare, and wait until that is done where it is so."""
         core, limit = self.driver.run().core, time.monotonic() + 60
         core.prepare()
-        while waits and not self.process._spare._one._replies and time.monotonic() < limit:
+        while waits and self.process.prepares:
+            assert time.monotonic() < limit
             time.sleep(0.001)
             core.prepare()
 

@@ -43,6 +43,12 @@ class Preparation:
         self._replies: List[Message] = []
         self._growth, self._grown = Growth(), False
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the child has not come to an end with what it was asked for."""
+        self._receive()
+        return bool(self._due or self._stale)
+
     def begin(self, subject: Subject) -> bool:
         """Prepare for ``subject``; where that is under way, for the plan that has become better meanwhile.
 
@@ -135,6 +141,14 @@ class Spare:
     def pid(self) -> Optional[int]:
         """Process id of the child, None where there is none."""
         return None if self._one is None else self._one.child.pid
+
+    @property
+    def works(self) -> bool:
+        """Whether the child prepares something, or loads the program."""
+        try:
+            return self._one is not None and self._one.is_under_way
+        except WorkerLostError:
+            return False
 
     def have(self) -> None:
         """Start a child where there is none; it loads the program while the caller goes on."""

@@ -108,6 +108,11 @@ class SolverProcess:
         return self._spare.pid
 
     @property
+    def prepares(self) -> bool:
+        """Whether the child that is kept ready is at work."""
+        return self._spare.works
+
+    @property
     def worked(self) -> float:
         """Seconds of processor time that the children have used up to now, but for the one that is kept ready."""
         return self._worked + (0.0 if self._child is None else self._child.worked)

@@ -61,16 +61,9 @@ def solver(process):
     return one
 
 
-def is_ready(process):
-    """Whether nothing is under way in the child that is kept ready."""
-    one = process._spare._one
-    one._receive()
-    return not (one._due or one._stale)
-
-
 def wait(process):
     limit = time.monotonic() + 60
-    while not is_ready(process):
+    while process.prepares:
         assert time.monotonic() < limit
         time.sleep(0.002)
 
