@@ -3,8 +3,8 @@
 
 The pure core and its solver in a process of its own carry out requests on a row of offices; each action is a success,
 some time after it went out, in which the core does what the node lets it do. Processor time tells what a cycle costs,
-wall time how long the robot waits. With --fail some
-actions fail, once the answer to that is prepared: those cycles are told apart. To be run in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
+wall time how long the robot waits. With --fail some actions fail, once the answer to that is prepared: those cycles
+are told apart. To be run in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
 """
 
 import argparse

@@ -200,7 +200,7 @@ class Planner:
             return None
 
     def prepare(self, update: StreamUpdate, lookahead: int) -> None:
-        """Have the answer to ``update`` prepared, should it be fed next with that ``lookahead``; nothing waits for it."""
+        """Have the answer to ``update`` prepared, should it come next, looking so far ahead; nothing waits for it."""
         self._solver.prepare(self._whole(update, lookahead))
 
     def why_none(self, result: SolveResult) -> str:

@@ -64,7 +64,7 @@ class PreparedRun(Run):
     """A core whose solver's process prepares for failures."""
 
     def __init__(self, process):
-        count, corridors, start, capacity = FLOOR
+        _, corridors, start, capacity = FLOOR
         self.office = Office(neighbours([(f"o{a}", f"o{b}") for a, b in corridors]), capacity, f"o{start}")
         self.shortest, self.failed, self.process = False, {}, process
         self.driver = Driver(settings=CoreSettings(), program=program(*FLOOR), solver=lambda _: process.solver())

@@ -9,14 +9,14 @@ import time
 import weakref
 from collections import deque
 from contextlib import suppress
-from typing import Any, Callable, Deque, Iterator, List, Optional, Type
+from typing import Any, Callable, Deque, Iterator, List, Optional, Type, TypeVar
 
 from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.remote.child import Growth, Stopped, WorkerLostError, WorkerProcess
 from rosoclingo.oclingo.remote.place import Place
-from rosoclingo.oclingo.remote.preparation import Preparation, Spare, Subject
+from rosoclingo.oclingo.remote.preparation import Spare, Subject
 from rosoclingo.oclingo.remote.process_solver import ProcessSolver
 from rosoclingo.oclingo.remote.wire import (
     Message,
@@ -25,6 +25,8 @@ from rosoclingo.oclingo.remote.wire import (
     program_to_message,
 )
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, entry_to_message
+
+T = TypeVar("T")
 
 POLL_PREPARING = 0.02
 """Seconds of wall time between two looks at the stop request while a child takes a program or a log.
@@ -173,18 +175,14 @@ class SolverProcess:
 
     def _prepared_for(self, subject: Subject, stopped: Optional[Stopped]) -> List[Message]:
         """Go on with the child that has prepared for that; return what it has found, nothing where there is none."""
-        prepared, found = self._spare.taken(subject), []  # type: Optional[Preparation], List[Message]
-        if prepared is not None:
-
-            def take() -> Message:
-                """Wait for what is found."""
-                found.extend(prepared.take(stopped, (self._grace, self._patience)))
-                return {}
-
-            self._discard()
-            self._have(prepared.child, 0)
-            self._guarded(take, subject.place, subject.log)
-            subject.place.child, subject.place.read = (self._child if found else None), subject.log
+        prepared = self._spare.taken(subject)
+        if prepared is None:
+            return []
+        self._discard()
+        self._have(prepared.child, 0)
+        patience = self._grace, self._patience
+        found = self._guarded(lambda: prepared.take(stopped, patience), subject.place, subject.log)
+        subject.place.child, subject.place.read = (self._child if found else None), subject.log
         return found
 
     def have(
@@ -233,7 +231,7 @@ class SolverProcess:
         if self._growth.is_too_much(0 if self._child is None else self._child.memory):
             self._respawn(place, log)
 
-    def _guarded(self, action: Callable[[], Message], *solver: Any) -> Message:
+    def _guarded(self, action: Callable[[], T], *solver: Any) -> T:
         """Do ``action``; where the child is lost have another one under way, which reads the solver's log again."""
         if self._closed:
             raise SolverError("the solver process has been closed")

@@ -164,7 +164,7 @@ class Worker:
         return {}
 
     def _update(self, command: Message) -> Message:
-        """Have a solver read what is new in its log, take an update, and search; it may be told a plan to begin with."""
+        """Have a solver read what is new in its log, take an update, and search, with a plan to begin with if told."""
         solver, update = self._solvers[command["solver"]], _update_of(command["update"])
         solver.restore(self._known.longer(solver.log, command["log"]))
         if "plan" in command:

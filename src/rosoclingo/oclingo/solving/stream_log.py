@@ -334,7 +334,7 @@ class LoggedSolver:
         self._log = log
 
     def prepare(self, update: StreamUpdate) -> None:
-        """Have the answer to ``update`` prepared, should it come next; a solver that can't do so beside does nothing."""
+        """Have the answer to ``update`` prepared, should it come next; where nothing can do so beside, it is not."""
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.

@@ -148,9 +148,8 @@ def test_a_plan_that_has_become_better_is_prepared_for(here):
         best = here.log.plan
         solver.update(ASK)
         (go,) = (action for action in best.actions if cycle_of(action) == 1)
-        wait_once = {action for action in best.since(2).later().actions}
         idle = parse_atom("_action_lib(idle,1,2)")
-        solver.log.plan = Plan(frozenset({go, idle, *wait_once}), best.horizon + 1)
+        solver.log.plan = Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)
         solver.prepare(after_first("no"))
         wait(one)
         solver.log.plan = best
