@@ -154,11 +154,11 @@ class Core:
         return self._improvable
 
     def prepare(self) -> None:
-        """While the last action of the cycle runs, have the answer prepared should it fail; nothing waits for that."""
-        failure = self._execution.likely_failure
-        if failure is not None:
+        """While the last action runs, have its failure's answer prepared; its success's where something new waits."""
+        likely = self._execution.likely_return(succeeds=self._feeder.pending)
+        if likely is not None:
             step, over, lookahead = self._outlook()
-            update = self._feeder.preview(step, self._execution.under_way, [failure], over)
+            update = self._feeder.preview(step, self._execution.under_way, [likely], over)
             self._planner.prepare(update, lookahead)
 
     def abandon(self, why: str) -> None:

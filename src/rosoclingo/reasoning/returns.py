@@ -229,13 +229,13 @@ class ExecutionMonitor:
         """The latest actions done, oldest first, also where the program knows nothing of them any more."""
         return tuple(self._executed)
 
-    @property
-    def likely_failure(self) -> Optional[Symbol]:
-        """The return by which the last action under way may fail: as one of its interface did last."""
+    def likely_return(self, succeeds: bool) -> Optional[Symbol]:
+        """The return of the last action under way, None where more are; its failure as its interface told one last."""
         if len(self.awaited) != 1:
             return None
         (action,) = self.awaited
-        return Return(action.interface, self._reasons.get(action.interface, FAILURE), action.cycle).atom
+        value = action.parameter if succeeds else self._reasons.get(action.interface, FAILURE)
+        return Return(action.interface, value, action.cycle).atom
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""

@@ -51,6 +51,16 @@ def test_a_failure_is_prepared_for_as_it_was_last(driver):
         assert (str(Noting.came[-1]) == update) is (told == reason)
 
 
+def test_what_has_come_meanwhile_is_prepared_for_with_success(driver):
+    driver.goal("a", "do(x,1)")
+    prepared(driver)
+    driver.core.add_goal("b", "do(y,2)")
+    (update,) = prepared(driver)
+    assert "_request(do(y,2)," in update
+    driver.succeed()
+    assert str(Noting.came[-1]) == update
+
+
 def test_nothing_is_prepared_where_nothing_runs(driver):
     assert prepared(driver) == []
     driver.goal("a", "do(x,1)").finish()
@@ -91,6 +101,21 @@ def process():
         patch.setattr(child, "GROWTH", 2**60)  # none is replaced for its size
         with SolverProcess(program(*FLOOR), shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
             yield one
+
+
+def test_a_goal_that_comes_while_an_action_runs_has_its_plan_as_that_returns(process):
+    run = PreparedRun(process)
+    run.ask(1, 3)
+    (action,) = run.driver.run().core.awaited
+    run.ask(2, 4)
+    run.prepare(waits=True)
+    before = process.pid
+    run.office.do(action)
+    run.driver.succeed()
+    assert process.pid != before
+    assert len(run.driver.core.live_goals) == 2
+    while any(run.office.packages.values()):
+        run.step(fails=False)
 
 
 ASKED = st.lists(st.permutations(range(1, 5)).map(lambda places: places[:2]), min_size=1, max_size=2)
