@@ -158,8 +158,7 @@ class Core:
         likely = self._execution.likely_return(succeeds=self._feeder.pending)
         if likely is not None:
             step, over, lookahead = self._outlook()
-            update = self._feeder.preview(step, self._execution.under_way, [likely], over)
-            self._planner.prepare(update, lookahead)
+            self._planner.prepare(self._feeder.preview(step, self._execution.under_way, [likely], over), lookahead)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, as the core ends."""
@@ -167,12 +166,10 @@ class Core:
 
     def _preempt(self) -> None:
         """Something has arrived while actions run: end those that are of no use any more."""
-        try:
+        with suppress(DisturbedError):
             found = self._preemption.unwanted(self._planner) if self._settings.preempt else ()
-        except DisturbedError:
-            return
-        if found:
-            self._tell(ActionsPreempted(self.cycle, found))
+            if found:
+                self._tell(ActionsPreempted(self.cycle, found))
 
     def _due(self) -> bool:
         """Whether something happened, an action has ended, a search was left, or the plan has something later only."""
