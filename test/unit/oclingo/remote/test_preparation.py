@@ -46,11 +46,13 @@ def here():
     return solver
 
 
-@pytest.fixture
-def process(monkeypatch):
-    monkeypatch.setattr(preparation, "PAUSE", 0.0)
-    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **OPTIONS) as one:
-        yield one
+@pytest.fixture(scope="module")
+def process():
+    """A process for all tests, as its children take long to start."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(preparation, "PAUSE", 0.0)
+        with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **OPTIONS) as one:
+            yield one
 
 
 @pytest.fixture
@@ -62,7 +64,7 @@ def solver(process):
 
 
 def wait(process):
-    limit = time.monotonic() + 60
+    limit = time.monotonic() + 300
     while process.prepares:
         assert time.monotonic() < limit
         time.sleep(0.002)
@@ -127,23 +129,25 @@ def test_the_child_that_prepares_takes_the_place_of_one_that_is_lost(here, proce
     assert process.pid == spare
 
 
-def test_it_is_replaced_once_it_has_grown(process, solver, monkeypatch):
+def test_it_is_replaced_once_it_has_grown(monkeypatch):
     monkeypatch.setattr(child_module, "GROWTH", 0)
+    monkeypatch.setattr(preparation, "PAUSE", 0.0)
     sizes = iter([10, 100])
     monkeypatch.setattr(child_module.WorkerProcess, "memory", property(lambda self: next(sizes)))
     pids = []
-    for number in range(3):
-        solver.prepare(after_first(f"no{number}"))
-        pids.append(process.spare_pid)
-        if pids[-1] is not None:
-            wait(process)
+    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **OPTIONS) as one:
+        solver = one.solver()
+        solver.update(ASK)
+        for number in range(3):
+            solver.prepare(after_first(f"no{number}"))
+            pids.append(one.spare_pid)
+            wait(one)
     assert (len(set(pids[:2])), pids[2]) == (1, None)
 
 
 def test_a_plan_that_has_become_better_is_prepared_for(here):
     """The robot goes on from it where the failure leaves it one."""
-    options = {**OPTIONS, "plan_time": 0.0}
-    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **options) as one:
+    with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **{**OPTIONS, "plan_time": 0.0}) as one:
         solver = one.solver()
         best = here.log.plan
         solver.update(ASK)
@@ -158,7 +162,7 @@ def test_a_plan_that_has_become_better_is_prepared_for(here):
         assert solver.update(after_first("no")).horizon == best.horizon + 1
 
 
-def test_an_update_that_is_refused_is_refused_though_it_was_prepared(process):
+def test_an_update_that_is_refused_is_refused_though_it_was_prepared():
     limited = {**OPTIONS, "horizon_limit": 3}
     with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **limited) as one:
         solver = one.solver()
