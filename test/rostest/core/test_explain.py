@@ -2,14 +2,17 @@
 """The core's service ~explain: why a goal was given up, while the core goes on."""
 
 import json
+import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import threading
 import unittest
 from pathlib import Path
 
+import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
@@ -18,7 +21,7 @@ from rosoclingo.srv import Explain
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands
-from interface_helpers import PATIENCE
+from interface_helpers import PATIENCE, wait_until
 
 
 class ExplainGoals(unittest.TestCase):
@@ -71,6 +74,25 @@ class ExplainGoals(unittest.TestCase):
         self.assertIn("those that were: goal(office1,office4,7)", known.message)
         by_id = self.asked(goal.handle.comm_state_machine.action_goal.goal_id.id)
         self.assertTrue(by_id.success, by_id.message)
+
+        self.kill()
+        again = self.asked("7")
+        self.assertTrue(again.success, again.message)
+        self.assertEqual(json.loads(again.reason)["told"], reason["told"])
+
+    @staticmethod
+    def service():
+        """Where the service is, None where there is none."""
+        try:
+            return rosgraph.Master("/explain_test").lookupService("/rosoclingo/explain")
+        except rosgraph.MasterException:
+            return None
+
+    def kill(self):
+        """Kill the core and wait for the service of the next one."""
+        before, master = self.service(), rosgraph.Master("/explain_test")
+        os.kill(rosgraph.Master("/explain_test", master.lookupNode("/rosoclingo")).getPid(), signal.SIGKILL)
+        wait_until(lambda: self.service() not in {None, before}, "the next core")
 
 
 if __name__ == "__main__":

@@ -27,7 +27,6 @@ from rosoclingo.reasoning import (
     GoalChanged,
     GoalProgress,
     GoalRefused,
-    GoalUnmet,
     Halt,
     PlanMade,
     Problem,
@@ -113,8 +112,9 @@ class CoreNode:
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Services:
         ~explain (rosoclingo/Explain): why a goal was given up: the fewest rules that forbid it, by file and line and in
-            the program's words, the facts, and the steps. Of the last 20 goals for which there was no plan; it takes up
-            to 30 s of processor time, in a process of its own, while the core goes on.
+            the program's words, the facts, and the steps. Of the last 20 goals for which there was no plan, also
+            where the core was started again, as far as its journal has them; it takes up to 30 s of processor time, in
+            a process of its own, while the core goes on.
     Actions served:
         rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 
@@ -148,7 +148,7 @@ class CoreNode:
         self._keeper.attach(self._core, found.state)
         self._results = Results("rosoclingo", resumed=found.state is not None)
         self._worker = Worker(self._settle)
-        self._given_up = UnmetGoals(program, self._worker)
+        self._given_up = UnmetGoals(program, self._worker, self._keeper.given_up)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
@@ -162,7 +162,6 @@ class CoreNode:
             ReturnTaken: self._return_taken,
             GoalChanged: self._handles.changed,
             GoalRefused: self._handles.refused,
-            GoalUnmet: self._given_up.unmet,
             GoalProgress: self._handles.progress,
             Problem: self._health.problem,
         }

@@ -2,7 +2,8 @@
 
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, Observer
+from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, GoalUnmet, Observer
+from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import AnyJournal
 from rosoclingo.reasoning.journal.kept_core import KeptCore
@@ -51,6 +52,7 @@ class Keeper:
 
     Attributes:
         clients: the clients' goals by their keys, in order of arrival.
+        given_up: the goals that were given up for want of a plan.
 
     """
 
@@ -70,6 +72,7 @@ class Keeper:
         self._state: Record = {}
         self._events: List[Event] = []
         self.clients: Dict[str, Client] = {}
+        self.given_up = GivenUpGoals()
 
     def __call__(self, event: Event) -> None:
         """Collect what the core tells: its observer."""
@@ -80,6 +83,7 @@ class Keeper:
         self._core = core
         if record is not None:
             self.clients = {key: Client.of_record(value) for key, value in group(record, "client").items()}
+            self.given_up.restore(record)
         if self._journal is not None:
             self._look()
             self._write()
@@ -142,10 +146,12 @@ class Keeper:
         assert self._journal is not None
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
         time = None if self._time is None else self._time()
-        self._journal.write({**self._state, **clients}, self._now(), time)
+        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time)
 
     def _note(self, event: Event) -> Optional[str]:
-        """Note the end of a client's goal, and return its key."""
+        """Note the end of a client's goal, and return its key; note a goal that is given up."""
+        if isinstance(event, GoalUnmet):
+            self.given_up.add(event)
         if isinstance(event, GoalRefused):
             ending = Ending(GoalState.REJECTED, Outcome.REJECTED, event.message)
         elif isinstance(event, GoalChanged) and event.outcome is not None:

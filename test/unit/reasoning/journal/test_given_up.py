@@ -1,0 +1,125 @@
+"""A core that goes on from its journal can still tell why it has given goals up."""
+
+import json
+
+import pytest
+from clingo import parse_term
+from core_driver import ERRANDS, shortest
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.explaining.explainer import Stream, explain
+from rosoclingo.oclingo.progression.parser import parse_update
+from rosoclingo.oclingo.solving.stream_log import StreamLog
+from rosoclingo.reasoning import CoreSettings, GoalUnmet, given_up
+from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.keeper import Keeper
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.lines import Header
+
+PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
+
+
+class Life:
+    """A core over the journal in a folder, from its start until it is killed."""
+
+    def __init__(self, path):
+        self._folder = JournalFolder(path)
+        kept = self._folder.read()
+        record = None if kept is None else kept.state
+        self.keeper = Keeper(lambda event: None, Journal(self._folder, Header("run", "program")), lambda: 0.0)
+        settings = CoreSettings(horizon_limit=4, search_timeout=0.0)
+        self.core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), self.keeper, settings, record=record)
+        self.keeper.attach(self.core, record)
+        self.core.start()
+
+    def goals(self, **texts):
+        """Goals come, and the core does what it can without an answer of the world."""
+        for key, text in texts.items():
+            self.core.add_goal(key, text)
+        while self.core.advance(1.0):
+            self.keeper.send()
+        self.keeper.send()
+
+    def kill(self):
+        """It writes no more."""
+        self._folder.close()
+
+
+@pytest.fixture
+def live(tmp_path):
+    lives = []
+
+    def make():
+        for one in lives:
+            one.kill()
+        lives.append(Life(tmp_path))
+        return lives[-1]
+
+    yield make
+    lives[-1].kill()
+
+
+def told(core, name):
+    """Why a goal was given up."""
+    found = core.keeper.given_up.find(name)
+    return explain(PROGRAM, found.stream)
+
+
+def test_a_core_that_goes_on_tells_what_the_one_before_would_have_told(live):
+    first = live()
+    first.goals(a="do(walk,1)", b="do(never,2)")
+    (walk,) = first.core.awaited
+    first.core.receive("hand", [f"_return(walk,1,{walk.cycle})"])
+    first.goals(c="do(never,3)")
+    reasons = {name: told(first, name) for name in ("b", "do(never, 2)", "2", "c")}
+    assert reasons["b"].rules
+    assert "do(never,2)" in " ".join(fact.text for fact in reasons["b"].told)
+    again = live()
+    assert [str(term) for term in again.keeper.given_up.terms] == ["do(never,2)", "do(never,3)"]
+    assert {name: told(again, name) for name in reasons} == reasons
+    assert again.keeper.given_up.find("walk") is None
+    again.goals(d="do(never,4)")
+    third = live()
+    assert [str(term) for term in third.keeper.given_up.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
+    assert told(third, "3") == reasons["c"]
+
+
+def unmet(number, text="#step 1.\n#end step."):
+    stream = Stream(StreamLog(), parse_update(text), 9)
+    return GoalUnmet(number, f"key {number}", parse_term(f'do("a,b",{number})'), stream)
+
+
+def terms(goals):
+    return [term.arguments[1].number for term in goals.terms]
+
+
+def restored(goals):
+    found = GivenUpGoals()
+    found.restore({"goal:a": "another section", **json.loads(json.dumps(goals.record()))})
+    return found
+
+
+def test_the_latest_are_remembered():
+    goals = GivenUpGoals()
+    for number in (*range(1, KEPT + 6), KEPT):  # one comes again
+        goals.add(unmet(number))
+    latest = [*range(6, KEPT), *range(KEPT + 1, KEPT + 6), KEPT]
+    assert terms(goals) == terms(restored(goals)) == latest
+    again = restored(goals).find(f'do("a,b",{KEPT})')
+    assert (again.key, again.cycle, str(again.term)) == (f"key {KEPT}", KEPT, f'do("a,b",{KEPT})')
+    assert again.stream._replace(log=None) == unmet(KEPT).stream._replace(log=None)
+    assert again.stream.log.text() == ""
+    assert goals.find("key 5") is None
+
+
+def test_a_journal_has_as_many_of_the_latest_as_it_has_room_for(monkeypatch):
+    goals, long = GivenUpGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
+    for number in (1, 2, 3, 4):
+        goals.add(unmet(number, long))
+    sizes = [len(json.dumps(value)) for value in goals.record().values()]
+    monkeypatch.setattr(given_up, "ROOM", sum(sizes[1:]))
+    assert terms(restored(goals)) == [2, 3, 4]
+    assert terms(goals) == [1, 2, 3, 4]
+    monkeypatch.setattr(given_up, "ROOM", sizes[3] - 1)
+    assert goals.record() == {}
