@@ -18,6 +18,9 @@ POLL = 0.002
 GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
 
+REACHED = "reached"
+"""The member of what is no reply, but tells in the midst of a search up to which step it has ground."""
+
 _CHUNK = 1 << 20
 
 Stopped = Callable[[], bool]
@@ -44,6 +47,10 @@ class WorkerProcess:
     """One child process that runs :mod:`rosoclingo.oclingo.remote.solver_worker`.
 
     It has a session of its own, so that a Ctrl-C in the terminal does not reach it, and ends with its parent.
+
+    Attributes:
+        reached: the last step that was ground in the midst of a search, as far as it has told.
+
     """
 
     def __init__(self) -> None:
@@ -68,6 +75,7 @@ class WorkerProcess:
         self._replies: IO[bytes] = self._process.stdout
         self._lines = Lines()
         self._messages: List[Message] = []
+        self.reached = 0
         self._unwanted = 0  # so many of the replies to come
         self._worked = 0.0
         self._selector = selectors.DefaultSelector()
@@ -116,7 +124,11 @@ class WorkerProcess:
             data = os.read(self._replies.fileno(), _CHUNK)
             if not data:
                 self._lost()
-            self._messages.extend(self._lines.feed(data))
+            for message in self._lines.feed(data):
+                if REACHED in message:
+                    self.reached = message[REACHED]
+                else:
+                    self._messages.append(message)
             unwanted = min(self._unwanted, len(self._messages))
             del self._messages[:unwanted]
             self._unwanted -= unwanted
@@ -129,6 +141,7 @@ class WorkerProcess:
         given up: raises WorkerLostError. What ``leaves`` nothing of use is not waited for then: the reply is empty.
         """
         begin: Optional[float] = None
+        self.reached = 0
         dropped = False
         while True:
             reply = self.receive(POLL)

@@ -33,7 +33,7 @@ class ProcessSolver(ForeseeingSolver):
     def __init__(self, process: "SolverProcess") -> None:
         """Make a solver in ``process``, to which nothing has been fed; that does not wait for the process."""
         super().__init__()
-        self._process = process
+        self._process, self._under_way = process, lambda: process.reached
         self._place = process.place()
 
     def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:

@@ -115,6 +115,11 @@ class SolverProcess:
         return self._spare.works
 
     @property
+    def reached(self) -> int:
+        """The last step that a search under way has ground, as far as the child has told."""
+        return 0 if self._child is None else self._child.reached
+
+    @property
     def worked(self) -> float:
         """Seconds of processor time that the children have used up to now, but for the one that is kept ready."""
         return self._worked + (0.0 if self._child is None else self._child.worked)

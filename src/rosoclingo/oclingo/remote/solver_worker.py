@@ -19,6 +19,7 @@ from rosoclingo.oclingo.explaining.explainer import explain
 from rosoclingo.oclingo.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.remote.child import REACHED
 from rosoclingo.oclingo.remote.wire import (
     Lines,
     Message,
@@ -38,6 +39,9 @@ _CHUNK = 1 << 20
 
 EXPLAINING = 10
 """By so much a process that explains gives way to others (nice)."""
+
+TELLING = 0.5
+"""Seconds of wall time between two words on how far a search is."""
 
 KNOWN_LOGS = 64
 """Logs that are kept with their states, so that a solver beside another, or one that goes back, need not read again."""
@@ -122,6 +126,7 @@ class Worker:
         self._make: Callable[[], ReactiveSolver]
         self._solvers: Dict[int, ReactiveSolver] = {}
         self._known = KnownLogs()
+        self._tell: Callable[[Message], None] = lambda message: None
         self._handlers: Dict[str, Callable[[Message], Message]] = {
             "load": self._load,
             "rebuild": self._rebuild,
@@ -135,6 +140,7 @@ class Worker:
 
     def run(self, answer: Callable[[Message], None]) -> None:
         """Serve until the parent closes its end."""
+        self._tell = answer
         while True:
             command = self._commands.next()
             for number in command.get("left", ()):
@@ -169,10 +175,11 @@ class Worker:
         solver.restore(self._known.longer(solver.log, command["log"]))
         if "plan" in command:
             solver.log.plan = plan_from_message(command["plan"])
+        stopped = self._telling(solver)
         if update is None:
-            result = solver.solve(self._commands.interrupted, self._commands.dropped)
+            result = solver.solve(stopped, self._commands.dropped)
         else:
-            result = solver.update(update, self._commands.interrupted, self._commands.dropped)
+            result = solver.update(update, stopped, self._commands.dropped)
         log, checkpoint = solver.log, None
         if isinstance(log.entry, Checkpoint):
             checkpoint = log.entry.message
@@ -180,6 +187,20 @@ class Worker:
                 self._known.keep(log.before)
         self._known.keep(log)
         return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
+
+    def _telling(self, solver: ReactiveSolver) -> Callable[[], bool]:
+        """Return what tells whether a search is to be ended; now and then it tells the parent how far that is."""
+        told = time.monotonic()
+
+        def interrupted() -> bool:
+            """Look."""
+            nonlocal told
+            if time.monotonic() - told >= TELLING:
+                told = time.monotonic()
+                self._tell({REACHED: solver.reached})
+            return self._commands.interrupted()
+
+        return interrupted
 
     def _follow(self, command: Message) -> Message:
         """Have a solver read an update that was foreseen, and so is answered; it may be told the plan that goes on."""

@@ -9,7 +9,7 @@ from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
 
 
 class Progress:
-    """Tells, while a search goes on, for how long it has: on one line of a terminal, else now and then on a new one."""
+    """Tells how far a search is and for how long it goes on: on one line of a terminal, else on a new one at times."""
 
     def __init__(self, stream: IO[str]) -> None:
         self._stream, self._live = stream, stream.isatty()
@@ -17,13 +17,13 @@ class Progress:
         self._told = 0.0
         self._width = 0
 
-    def searching(self, seconds: float, what: str) -> None:
-        """Tell that ``what`` is searched for since so many ``seconds``; to be called often."""
+    def searching(self, seconds: float, what: str, reached: int) -> None:
+        """Tell that ``what`` is searched for since so many ``seconds``, ``reached`` is its horizon; call it often."""
         if seconds < self._told:
             self._told = 0.0  # another search
         if seconds - self._told >= self._wait:
             self._told = seconds
-            text = f"{what}: no answer yet after {seconds:.0f} s"
+            text = f"{what}: at step {reached}, no answer yet after {seconds:.0f} s"
             self._write(f"\r{text:<{self._width}}" if self._live else f"{text}\n")
             self._width = len(text)
 

@@ -175,7 +175,7 @@ class Session:
     def _must_end(self, start: float, what: str) -> bool:
         """Whether a search that began at ``start`` must end."""
         if self._progress is not None:
-            self._progress.searching(time.monotonic() - start, what)
+            self._progress.searching(time.monotonic() - start, what, self._solver.reached)
         late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
         return late or self._interrupted
 

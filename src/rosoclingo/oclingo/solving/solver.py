@@ -92,6 +92,10 @@ class StreamSolver(Protocol):
         """N, the last grounded step."""
 
     @property
+    def reached(self) -> int:
+        """The last step that is ground in the midst of a search."""
+
+    @property
     def step(self) -> int:
         """k, the step of the last update."""
 
@@ -284,7 +288,6 @@ class ReactiveSolver(ForeseeingSolver):
         self._stop = False
         self.read()
         self._check(update)
-
         halt = self._halting(stopped)
         inquiry, self._inquiry = self._inquiry, None  # what a failure leaves of it is let go
         if inquiry is None or not inquiry.is_about(self.state, update, doubted):
@@ -330,11 +333,13 @@ class ReactiveSolver(ForeseeingSolver):
     @contextmanager
     def _taking(self, transaction: Transaction) -> Iterator[None]:
         """Keep the transaction's grounding; what a failure leaves of it fits no state, and is let go."""
-        self._grounding = None
+        self._grounding, self._under_way = None, lambda: transaction.state.horizon
         try:
             yield
         except RuntimeError as error:
             raise SolverError(explain(error, transaction.grounding, self.program)) from None
+        finally:
+            self._under_way = lambda: 0
         self._grounding = transaction.grounding
 
     def _run(
@@ -356,10 +361,8 @@ class ReactiveSolver(ForeseeingSolver):
 
     def _check(self, update: Optional[StreamUpdate]) -> None:
         """Raise SolverError, before anything has changed, where the update leads beyond the limit."""
-        step, limit = (
-            self.horizon if update is None or update.step is None else update.step,
-            self._setting.horizon_limit,
-        )
+        step = self.horizon if update is None or update.step is None else update.step
+        limit = self._setting.horizon_limit
         if limit is not None and step > limit:
             raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
 

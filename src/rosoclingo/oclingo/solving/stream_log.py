@@ -8,7 +8,7 @@ of it: the horizon that an update led to, and, as a checkpoint, which steps are 
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import clingo
 
@@ -313,6 +313,7 @@ class LoggedSolver:
 
     def __init__(self) -> None:
         self._log = StreamLog()
+        self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
 
     @property
     def log(self) -> StreamLog:
@@ -323,6 +324,11 @@ class LoggedSolver:
     def horizon(self) -> int:
         """N, the last grounded step."""
         return self._log.horizon
+
+    @property
+    def reached(self) -> int:
+        """The last step that is ground in the midst of a search; the horizon between two of them."""
+        return max(self.horizon, self._under_way())
 
     @property
     def step(self) -> int:

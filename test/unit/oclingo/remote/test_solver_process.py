@@ -127,6 +127,16 @@ def test_a_stop_ends_a_search_and_leaves_the_update_in_force():
         assert late.outcome is SolveOutcome.SATISFIABLE
 
 
+def test_how_far_a_search_is_can_be_seen_in_its_midst():
+    with process_of(ENDLESS) as process:
+        for solver in (process.solver(), ReactiveSolver(ReactiveProgram.from_text(ENDLESS))):
+            result = solver.update(parse_update("#step 1. #end step."), lambda solver=solver: solver.reached > 3)
+            assert result.outcome is SolveOutcome.INTERRUPTED
+            assert solver.reached == solver.horizon == result.horizon > 3
+            solver.update(parse_update("#step 2 : 1. #end step."))
+            assert solver.reached == solver.horizon
+
+
 def test_a_stop_ends_grounding_and_drops_the_update():
     with process_of(EXPLODING, patience=0.1) as process:
         solver = process.solver()

@@ -161,20 +161,20 @@ def test_updates_without_a_bound_have_one(files, capsys):
     assert (code, "Interrupted at horizon " in output) == (0, True), "there is no bound"
 
 
-def test_long_searches_show_how_long_they_take():
+def test_long_searches_show_how_far_they_are_and_how_long_they_take():
     lines, screen = io.StringIO(), io.StringIO()
     screen.isatty = lambda: True
     for stream in (lines, screen):
         progress = Progress(stream)
         for tenths in range(221):
-            progress.searching(tenths / 10, "update of step 1, up to step 101")
+            progress.searching(tenths / 10, "update of step 1, up to step 101", tenths // 4)
         progress.over()
-        progress.searching(0.0, "update of step 2")
+        progress.searching(0.0, "update of step 2", 2)
         progress.over()
-    told = "update of step 1, up to step 101: no answer yet after {} s"
-    assert lines.getvalue() == told.format(10) + "\n" + told.format(20) + "\n"
-    assert screen.getvalue().startswith("\r" + told.format(1) + "\r" + told.format(2) + " \r".strip(" "))
-    assert screen.getvalue().endswith(told.format(22) + "\r" + " " * len(told.format(22)) + "\r")
+    told = "update of step 1, up to step 101: at step {}, no answer yet after {} s".format
+    assert lines.getvalue() == told(25, 10) + "\n" + told(50, 20) + "\n"
+    assert screen.getvalue().startswith("\r" + told(2, 1) + "\r" + told(5, 2) + "\r")
+    assert screen.getvalue().endswith(told(55, 22) + "\r" + " " * len(told(55, 22)) + "\r")
 
 
 def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, capsys):
