@@ -19,7 +19,7 @@ LIBRARIES = ("clingo",)
 
 COMMANDS = [
     "check = rosoclingo.reasoning.verifying.verify_option:main",
-    "oclingo = rosoclingo.oclingo.service.command:main",
+    "oclingo = rosoclingo.reasoning.verifying.verify_option:oclingo",
     "golog = rosoclingo.languages.golog.golog_command:main",
     "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",
 ]

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NAMES = ("check.md", "why_no_plan.md", "verify.md")
 PAGE, WHY, VERIFY = ((ROOT / "doc" / name).read_text(encoding="utf-8") for name in NAMES)
 FILES = {
-    PAGE: ["lamp.lp", "evening.txt", "light.lp", "labels.yaml", "interfaces.yaml"],
+    PAGE: ["lamp.lp", "evening.txt", "light.lp", "labels.yaml", "interfaces.yaml", "orders.yaml"],
     WHY: ["rooms.lp", "evening.txt"],
     VERIFY: ["rooms.lp", "open.lp"],
 }

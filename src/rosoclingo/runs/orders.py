@@ -10,10 +10,11 @@ A choice is a list of terms, or ``labels``: all that have a pose, or ``packages`
 """
 
 import re
-from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgressionError, parse_term
+from rosoclingo.oclingo.service.sample_requests import IDENTIFIER, chosen
 
 #: Choices that the world makes.
 LABELS, PACKAGES, PLACE_OF = "labels", "packages", "place of "
@@ -66,6 +67,16 @@ class OrderForm(NamedTuple):
             if one.kind == PLACE_OF:
                 found[one.name] = packages[found[one.of]]
         return _NAME.sub(lambda match: found[match.group(1)], self.goal)
+
+    def samples(self, labels: Sequence[str], packages: Sequence[str]) -> Iterator[str]:
+        """Yield some of the goals that may be chosen where nothing is known of the world but names.
+
+        A package may have a number as well, and lie at any of the ``labels``.
+        """
+        known = {LABELS: labels, PLACE_OF: labels, PACKAGES: [IDENTIFIER, *packages]}
+        for words in chosen([known.get(one.kind, one.terms) for one in self.choices]):
+            found = dict(zip((one.name for one in self.choices), words))
+            yield _NAME.sub(lambda match, found=found: found[match.group(1)], self.goal)  # type: ignore[misc]
 
 
 def read_orders(reader: Reader) -> Tuple[OrderForm, ...]:

@@ -42,6 +42,14 @@ def test_what_is_shown():
     assert clean["fields"] == [{"name": "how", "options": [["wet", "wet"], ["dry", "dry"], ["3", "3"]]}]
 
 
+def test_goals_that_may_be_chosen_where_nothing_is_known_of_the_world():
+    deliver, clean = forms()
+    found = list(deliver.samples(["a", "b"], ["box"]))
+    assert found[0] == "goal(a,b,1)", "what comes first is likely"
+    assert sorted(found) == ["goal(a,b,1)", "goal(a,b,box)", "goal(b,a,1)", "goal(b,a,box)"]
+    assert list(clean.samples([], [])) == ["clean(wet)", "clean(dry)", "clean(3)"]
+
+
 def test_a_goal():
     deliver, clean = forms()
     assert deliver.fill({"package": "1", "to": "office1"}, LABELS, PACKAGES) == "goal(office2,office1,1)"

@@ -1,4 +1,4 @@
-"""Labels and interfaces against a program: what ``check`` looks at with ``--labels`` and ``--interfaces``."""
+"""A robot's files against a program: what ``check`` looks at with ``--labels``, ``--interfaces`` and ``--orders``."""
 
 import argparse
 import sys
@@ -10,6 +10,7 @@ import clingo
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
+from rosoclingo.interfaces.checking.order_file import OrderFile
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
 from rosoclingo.interfaces.templates import (
@@ -30,25 +31,30 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import parse_atom, parse_term, signature_of
 from rosoclingo.oclingo.service.check_command import Texts
+from rosoclingo.oclingo.service.sample_requests import Kinds
 
 
 class RobotFiles:
-    """The files of labels and of interfaces that are named on the command line."""
+    """The files of labels, interfaces and orders that are named on the command line."""
 
     def __init__(self) -> None:
         self._labels: Optional[YamlFile] = None
         self._interfaces: Optional[YamlFile] = None
+        self._orders: Optional[OrderFile] = None
 
     @staticmethod
     def add_arguments(parser: argparse.ArgumentParser) -> None:
         """Add what names them."""
         parser.add_argument("--labels", metavar="FILE", help="the YAML file of the named locations")
         parser.add_argument("--interfaces", metavar="FILE", help="the YAML file of the interfaces")
+        words = "the YAML file of what people may order from a web page, which --plan and --verify try as well"
+        parser.add_argument("--orders", metavar="FILE", help=words)
 
     def sources(self, options: argparse.Namespace) -> List[Source]:
         """Read the files; return what the core adds of them to the program. Raises ProgramError."""
         self._labels = YamlFile(options.labels) if options.labels else None
         self._interfaces = YamlFile(options.interfaces) if options.interfaces else None
+        self._orders = OrderFile(options.orders) if options.orders else None
         if self._labels is None:
             return []
         return [label_facts(one.name for one in _label_names(self._labels))]
@@ -66,7 +72,18 @@ class RobotFiles:
                 asking = _asking(specs) if self._interfaces is not None else actions.likely_asking(labels)
                 faults += actions.without_label(labels, asking)
             faults += self._unheard(program, specs)
+        if self._orders is not None:
+            files.append(self._orders.file)
+            faults += self._orders.faults
+            faults += [] if program is None else self._orders.unheard(program, self._label_terms())
         return Texts(faults, [(one.name, one.text) for one in files])
+
+    def requests(self, program: ReactiveProgram) -> Kinds:
+        """Return what people may order."""
+        return () if self._orders is None else self._orders.requests(program, self._label_terms())
+
+    def _label_terms(self) -> List[str]:
+        return [] if self._labels is None else [one.name for one in _label_names(self._labels)]
 
     def reasons(self) -> Dict[str, List[clingo.Symbol]]:
         """Return the values, other than success, with which the interfaces say that actions may return."""

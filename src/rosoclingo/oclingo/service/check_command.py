@@ -17,6 +17,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.oclingo.progression.parser import parse_updates
 from rosoclingo.oclingo.service.arguments import constants_of, positive, seconds
+from rosoclingo.oclingo.service.sample_requests import Kinds
 from rosoclingo.oclingo.service.trial_plans import SECONDS, STEPS, Trial, Trials
 
 CLEAN, FOUND, UNREADABLE = 0, 1, 2
@@ -55,6 +56,9 @@ class More(Protocol):
     def reasons(self) -> Mapping[str, Sequence[clingo.Symbol]]:
         """Return values with which actions may return that are no success, by interface."""
 
+    def requests(self, program: ReactiveProgram) -> Kinds:
+        """Return requests to try, of each kind; without kinds those that the program's rules ask for are tried."""
+
 
 class Told(Protocol):
     """What came of a verification."""
@@ -79,9 +83,7 @@ class Verifier(Protocol):
     def sources(self, options: argparse.Namespace) -> List[Source]:
         """Return what it adds to the program."""
 
-    def run(
-        self, program: ReactiveProgram, options: argparse.Namespace, reasons: Mapping[str, Sequence[clingo.Symbol]]
-    ) -> Optional[Told]:
+    def run(self, program: ReactiveProgram, options: argparse.Namespace, more: Optional[More]) -> Optional[Told]:
         """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
 
 
@@ -93,6 +95,15 @@ def make_parser(more: Optional[More] = None, verifier: Optional[Verifier] = None
         "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; may be repeated"
     )
     parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are looked at as well")
+    add_trials(parser, more, verifier)
+    parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
+    return parser
+
+
+def add_trials(
+    parser: argparse.ArgumentParser, more: Optional[More] = None, verifier: Optional[Verifier] = None
+) -> None:
+    """Add what else than its rules is looked at of a program, and how."""
     parser.add_argument(
         "--plan",
         action="append",
@@ -100,7 +111,7 @@ def make_parser(more: Optional[More] = None, verifier: Optional[Verifier] = None
         default=[],
         metavar="REQUEST",
         help="show the plan for a request, as in goal(office1,office2,1), after the updates of --stream, or which "
-        "rules forbid it; may be repeated; without REQUEST one of each kind that the program asks for",
+        "rules forbid it; may be repeated; without REQUEST one of each kind that the program asks for, or of --orders",
     )
     parser.add_argument(
         "--steps", type=positive, default=STEPS, metavar="N", help=f"steps that a plan may have (default: {STEPS})"
@@ -116,8 +127,6 @@ def make_parser(more: Optional[More] = None, verifier: Optional[Verifier] = None
         more.add_arguments(parser)
     if verifier is not None:
         verifier.add_arguments(parser)
-    parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
-    return parser
 
 
 def main(
@@ -148,9 +157,8 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
     try:
         found, files, program = _look(sources, constants, stream, options, more)
         usable = program if program is not None and not program.faults else None
-        trials = _trials(usable, stream, options) if usable is not None else []
-        reasons = more.reasons() if more is not None else {}
-        verdict = verifier.run(usable, options, reasons) if verifier is not None and usable is not None else None
+        trials = _trials(usable, stream, options, more) if usable is not None else []
+        verdict = verifier.run(usable, options, more) if verifier is not None and usable is not None else None
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
@@ -159,15 +167,18 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
     return FOUND if found or failed else CLEAN
 
 
-def _trials(program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace) -> List[Trial]:
+def _trials(
+    program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, more: Optional[More]
+) -> List[Trial]:
     """Try the requests, if there are any, after the stream; what is wrong with its syntax is told elsewhere."""
-    if not getattr(options, "plan", []):  # oclingo --check has none
+    if not options.plan:
         return []
     trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[Trial]
     for source in stream:
         with suppress(ProgressionError):
             found += trials.play(parse_updates(source.text))
-    asked = [trials.samples() if text is None else [trials.request(text)] for text in options.plan]
+    kinds = more.requests(program) if more is not None else ()
+    asked = [trials.samples(kinds) if text is None else [trials.request(text)] for text in options.plan]
     return found + [one for some in asked for one in some]
 
 

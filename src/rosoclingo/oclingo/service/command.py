@@ -8,14 +8,14 @@ import shutil
 import signal
 import sys
 from pathlib import Path
-from typing import Any, List, NoReturn, Optional, Sequence, Tuple
+from typing import Any, Callable, List, NoReturn, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
-from rosoclingo.oclingo.service.check_command import check
+from rosoclingo.oclingo.service.check_command import More, Verifier, add_trials, check
 from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
@@ -43,8 +43,12 @@ update of --stream has no answer."""
 _REMAPPING = re.compile(r"[\w~/]+:=")
 
 
+Checks = Callable[[], Tuple[Optional[More], Optional[Verifier]]]
+"""What ``--check`` looks at beside the program; asked for it only where that is wanted."""
+
+
 def make_parser() -> argparse.ArgumentParser:
-    """Return the parser of the command line."""
+    """Return the parser of the command line, but for what tells how to check."""
     parser = argparse.ArgumentParser(prog="oclingo", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument(
         "words",
@@ -111,8 +115,9 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--check",
         action="store_true",
-        help="say what may be wrong with the program, and with the updates of --stream; nothing is solved. Exit "
-        "code: 0 nothing, 1 something was found, 2 a file can't be read",
+        help="say what may be wrong with the program, and with the updates of --stream, as the command check does; "
+        "takes what check takes (oclingo --check --help). Exit code: 0 nothing, 1 something was found, 2 a file can't "
+        "be read",
     )
     parser.add_argument(
         "--json",
@@ -125,16 +130,20 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: Optional[Sequence[str]] = None) -> int:
+def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (None, None)) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]
     parser = make_parser()
+    more = verifier = None
+    if any("--check".startswith(word) and len(word) > len("--c") for word in words):
+        more, verifier = checks()
+        add_trials(parser, more, verifier)
     options = parser.parse_intermixed_args(words)
     files, models = _files_and_models(options.words)
     _check(parser, options, files)
     if options.check:
         options.files = files
-        return check(options)
+        return check(options, more, verifier)
     signal.signal(signal.SIGTERM, _terminate)
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(encoding="utf-8", errors="replace")

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from itertools import islice, product
-from typing import Iterator, List
+from typing import Iterable, Iterator, List, Sequence
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -14,8 +14,11 @@ from rosoclingo.oclingo.progression.terms import parse_atom
 #: So many names, those that facts mention most, and so many requests of a kind.
 NAMES, MOST = 20, 200
 
-_IDENTIFIER = "1"
+IDENTIFIER = "1"
 """What the last argument of a request may be, which tells it from others."""
+
+Kinds = Sequence[Iterable[str]]
+"""Requests, as texts, of each kind; the likely ones come first."""
 
 
 def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
@@ -26,7 +29,7 @@ def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
         for statement, one in part.atoms
         if (one.signature.name, one.signature.arity) == ("_request", 2) and statement.ast_type == ASTType.Rule
     }
-    names = _names(program)
+    names = names_in_facts(program)
     return [_filled(kind, names) for text, kind in sorted(kinds.items()) if _is_goal(kind)]
 
 
@@ -47,14 +50,18 @@ def _filled(kind: AST, names: List[str]) -> Iterator[str]:
     arguments = list(kind.arguments)
     choices = [names if one.ast_type == ASTType.Variable else [str(one)] for one in arguments]
     if len(arguments) > 1 and arguments[-1].ast_type == ASTType.Variable:
-        choices[-1] = [_IDENTIFIER, *names]
+        choices[-1] = [IDENTIFIER, *names]
+    return (f"{kind.name}({','.join(words)})" for words in chosen(choices))
+
+
+def chosen(choices: Sequence[Sequence[str]]) -> Iterator[List[str]]:
+    """Yield, :data:`MOST` times at the most, a word of each choice, none twice, from those that come first on."""
     places = sorted(product(*(range(len(choice)) for choice in choices)), key=sum)
     every = ([choice[place] for choice, place in zip(choices, some)] for some in places)
-    found = (f"{kind.name}({','.join(words)})" for words in every if len(set(words)) == len(words))
-    return islice(found, MOST)
+    return islice((words for words in every if len(set(words)) == len(words)), MOST)
 
 
-def _names(program: ReactiveProgram) -> List[str]:
+def names_in_facts(program: ReactiveProgram) -> List[str]:
     """Return the names that the program's facts mention most often, and of these the first ones."""
     found: Counter = Counter()
     for part in program.parts:

@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Closed, Item, Statement, StreamUpdate
-from rosoclingo.oclingo.service.sample_requests import sample_requests
+from rosoclingo.oclingo.service.sample_requests import Kinds, sample_requests
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_log import Plan
@@ -101,9 +101,9 @@ class Trials:
         finally:
             self._solver.restore(log)
 
-    def samples(self) -> List[Trial]:
-        """Try requests of each kind that the program's rules ask for, up to the first with something to do."""
-        return [self._sample(texts) for texts in sample_requests(self._program)]
+    def samples(self, kinds: Kinds = ()) -> List[Trial]:
+        """Try requests of each kind, up to the first with something to do; without kinds those of the rules."""
+        return [self._sample(texts) for texts in kinds or sample_requests(self._program)]
 
     def _sample(self, texts: Iterable[str]) -> Trial:
         clock, trial = self._clock(), Trial("a sample", fault="no request could be made of the names in the facts")

@@ -12,7 +12,7 @@ from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
-from rosoclingo.oclingo.service.sample_requests import sample_requests
+from rosoclingo.oclingo.service.sample_requests import Kinds, sample_requests
 from rosoclingo.oclingo.service.trial_plans import Trials
 from rosoclingo.oclingo.solving.universe_solver import Streams
 from rosoclingo.reasoning.keywords import FAILED, RESERVED, RETURN, name_of, request
@@ -37,7 +37,8 @@ class Wanted(NamedTuple):
         goals: what may be asked for.
         facts: predicates of the facts that may be told.
         reasons: further reasons, by interface.
-        most: goals, and facts of each predicate, at most.
+        most: goals of each kind, and facts of each predicate, at most.
+        kinds: requests of each kind that are likely.
 
     """
 
@@ -45,21 +46,25 @@ class Wanted(NamedTuple):
     facts: Tuple[str, ...] = ()
     reasons: Mapping[str, Sequence[Symbol]] = {}
     most: int = 2
+    kinds: Kinds = ()
 
 
 def likely_repertory(program: ReactiveProgram, wanted: Wanted) -> Repertory:
     """Return what may come to a program."""
-    goals = wanted.goals or tuple(likely_goals(program, wanted.most))
+    goals = wanted.goals or tuple(likely_goals(program, wanted.most, wanted.kinds))
     knowledge = _Knowledge(program, goals)
     facts = [one for one in knowledge.facts(wanted.most) if not wanted.facts or one.name in wanted.facts]
     reasons = {name_of(one): tuple(knowledge.reasons(one, wanted.reasons)) for one in knowledge.interfaces}
     return Repertory(goals, tuple(facts), reasons)
 
 
-def likely_goals(program: ReactiveProgram, most: int) -> Iterator[Symbol]:
-    """Yield goals with something to do, of each kind so many at the most, each with an identity of its own."""
+def likely_goals(program: ReactiveProgram, most: int, kinds: Kinds = ()) -> Iterator[Symbol]:
+    """Yield goals with something to do, of each kind so many at the most, each with an identity of its own.
+
+    Without ``kinds`` of requests it is those that the program's rules ask for.
+    """
     trials = Trials(program)
-    for texts in sample_requests(program):
+    for texts in kinds or sample_requests(program):
         found: List[Tuple[int, Symbol]] = []
         others: List[Symbol] = []
         for number, text in enumerate(texts):

@@ -3,14 +3,14 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import List, Mapping, Optional, Sequence
+from typing import List, Optional, Sequence
 
 from clingo import Symbol
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.service import check_command
+from rosoclingo.oclingo.service import check_command, command
 from rosoclingo.oclingo.service.arguments import natural, positive, seconds
 from rosoclingo.reasoning.goals import GoalError, read_goal
 from rosoclingo.reasoning.verifying.findings import Kind
@@ -26,7 +26,10 @@ _VERIFY = (
     f"(default: {_DEPTH})"
 )
 _SECONDS = "processor time for that (default: %(default)g)"
-_GOAL = "a goal that may come, as in goal(office1,office2,1); may be repeated (default: some with something to do)"
+_GOAL = (
+    "a goal that may come, as in goal(office1,office2,1); may be repeated (default: some with something to do, of "
+    "those of --orders or else of those that the rules ask for)"
+)
 _FACT = "only facts of this name may be told, as in _blocked; may be repeated; none: no facts (default: all declared)"
 _EACH = "goals of each kind, and facts of each name, that may come (default: %(default)s)"
 _LATE = "cycles that facts may be late (default: %(default)s)"
@@ -68,7 +71,7 @@ class VerifyOption:
 
     @staticmethod
     def run(
-        program: ReactiveProgram, options: argparse.Namespace, reasons: Mapping[str, Sequence[Symbol]]
+        program: ReactiveProgram, options: argparse.Namespace, more: Optional[check_command.More]
     ) -> Optional[Verdict]:
         """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
         if options.verify is None:
@@ -79,7 +82,8 @@ class VerifyOption:
         strange = [one for one in facts if one != "none" and one not in {s.name for s in program.external_signatures}]
         if strange:
             raise ProgramError([_fault(f"{strange[0]} is no external of the program", "give the name, as in _blocked")])
-        wanted = Wanted(tuple(map(_goal, options.goal)), facts, reasons, options.each)
+        reasons, kinds = (more.reasons(), more.requests(program)) if more is not None else ({}, ())
+        wanted = Wanted(tuple(map(_goal, options.goal)), facts, reasons, options.each, kinds)
         plans = not options.one_plan
         limits = Limits(options.verify, options.together, options.steps, options.late, options.early, plans)
         skipped = frozenset(map(Kind, options.skip))
@@ -107,6 +111,11 @@ def _quoted(text: str) -> str:
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command ``check`` with this option; return its exit code."""
     return check_command.main(arguments, verifier=VerifyOption())
+
+
+def oclingo(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the command ``oclingo``, whose ``--check`` has this option; return its exit code."""
+    return command.main(arguments, lambda: (None, VerifyOption()))
 
 
 if __name__ == "__main__":

@@ -38,6 +38,7 @@ def texts(name):
         labels, interfaces = ((TEMPLATE / f"{one}.yaml").read_text() for one in ("labels", "interfaces"))
     else:
         world = "house" if name == "house" else "office"
+        files["orders.yaml"] = (CONFIG / f"{world}_orders.yaml").read_text()
         labels = (CONFIG / f"{world}_labels.yaml").read_text()
         interfaces = (CONFIG / "interfaces.yaml").read_text()
     return {**files, "labels.yaml": labels, "interfaces.yaml": interfaces}
@@ -51,7 +52,12 @@ def told(folder, files, capsys, *options):
         (folder / name).write_text(text, encoding="utf-8")
     # what includes the others comes first, and is enough
     named = [one for one in programs if "/" not in one and one != "delivery.lp"]
-    places = options or ("--labels", str(folder / "labels.yaml"), "--interfaces", str(folder / "interfaces.yaml"))
+    places = options or [
+        word
+        for kind in ("labels", "interfaces", "orders")
+        if f"{kind}.yaml" in files
+        for word in (f"--{kind}", str(folder / f"{kind}.yaml"))
+    ]
     code = check_command.main([*(str(folder / one) for one in named), *places, "--json"], RobotFiles())
     found = json.loads(capsys.readouterr().out)["findings"]
     assert code == bool(found)

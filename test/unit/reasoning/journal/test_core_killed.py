@@ -15,6 +15,9 @@ from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.journal.lines import JournalError, group_of, history, read
 
+#: Sections of the journal that are the keeper's own, and not the core's.
+KEEPERS = {"client", "unmet"}
+
 
 def played(script, kills=(), preempt=False):
     """Play a script with kills."""
@@ -82,7 +85,7 @@ def test_cut_at_every_byte_it_is_the_state_before_that_line(journal):
 def test_each_state_of_a_journal_is_that_of_the_core_that_goes_on_from_it(journal):
     limits = CoreSettings(8, 0.0, goals_at_once=3, search_timeout=0.0)
     for state, _ in history(journal)[1]:
-        own = {name: value for name, value in state.items() if group_of(name) != "client"}
+        own = {name: value for name, value in state.items() if group_of(name) not in KEEPERS}
         core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
         assert core.record() == own
 

@@ -2,14 +2,17 @@
 
 import pytest
 from clingo import Function
-from verified_programs import VISITS
+from core_driver import Driver
+from verified_programs import VISITS, edited, more
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.verifying.moves import Answer, Happening, Move
+from rosoclingo.reasoning.verifying.likely_events import Wanted
+from rosoclingo.reasoning.verifying.moves import Answer, Happening, Limits, Move
 from rosoclingo.reasoning.verifying.trial_core import PUT_OFF, BrokenError, TrialCore
+from rosoclingo.reasoning.verifying.verification import verify
 from rosoclingo.reasoning.verifying.ways import Node, Step, circles
 
 GO = Answer(Action(Function("go"), Function("hall"), 1), Function("hall"))
@@ -67,3 +70,17 @@ def test_a_way_that_leads_back_is_a_circle(answers, acts):
 @pytest.mark.parametrize("nodes", [way("a", "b", "c"), way("a", "b", "a", goals=())])
 def test_a_way_that_ends_or_has_no_goals_is_none(nodes):
     assert list(circles(nodes)) == []
+
+
+#: Nobody is served before cycle 3, and to go then is best.
+WAITS = edited(
+    more(VISITS, "told(t) :- asked(P,t). told(t) :- told(t-1). #minimize { 1,P,t : _action_lib(go,P,t), t < 3 }."),
+    (":- wanted(P,t), not at", ":- told(t), t < 3.\n:- wanted(P,t), not at"),
+)
+
+
+def test_a_program_that_waits_as_long_as_it_can_puts_nothing_off_for_ever():
+    program = ReactiveProgram.from_text(WAITS)
+    driver = Driver(program=program).goal("a", "visit(hall)")
+    assert driver.awaited == ["_action_lib(go,hall,3)"], "in the first cycles it has nothing to do"
+    assert verify(program, Wanted((parse_atom("visit(hall)"),), ("none",)), Limits(1, steps=8), 60.0).clean

@@ -6,8 +6,7 @@ import re
 import pytest
 from verified_programs import VISITS, edited, more
 
-from rosoclingo.oclingo.service.command import main as oclingo
-from rosoclingo.reasoning.verifying.verify_option import main
+from rosoclingo.reasoning.verifying.verify_option import main, oclingo
 
 LATE = more(VISITS, ":- _action_lib(go,P,t), _closed(P,t).")
 
@@ -64,6 +63,13 @@ def test_goals_facts_and_kinds_are_chosen(ask):
     assert "goals: visit(den)\n  facts: none\n" in told.out
     assert ask(LATE, "--verify", "--skip", "no-answer")[0] == 0
     assert ask(LATE, "--verify", "--late", "0", "--early", "0", "--one-plan", "--together", "1", "--each", "1")[0] == 0
+
+
+def test_oclingo_s_check_verifies_as_well(ask, tmp_path, capsys):
+    code, told = ask(LATE, "--verify", "--json")
+    assert oclingo(["--check", str(tmp_path / "program.lp"), "--steps", "8", "--verify", "--json"]) == code
+    again, first = (json.loads(out)["verify"] for out in (capsys.readouterr().out, told.out))
+    assert again["faults"] == first["faults"]
 
 
 def test_it_ends_with_what_is_true_when_time_is_over(ask):

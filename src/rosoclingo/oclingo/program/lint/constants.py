@@ -3,7 +3,7 @@
 from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Set
 
 import clingo
-from clingo.ast import AST, AggregateFunction, ASTType, UnaryOperator
+from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, UnaryOperator
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.domains import nodes_of
@@ -110,12 +110,35 @@ def _counted(statement: AST) -> Iterator[AST]:
             yield from (node.left, node.right)
         elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
             yield node.argument
+        elif kind == ASTType.Comparison:
+            yield from _ordered(node, statement)
         elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
             kind == ASTType.BodyAggregate and node.function in _COUNTING
         ):
             yield from _guards(node)
 
 
+def _ordered(node: AST, statement: AST) -> Iterator[AST]:
+    """Yield what is compared as less or more with what is counted with: a variable that is calculated with, a sum."""
+    sides = [node.term, *(guard.term for guard in node.guards)]
+    if len(sides) == 2 and node.guards[0].comparison in _ORDERS:
+        for one, other in (sides, sides[::-1]):
+            if other.ast_type == ASTType.BinaryOperation or str(other) in _calculated(statement):
+                yield one
+
+
+def _calculated(statement: AST) -> Set[str]:
+    """Return the variables with which a statement calculates."""
+    sums = (one for one in nodes_of(statement) if one.ast_type == ASTType.BinaryOperation)
+    return {str(side) for one in sums for side in (one.left, one.right) if side.ast_type == ASTType.Variable}
+
+
+_ORDERS = (
+    ComparisonOperator.LessThan,
+    ComparisonOperator.LessEqual,
+    ComparisonOperator.GreaterThan,
+    ComparisonOperator.GreaterEqual,
+)
 _COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards may be words
 
 

@@ -46,13 +46,20 @@ _ALL = {
     "unfounded": (WARNING, "a predicate whose rules all need what follows from it alone, so that it is never true"),
     "no-match": (WARNING, "an atom with a value that no rule and no #external gives the predicate"),
     "contradiction": (WARNING, "a body that holds an atom and its negation, or a comparison that never holds"),
+    "tautology": (WARNING, "a rule that needs its own head, as where t stands for t-1: it gives nothing"),
+    "exchanged": (WARNING, "an argument that stands in the place of another"),
+    "lower-case": (WARNING, "a name that is that of a variable of its rule but for its case, and stands nowhere else"),
     # steps
     "no-step": (WARNING, "a head in the part of steps without its step: the rules of two steps may define it in a run"),
+    "look-ahead": (WARNING, "an atom of a later step, whose rules are not there yet"),
+    "first-step": (WARNING, "a fact of a predicate of steps that is of no step, or of one whose rules define it"),
     "history": (WARNING, "a look back at all steps: no cycle is ever over, a long run grows without end"),
     # what the core and a program say to one another
     "no-request": (WARNING, "no #external _request/2: the program takes no goals"),
     "no-return": (WARNING, "no #external _return/3: the program never learns how its actions end"),
     "no-action": (WARNING, "no rule for _action_lib/3: the program plans no actions"),
+    "idle-words": (WARNING, "words for an action that the program does not have"),
+    "hidden": (WARNING, "what the core reads out of answers is defined, but other predicates alone are shown"),
     "status-word": (WARNING, "a status that is none of accepted, rejected, succeeded, canceled, aborted"),
     "unreachable-status": (WARNING, "a status that no rule can ever give"),
     "no-success": (WARNING, "rules for _status/3, but none that says that a goal has succeeded"),
@@ -73,6 +80,7 @@ _ALL = {
     "no-label": (WARNING, "a place of the program that the labels do not have, where an action asks for its pose"),
     "idle-label": (WARNING, "a label that no action of the program ever names"),
     "unheard-fact": (WARNING, "a fact of an interface that the program does not declare external"),
+    "unheard-order": (WARNING, "an order of people whose goal no rule of the program asks for"),
     "configuration": (ERROR, "an entry of a YAML file that cannot be used"),
     "message-type": (ERROR, "a field or type of an interface that the message definitions do not have"),
     # comments

@@ -9,6 +9,7 @@ from rosoclingo.oclingo.program.lint.constants import words_for_numbers
 from rosoclingo.oclingo.program.lint.kinds import ERROR, KINDS, WARNING, Finding
 from rosoclingo.oclingo.program.lint.predicates import contradictions, never_matching, unfounded, unused
 from rosoclingo.oclingo.program.lint.silence import Silences
+from rosoclingo.oclingo.program.lint.slips import slips, slips_of_words
 from rosoclingo.oclingo.program.lint.steps import histories, stepless
 from rosoclingo.oclingo.program.lint.talk import missing_words, statuses
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -39,9 +40,14 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     survey, values = program.survey, ArgumentValues.of_survey(program.survey)
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
     found += [*unused(survey), *never_matching(survey, values), *unfounded(survey, values), *contradictions(survey)]
-    found += [*stepless(survey), *words_for_numbers(survey)]
+    found += [*stepless(survey), *slips(survey), *words_for_numbers(survey)]
     if checks.uses_keywords(program.parts) if core is None else core:
-        found += [*missing_words(survey), *statuses(survey, values), *histories(survey)]
+        found += [
+            *missing_words(survey),
+            *statuses(survey, values),
+            *histories(survey),
+            *slips_of_words(survey, values),
+        ]
     proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
     return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
 

@@ -101,6 +101,14 @@ SEEDS = [
         "move the rule to the cumulative",
     ),
     ("back", "back.lp", "#volatile t.", "", "missing-part", "the program has no volatile part"),
+    ("garden", "garden.lp", "at(L,t)      :- at(L,t-1)", "@at(L,t)      :- at(L,t)", "tautology", "another step meant"),
+    ("house", "house.lp", "sighted(t) :- sighted(t-1).", "@sighted(t) :- sighted(t).", "tautology", "sighted(t)"),
+    ("garden", "garden.lp", "thirsty(P,t-1), not wat", "@thirsty(P,t+1), not wat", "look-ahead", "thirsty(P,t+1)"),
+    ("template", "@NAME@.lp", "not moved(t).", "not @moved(t+1).", "look-ahead", "a later step"),
+    ("paper", "paper.lp", "at(L,t)         :- done", "@at(t,L)         :- done", "exchanged", "as argument 2"),
+    ("garden", "garden.lp", "at(home,0).", "@at(home,1).", "first-step", "whose own rules define it"),
+    ("template", "@NAME@.lp", "at(home,0).", "@at(home,-1).", "first-step", "write 0 for the step"),
+    ("mailbot", "office.lp", "start(office1).", "start(office1).\n@at(office1,2).", "first-step", "of step 2"),
     # looks back
     (
         "garden",
@@ -120,7 +128,34 @@ SEEDS = [
         "base",
     ),
     ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
+    # names and arguments in the place of others
+    ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "is P meant?"),
+    ("template", "@NAME@.lp", "V != P.", "V != @p.", "lower-case", "is P meant?"),
+    ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "is V meant?"),
+    ("garden", "garden.lp", "_return(A,V,t), V", "_return(@P,V,t), V", "exchanged", "_return(Action,Value,C)"),
+    ("garden", "garden.lp", "done(water,P,t).", "done(P,@water,t).", "no-match", "with water as argument 2"),
     # what the core and a program say to one another
+    ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
+    ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never hears of it"),
+    ("mailbot", RULES, "#show _action_lib/3.\n", "", "hidden", "_action_lib/3 is not shown"),
+    (
+        "garden",
+        "garden.lp",
+        "_request(cancel(P),t).\nbusy",
+        "_request(@cancle(P),t).\nbusy",
+        "misspelt",
+        "is cancel(...)",
+    ),
+    ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "is move_base meant?"),
+    ("house", RULES, "_says(deliver,", "_says(@delivr,", "idle-words", "is deliver meant?"),
+    (
+        "template",
+        "@NAME@.lp",
+        'd(("the ",P," is closed")),t)            :- w',
+        'd("the ",P," is closed"),t) :- w',
+        "status-word",
+        "no st",
+    ),
     (
         "paper",
         "paper.lp",
@@ -180,6 +215,8 @@ SEEDS = [
     ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
     ("mailbot", "delivery/search.lp", "t-T < _window.", "t-T < @_windw+0.", "no-number", "is _window meant?"),
     ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
+    ("garden", "garden.lp", "N > 0, poured", "N > @zero, poured", "no-number", "write #const zero = 1."),
+    ("mailbot", RULES, "#const capacity = 3.", "#const capacity = three.", "undefined-operation", "(K*three)"),
     ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
     ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
     ("lift", "lift.lp", "at(0,0).", "at(0,0)\n", "syntax", "syntax error"),
@@ -218,6 +255,6 @@ def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
 def test_each_kind_is_seeded(kind):
     elsewhere = {
         "translation", "unknown-constant", "constant-value", "negative-constant", "stream-syntax", "stream-fact",
-        "no-interface", "idle-interface", "no-label", "idle-label", "unheard-fact", "configuration", "message-type",
+        "no-interface", "idle-interface", "no-label", "idle-label", "unheard-fact", "unheard-order", "configuration", "message-type",
     }  # fmt: skip
     assert kind in elsewhere or any(seed[4] == kind for seed in SEEDS)

@@ -1,0 +1,192 @@
+"""Slips of the pen: rules that give nothing, steps in the wrong place, answers that nobody gets to see."""
+
+from collections import Counter
+from difflib import SequenceMatcher
+from typing import Dict, FrozenSet, Iterator, List, Optional, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType, Sign
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.domains import names_in, nodes_of
+from rosoclingo.oclingo.program.lint.actions import Actions
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
+from rosoclingo.oclingo.program.lint.likeness import asked, likely_value
+from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.signatures import evaluate
+from rosoclingo.oclingo.progression.terms import Signature
+
+#: What the core reads out of an answer.
+_READ = (ACTION, Signature("_status", 3), Signature("_explain", 3))
+
+_REQUEST, _SAYS = Signature("_request", 2), Signature("_says", 2)
+_CANCEL = "cancel"
+
+#: How like "cancel" the name of a request is that stands for it, of 1.
+_ALIKE = 0.8
+
+
+def slips(survey: Survey) -> List[Fault]:
+    """Return the slips that have to do with no keyword."""
+    found = [*_tautologies(survey), *_looks_ahead(survey), *_steps_elsewhere(survey), *_first_steps(survey)]
+    return [*found, *_lower_case(survey)]
+
+
+def slips_of_words(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the slips in what the core and a program say to one another."""
+    return [*_hidden(survey), *_like_cancel(survey), *_idle_words(survey, values), *_returns_of_parameters(survey)]
+
+
+def _tautologies(survey: Survey) -> Iterator[Fault]:
+    """Yield the rules that need their own head, as where t stands for t-1."""
+    for _, statement, _ in survey.statements:
+        if statement.ast_type == ASTType.Rule and _is_plain(statement.head):
+            own = str(statement.head.atom)
+            if any(_is_plain(one) and str(one.atom) == own for one in statement.body):
+                message = f"the rule needs its own head {written(statement.head.atom)}: it gives nothing"
+                yield fault_at(statement.head, "tautology", message, "is another step meant in the body?")
+
+
+def _is_plain(literal: AST) -> bool:
+    kinds = literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom
+    return bool(kinds and literal.sign == Sign.NoSign)
+
+
+def _lower_case(survey: Survey) -> Iterator[Fault]:
+    """Yield the names that may be variables of their rules, written small."""
+    named = [(statement, list(_words(statement))) for _, statement, _ in survey.statements]
+    count = Counter(word for _, words in named for word, _ in words)
+    for statement, words in named:
+        own = Counter(word for word, _ in words)
+        for word, node in words:
+            if count[word] == own[word] and f"{word[:1].upper()}{word[1:]}" in set(names_in(statement)):
+                variable = f"{word[:1].upper()}{word[1:]}"
+                message = f"{word} is a name that stands nowhere else, and the rule has a variable {variable}"
+                yield fault_at(node, "lower-case", message, asked(variable))
+
+
+def _words(statement: AST) -> Iterator[Tuple[str, AST]]:
+    """Yield the names in a rule that may be anything's."""
+    for node in nodes_of(statement) if statement.ast_type == ASTType.Rule else ():
+        if node.ast_type == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
+            yield str(node.symbol), node
+
+
+# ---- steps ----------------------------------------------------------------------------------------------------------
+
+
+def _offsets(place: Place, survey: Survey) -> Dict[int, int]:
+    """Return the arguments of an atom that are the step plus a number, each with this number."""
+    if not place.part.parameter:
+        return {}
+    arguments = parted(place.occurrence.term)[1]
+    found = {n: time_offset(one, place.part.parameter, survey.constants) for n, one in enumerate(arguments)}
+    return {position: offset for position, offset in found.items() if offset is not None}
+
+
+def _looks_ahead(survey: Survey) -> Iterator[Fault]:
+    """Yield the atoms of rules that belong to a later step, whose rules are not there yet."""
+    for signature, used in survey.using.items():
+        if survey.is_external(signature) or signature not in survey.defining:
+            continue
+        heads = [_offsets(one, survey) for one in survey.defining[signature] if one.part.parameter]
+        for place in used:
+            ahead = _ahead(_offsets(place, survey), heads) if place.statement.ast_type == ASTType.Rule else None
+            if ahead is not None:
+                step, term = place.part.parameter, written(place.occurrence.term)
+                message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
+                yield place.fault("look-ahead", message, "look at the step itself, or at one before")
+
+
+def _ahead(seen: Dict[int, int], heads: List[Dict[int, int]]) -> Optional[int]:
+    """Return the argument in which an atom is of a later step than all heads of its predicate."""
+    for position, offset in seen.items():
+        if heads and all(position in head and head[position] < offset for head in heads):
+            return position
+    return None
+
+
+def _steps_elsewhere(survey: Survey) -> Iterator[Fault]:
+    """Yield the atom of a predicate whose step is another argument than in all others, of which there are several."""
+    for signature in survey.defining:
+        places = [*survey.defining[signature], *survey.using.get(signature, ())]
+        told = [(one, frozenset(found)) for one in places for found in [_offsets(one, survey)] if found]
+        if len(told) < 4 or any(one for one in places if one.part.parameter and not _offsets(one, survey)):
+            continue
+        for place, positions in told:
+            others: FrozenSet[int] = frozenset.intersection(*(other for one, other in told if one is not place))
+            if others and not others & positions:
+                number = min(others) + 1
+                term = written(place.occurrence.term)
+                message = f"{term} has its step elsewhere: in all others it is argument {number}"
+                yield place.fault("exchanged", message, f"write the step as argument {number}")
+
+
+def _first_steps(survey: Survey) -> Iterator[Fault]:
+    """Yield the facts of steps at which nothing begins: before all that rules look at, or of a step's own rules."""
+    for signature, places in survey.defining.items():
+        heads = [_offsets(one, survey) for one in places if one.part.parameter]
+        seen = [_offsets(one, survey) for one in survey.using.get(signature, ())]
+        for position in set.intersection(*map(set, heads)) if heads else ():
+            least = 1 + min((one[position] for one in [*heads, *seen] if position in one), default=0)
+            for place in places:
+                step = None if place.part.parameter else _number(parted(place.occurrence.term)[1][position], survey)
+                if step is not None and not least <= step < 1:
+                    term = written(place.occurrence.term)
+                    why = "whose own rules define it" if step > 0 else "at which no rule looks"
+                    message = f"{term} is of step {step}, {why}: what holds at first is of step 0"
+                    yield place.fault("first-step", message, "write 0 for the step")
+
+
+def _number(term: AST, survey: Survey) -> Optional[int]:
+    value = evaluate(term, survey.constants)
+    return value.number if value is not None and value.type is clingo.SymbolType.Number else None
+
+
+# ---- the core -------------------------------------------------------------------------------------------------------
+
+
+def _hidden(survey: Survey) -> Iterator[Fault]:
+    """Yield what the core would read, but does not get, as other things are shown."""
+    shown = [one for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
+    names = {one.term.name for one in shown if one.term.ast_type == ASTType.Function}
+    for signature in _READ:
+        hides = survey.shown and signature not in survey.shown and signature.name not in names
+        if hides and signature in survey.defining:
+            message = f"{signature} is not shown, as other predicates are: the core never hears of it"
+            yield survey.defining[signature][0].fault("hidden", message, f"write #show {signature}.")
+
+
+def _like_cancel(survey: Survey) -> Iterator[Fault]:
+    """Yield the requests that look like a cancellation misspelt."""
+    for place in survey.using.get(_REQUEST, ()):
+        term = parted(place.occurrence.term)[1][0]
+        name = term.name if term.ast_type == ASTType.Function and len(term.arguments) == 1 else ""
+        if name != _CANCEL and SequenceMatcher(None, name, _CANCEL).ratio() >= _ALIKE:
+            message = f"nobody asks for {written(term)}: who takes a goal back asks for cancel(Id)"
+            yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
+
+
+def _idle_words(survey: Survey, values: ArgumentValues) -> Iterator[Fault]:
+    """Yield the words for actions that the program does not have."""
+    actions = Actions(survey, values) if _SAYS in survey.defining else None
+    for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():
+        name = parted(place.occurrence.term)[1][0]
+        value = evaluate(name, survey.constants)
+        if value is not None and actions is not None and str(value) not in actions.parameters:
+            message = f"the program has no action {value}"
+            yield fault_at(name, "idle-words", message, likely_value(str(value), list(actions.parameters)))
+
+
+def _returns_of_parameters(survey: Survey) -> Iterator[Fault]:
+    """Yield the returns that a rule looks for by what an action is about rather than by its name."""
+    for _, statement, atoms in survey.statements:
+        acts = [parted(one.term)[1] for one in atoms if one.signature == ACTION and len(parted(one.term)[1]) == 3]
+        names, parameters = {str(one[0]) for one in acts}, {str(one[1]) for one in acts}
+        for one in atoms if statement.ast_type == ASTType.Rule else ():
+            first = parted(one.term)[1][0] if one.signature == RETURN else None
+            if first is not None and first.ast_type == ASTType.Variable and str(first) in parameters - names:
+                message = f"{written(one.term)} asks for an action by its parameter {first}"
+                yield fault_at(first, "exchanged", message, "a return names the action, _return(Action,Value,C)")

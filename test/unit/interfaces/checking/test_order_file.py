@@ -1,0 +1,54 @@
+"""``check --orders``: what people may order is looked at beside the program, and tried by --plan and --verify."""
+
+import json
+import re
+
+import pytest
+from verified_programs import VISITS, more
+
+from rosoclingo.interfaces.checking.robot_files import RobotFiles
+from rosoclingo.oclingo.service import check_command
+from rosoclingo.reasoning.verifying.verify_option import VerifyOption
+
+PROGRAM = more(VISITS, "_status(X,rejected,t) :- _request(ring(X),t+1), place(X).")
+ORDERS = """
+- title: Have a room visited
+  goal: "visit({room})"
+  choices: {room: [hall, den]}
+"""
+
+
+@pytest.fixture
+def ask(tmp_path, capsys):
+    """Run check on the program with a file of orders; return its exit code and output."""
+
+    def run(orders, *options):
+        (tmp_path / "program.lp").write_text(PROGRAM)
+        (tmp_path / "orders.yaml").write_text(orders)
+        words = [str(tmp_path / "program.lp"), "--orders", str(tmp_path / "orders.yaml"), *options]
+        return check_command.main(words, RobotFiles(), VerifyOption()), capsys.readouterr().out
+
+    return run
+
+
+def test_what_people_may_order_is_tried(ask):
+    _, told = ask(ORDERS, "--plan", "--verify", "1")
+    assert "goals: visit(hall) visit(den)\n" in told, "and no other"
+    assert re.findall(r"^(\S+): a plan up to step", told, re.MULTILINE) == ["visit(hall)"]
+
+
+@pytest.mark.parametrize(
+    ("orders", "kind", "line", "words"),
+    [
+        (ORDERS.replace("visit({room})", "visits({room})"), "unheard-order", 3, "rules look at _request(visit(P),t+1)"),
+        (ORDERS.replace("visit({room})", "visit({room},1)"), "unheard-order", 3, "no rule of the program asks for"),
+        (ORDERS.replace("{room: [", "{rom: ["), "configuration", 2, "'room' has to be in the goal"),
+        (ORDERS.replace("den]", "Den]"), "configuration", 4, "'Den' is no ground term"),
+        ("- ]", "configuration", 1, "no YAML"),
+    ],
+)
+def test_orders_that_nobody_can_use(ask, orders, kind, line, words):
+    code, told = ask(orders, "--json")
+    found = [one for one in json.loads(told)["findings"] if one["file"].endswith(".yaml")]
+    assert (code, {(one["kind"], one["line"]) for one in found}) == (1, {(kind, line)})
+    assert any(words in one["message"] for one in found)
