@@ -257,9 +257,8 @@ class ReactiveSolver(ForeseeingSolver):
             spent = {"solve": time.perf_counter() - start, "ground": 0.0}
         if found is None:
             return None
-        step = self.state.step
         outcome, returns = SolveOutcome.SATISFIABLE, self._foreseen(found, self.state, proven=False)
-        result = SolveResult(outcome, found.answers, found.horizon, step, statistics=spent, foreseen=returns)
+        result = SolveResult(outcome, found.answers, found.horizon, self.state.step, (), False, spent, False, returns)
         self._log.plan = result.plan
         self._has_answered(result)
         return result
@@ -338,8 +337,6 @@ class ReactiveSolver(ForeseeingSolver):
             yield
         except RuntimeError as error:
             raise SolverError(explain(error, transaction.grounding, self.program)) from None
-        finally:
-            self._under_way = lambda: 0
         self._grounding = transaction.grounding
 
     def _run(
