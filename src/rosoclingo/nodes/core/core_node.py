@@ -47,6 +47,9 @@ SHUTDOWN_TIME = 5.0
 #: Seconds, of wall time or of ROS time, after which an improvement lets what is due by time be done.
 IMPROVING = 0.5
 
+# Seconds of wall time that actions have been under way before answers to what may come are prepared.
+PREPARING = 0.4
+
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
 CANCEL_GRACE = 0.05
 
@@ -126,7 +129,7 @@ class CoreNode:
         self._parameters = core_parameters()
         self._ending = False
         self._cancels: Set[str] = set()  # keys of goals whose cancel waits
-        self._last_time, self._fault = 0.0, ""
+        self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
         self._clock = PacedClock()
         self._handles = GoalHandles()
         program, odd = load_program(self._parameters)
@@ -266,8 +269,10 @@ class CoreNode:
         self._send()
         while not self._ending and not self._worker.waiting and self._core.advance(self._time()):
             self._send()
+            self._last_cycle = time.monotonic()
         self._send()
-        self._core.prepare()
+        if time.monotonic() - self._last_cycle >= PREPARING:
+            self._core.prepare()
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
 
