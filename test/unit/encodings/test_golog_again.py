@@ -212,7 +212,7 @@ class Play:
 
     def end(self):
         """All is possible again and works: each goal ends."""
-        self.driver.facts("_set(f,now)", *(f"_unset({one},now)" for one in FLUENTS[1:])).finish()
+        self.driver.facts("_set(f,now)", "_set(g,now)", *(f"_unset({one},now)" for one in FLUENTS[2:])).finish()
         for key in self.keys:
             last = (self.driver.states(key) or ["refused"])[-1]
             assert last in ("refused", "rejected", "recalled", "preempted", "succeeded", "aborted"), key
