@@ -111,13 +111,15 @@ class Runs:
             kept = set()
             if not mine or free:  # what is free may have been somebody else's
                 kept = {one for one in programs if mine or not action or not self.interpreter.locked(one)}
+            passed = {one for one in programs if self.interpreter.passes(one, self.state)}
+            kept -= passed
             if mine:
                 event = ("done" if worked else "bad", action)
                 found = [
                     left for one in programs for e, left in self.interpreter.transitions(one, self.state) if e == event
                 ]
                 if RAISE in found:
-                    raised, kept = True, kept | programs
+                    raised, kept = True, kept | (programs - passed)
                 kept |= set(found) - {RAISE}
             after[name] = kept
         self.left = after

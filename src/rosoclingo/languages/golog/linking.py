@@ -125,7 +125,9 @@ class _Linker:
         if signature in self._declared:
             file, other = self._declared[signature]
             where = "" if file == number else f"{self._documents[file].name}, "
-            told = f"procedure {signature[0]} with {arguments(signature[1])} is in {where}line {other.name.line} already"
+            told = (
+                f"procedure {signature[0]} with {arguments(signature[1])} is in {where}line {other.name.line} already"
+            )
             self._fault(number, procedure.name, told, "give one of them another name")
             return
         self._declared[signature] = (number, procedure)

@@ -1,8 +1,8 @@
 """Files of a program that are in a language of their own, by their names' endings: translated as they are read.
 
-A language is a module of :data:`PLACE`, which has two functions: ``read(text, name)`` returns a :class:`Document`, whatever
-the text; ``translate_files(documents, included)`` a :class:`Translation` of each, or raises ProgramError with all faults
-of all of them. ``included`` has for each document, for each of its ``includes``, the numbers of the documents that it
+A language is a module of :data:`PLACE` with two functions: ``read(text, name)`` returns a :class:`Document`, whatever
+the text; ``translate_files(documents, included)`` a :class:`Translation` of each, or raises ProgramError with all
+their faults. ``included`` has for each document, for each of its ``includes``, the numbers of the documents that it
 brings in.
 """
 

@@ -129,7 +129,9 @@ class Collector:
         languages = {number: language_of(one.name) for number, one in self._documents.items()}
         for language in filter(None, dict.fromkeys(languages.values())):
             numbers = [number for number, other in languages.items() if other is language]
-            included = [[self._brought(self._target(one, *way), numbers) for way in self._includes[one]] for one in numbers]
+            included = [
+                [self._brought(self._target(one, *way), numbers) for way in self._includes[one]] for one in numbers
+            ]
             try:
                 documents = [self._documents[number] for number in numbers]
                 for number, one in zip(numbers, translate_documents(language, documents, included)):

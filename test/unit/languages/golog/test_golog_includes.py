@@ -43,7 +43,10 @@ def faults(path):
     """The faults of a program: file, line, column, message and mend."""
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_files([path])
-    return [(one.file.rsplit("/", 1)[-1], one.line, one.column, f"{one.message} ({one.mend})") for one in caught.value.faults]
+    return [
+        (one.file.rsplit("/", 1)[-1], one.line, one.column, f"{one.message} ({one.mend})")
+        for one in caught.value.faults
+    ]
 
 
 DAY = {
