@@ -37,6 +37,13 @@ from rosoclingo.languages.golog.tree import (
 from rosoclingo.oclingo.errors import Fault
 
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_]*")
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
+ROW = 8
+"""So many statements or parts stand in one term; what follows is a term of its own, or terms would have no bound."""
+DEEPEST = 300
+"""So deep may a term be that a statement becomes."""
+ORDERED = 20
+"""So many parts may any order have."""
 
 
 class Declared(NamedTuple):
@@ -63,6 +70,7 @@ class Writer:
     ) -> None:
         self._file, self._stem, self._procedures, self._faults = file, stem, procedures, faults
         self._count = 0
+        self._name = Token("end", "", 1, 1)  # of the procedure that is written
         self._actions: Set[str] = set()
         self._scope = Scope(file)
         self.lines: List[str] = []
@@ -75,14 +83,26 @@ class Writer:
                 self._procedure(procedure)
             except GologError as error:
                 faults.append(error.fault)
+            except RecursionError:
+                faults.append(self._too_deep(procedure.name).fault)
+
+    def _too_deep(self, token: Token) -> GologError:
+        return self._scope.fault(token, "too much within each other", "make procedures of some")
 
     def _add(self, text: str, token: Token) -> None:
+        depth = deepest = 0
+        for sign in re.findall("[()]", _STRING.sub("", text)):
+            depth += 1 if sign == "(" else -1
+            deepest = max(deepest, depth)
+        if deepest > DEEPEST:
+            raise self._too_deep(token)
         self.lines.append(text)
         self.places.append((token.line, token.column))
 
     # ---- procedures ------------------------------------------------------------------------------------------------
 
     def _procedure(self, procedure: Procedure) -> None:
+        self._name = procedure.name
         names = self._scope.inner({}, procedure.parameters)
         parameters = [names[one.token.text] for one in procedure.parameters]
         head = procedure.name.text + (f"({','.join(parameters)})" if parameters else "")
@@ -97,7 +117,7 @@ class Writer:
         if isinstance(one, AnyAction):
             return "any"
         if isinstance(one, Statements):
-            return self._nested("seq", [self._statement(part, names) for part in one.statements]) or "nil"
+            return self._row("seq", [self._statement(part, names) for part in one.statements]) or "nil"
         if isinstance(one, Check):
             return f"{one.token.text}({self._condition(one.token, one.condition, names)})"
         if isinstance(one, Branch):
@@ -109,9 +129,12 @@ class Writer:
             return f"{one.kind}({self._options(one, names)})"
         if isinstance(one, Several):
             parts = [self._statement(part, names) for part in one.parts]
-            return (
-                f"order({self._nested('l', [*parts, 'end'])})" if one.kind == "order" else self._nested(one.kind, parts)
-            )
+            if one.kind != "order":
+                return self._row(one.kind, parts)
+            if len(parts) > ORDERED:
+                told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
+                raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
+            return f"order({self._nested('l', [*parts, 'end'])})"
         return self._around(one, names)
 
     def _around(self, one: Around, names: Names) -> str:
@@ -119,6 +142,16 @@ class Writer:
         if one.number is not None:
             return f"{one.kind}({one.number.text},{body})"
         return f"{one.kind}({body}" + ("" if one.other is None else f",{self._statement(one.other, names)}") + ")"
+
+    def _row(self, kind: str, parts: Sequence[str]) -> str:
+        """Return ``kind(a,kind(b,c))`` for the parts a, b, c; a long one goes on behind calls."""
+        first = (len(parts) - 1) // ROW * ROW
+        text = self._nested(kind, parts[first:])
+        for begin in range(first - ROW, -1, -ROW):
+            rest = self._node(text)
+            self._add(f"golog_body({rest},{text},{STEP}) :- golog_call({rest},{STEP}).", self._name)
+            text = self._nested(kind, [*parts[begin : begin + ROW], f"call({rest})"])
+        return text
 
     @staticmethod
     def _nested(kind: str, parts: Sequence[str]) -> str:
@@ -151,9 +184,7 @@ class Writer:
     def _node(self, *texts: str) -> str:
         """Return a new name with the variables that stand in these texts."""
         self._count += 1
-        found = dict.fromkeys(
-            name for text in texts for name in _VARIABLE.findall(re.sub(r'"(?:[^"\\]|\\.)*"', "", text))
-        )
+        found = dict.fromkeys(name for text in texts for name in _VARIABLE.findall(_STRING.sub("", text)))
         return f"in({','.join([self._stem, str(self._count), *found])})"
 
     def _condition(self, token: Token, condition: Condition, names: Names) -> str:
