@@ -3,15 +3,14 @@
 Two kinds of parts are free in turns. Of a *window* of steps, what lies before it stays and what lies behind it is done
 one step earlier (Shaw's large neighbourhood search, 1998). Where an action is *put off* the plan is left: for some
 steps anything is done but this action, and all is free from there on (a wide form of Harvey and Ginsberg's limited
-discrepancy search, 1995); with ``#heuristic`` the rest is then what these statements advise. A plan that is as long as
-the last one is gone on from, since others may be near it. Which kinds of actions are put off is learnt from what it
-brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). Where a round over the plan brings
-nothing, the next has larger windows and more conflicts. What is found is pushed together: no step is left at which
-nothing is done, where that is a plan.
+discrepancy search, 1995); with ``#heuristic`` the rest is then what these statements advise. Which kinds of actions are
+put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). Where a
+round over the plan brings nothing, the next has larger windows and more conflicts. What is found is pushed together: no
+step is left at which nothing is done, where that is a plan.
 """
 
 from random import Random
-from typing import Callable, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import clingo
 
@@ -77,8 +76,7 @@ class Improvement:
 
     def __init__(self, plan: Plan, step: int, first: int) -> None:
         """Shorten ``plan`` behind ``step``, the present one; no answer may have a horizon before ``first``."""
-        self._best, self._step, self._first = plan, step, first
-        self._plan = plan  # at work: the best one, or another as long
+        self._plan, self._step, self._first = plan, step, first
         self._size, self._conflicts = SIZE, CONFLICTS
         self._random = Random(0)
         self._shortened = False  # in this round
@@ -87,12 +85,9 @@ class Improvement:
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
         """Go on at a later ``step``, if ``plan`` is the one to be shortened; tell whether it is."""
-        same = plan.horizon == self._best.horizon and plan.since(step).actions == self._best.since(step).actions
+        same = plan.horizon == self._plan.horizon and plan.since(step).actions == self._plan.since(step).actions
         if same:
-            since = self._step
-            left = _between(self._plan, since, step) != _between(plan, since, step)  # it can't be done any more
-            self._plan = plan if left else self._plan
-            self._best, self._step, self._first = plan, step, first
+            self._plan, self._step, self._first = plan, step, first
         return same
 
     def run(self, grounding: Grounding, halt: Callable[[], bool]) -> Optional[Search]:
@@ -103,15 +98,10 @@ class Improvement:
             if part is None:
                 break
             given = [*present, *part.given(self._plan.since(self._step + 1))]
-            last, conflicts = self._plan.horizon - 1, self._conflicts
-            if part.put_off is not None:
-                last, conflicts = self._plan.horizon, self._conflicts // FEWER
-            found = self._ask(grounding, halt, min(last, grounding.horizon), given, conflicts)
+            conflicts = self._conflicts if part.put_off is None else self._conflicts // FEWER
+            found = self._ask(grounding, halt, min(self._plan.horizon - 1, grounding.horizon), given, conflicts)
             if found.satisfiable:
-                found = self._take(grounding, halt, present, found)
-                if self._plan.horizon < self._best.horizon:
-                    self._best, self._shortened = self._plan, True
-                    return found
+                return self._take(grounding, halt, present, found)
             if found.satisfiable is False and part == Part(self._step + 1):
                 self._parts = iter(())  # there is none
         return None
@@ -133,6 +123,7 @@ class Improvement:
             sooner = self._ask(grounding, halt, end, [*present, *Part(end + 1).given(plan)], self._conflicts)
             found = sooner if sooner.satisfiable else found
         self._plan = Plan.of(found.answers[-1], found.horizon)
+        self._shortened = True
         return found
 
     # ---- Which parts -------------------------------------------------------------------------------------------------
@@ -167,20 +158,15 @@ class Improvement:
             return
         brought = [self._brought.get(kind, (1, 1)) for kind in kinds]
         (kind,) = self._random.choices(list(kinds), [useful / tried for tried, useful in brought])
-        action, horizon = self._random.choice(kinds[kind]), self._best.horizon
+        action, horizon = self._random.choice(kinds[kind]), self._plan.horizon
         yield Part(cycle_of(action), put_off=action, span=self._random.choice(SPANS))
         tried, useful = self._brought.get(kind, (1, 1))
-        self._brought[kind] = tried + 1, useful + (self._best.horizon < horizon)
+        self._brought[kind] = tried + 1, useful + (self._plan.horizon < horizon)
 
     @property
     def _length(self) -> int:
         """How many steps of the plan lie behind the present."""
         return self._plan.horizon - max(self._step, self._first)
-
-
-def _between(plan: Plan, first: int, last: int) -> FrozenSet[clingo.Symbol]:
-    """Return what ``plan`` does at the steps ``first`` to ``last``."""
-    return plan.since(first).actions - plan.since(last + 1).actions
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
