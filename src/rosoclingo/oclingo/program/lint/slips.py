@@ -30,8 +30,9 @@ _ALIKE = 0.8
 
 def slips(survey: Survey) -> List[Fault]:
     """Return the slips that have to do with no keyword."""
-    found = [*_tautologies(survey), *_looks_ahead(survey), *_steps_elsewhere(survey), *_first_steps(survey)]
-    return [*found, *_lower_case(survey)]
+    steps = _Steps(survey)
+    found = [*_tautologies(survey), *_looks_ahead(survey, steps), *_steps_elsewhere(survey, steps)]
+    return [*found, *_first_steps(survey, steps), *_lower_case(survey)]
 
 
 def slips_of_words(survey: Survey, values: ArgumentValues) -> List[Fault]:
@@ -77,23 +78,36 @@ def _words(statement: AST) -> Iterator[Tuple[str, AST]]:
 # ---- steps ----------------------------------------------------------------------------------------------------------
 
 
-def _offsets(place: Place, survey: Survey) -> Dict[int, int]:
-    """Return the arguments of an atom that are the step plus a number, each with this number."""
-    if not place.part.parameter:
-        return {}
-    arguments = parted(place.occurrence.term)[1]
-    found = {n: time_offset(one, place.part.parameter, survey.constants) for n, one in enumerate(arguments)}
-    return {position: offset for position, offset in found.items() if offset is not None}
+class _Steps:
+    """Which arguments of atoms are the step plus a number, each with this number; found once for each atom."""
+
+    def __init__(self, survey: Survey) -> None:
+        self._constants = survey.constants
+        self._known: Dict[int, Dict[int, int]] = {}  # by the atom's term, which the survey keeps
+
+    def of(self, place: Place) -> Dict[int, int]:
+        """Return them."""
+        key = id(place.occurrence.term)
+        if key not in self._known:
+            self._known[key] = self._find(place)
+        return self._known[key]
+
+    def _find(self, place: Place) -> Dict[int, int]:
+        if not place.part.parameter:
+            return {}
+        arguments = parted(place.occurrence.term)[1]
+        found = {n: time_offset(one, place.part.parameter, self._constants) for n, one in enumerate(arguments)}
+        return {position: offset for position, offset in found.items() if offset is not None}
 
 
-def _looks_ahead(survey: Survey) -> Iterator[Fault]:
+def _looks_ahead(survey: Survey, steps: _Steps) -> Iterator[Fault]:
     """Yield the atoms of rules that belong to a later step, whose rules are not there yet."""
     for signature, used in survey.using.items():
         if survey.is_external(signature) or signature not in survey.defining:
             continue
-        heads = [_offsets(one, survey) for one in survey.defining[signature] if one.part.parameter]
+        heads = [steps.of(one) for one in survey.defining[signature] if one.part.parameter]
         for place in used:
-            ahead = _ahead(_offsets(place, survey), heads) if place.statement.ast_type == ASTType.Rule else None
+            ahead = _ahead(steps.of(place), heads) if place.statement.ast_type == ASTType.Rule else None
             if ahead is not None:
                 step, term = place.part.parameter, written(place.occurrence.term)
                 message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
@@ -108,12 +122,12 @@ def _ahead(seen: Dict[int, int], heads: List[Dict[int, int]]) -> Optional[int]:
     return None
 
 
-def _steps_elsewhere(survey: Survey) -> Iterator[Fault]:
+def _steps_elsewhere(survey: Survey, steps: _Steps) -> Iterator[Fault]:
     """Yield the atom of a predicate whose step is another argument than in all others, of which there are several."""
     for signature in survey.defining:
         places = [*survey.defining[signature], *survey.using.get(signature, ())]
-        told = [(one, frozenset(found)) for one in places for found in [_offsets(one, survey)] if found]
-        if len(told) < 4 or any(one for one in places if one.part.parameter and not _offsets(one, survey)):
+        told = [(one, frozenset(found)) for one in places for found in [steps.of(one)] if found]
+        if len(told) < 4 or any(one for one in places if one.part.parameter and not steps.of(one)):
             continue
         for place, positions in told:
             others: FrozenSet[int] = frozenset.intersection(*(other for one, other in told if one is not place))
@@ -124,11 +138,11 @@ def _steps_elsewhere(survey: Survey) -> Iterator[Fault]:
                 yield place.fault("exchanged", message, f"write the step as argument {number}")
 
 
-def _first_steps(survey: Survey) -> Iterator[Fault]:
+def _first_steps(survey: Survey, steps: _Steps) -> Iterator[Fault]:
     """Yield the facts of steps at which nothing begins: before all that rules look at, or of a step's own rules."""
     for signature, places in survey.defining.items():
-        heads = [_offsets(one, survey) for one in places if one.part.parameter]
-        seen = [_offsets(one, survey) for one in survey.using.get(signature, ())]
+        heads = [steps.of(one) for one in places if one.part.parameter]
+        seen = [steps.of(one) for one in survey.using.get(signature, ())]
         for position in set.intersection(*map(set, heads)) if heads else ():
             least = 1 + min((one[position] for one in [*heads, *seen] if position in one), default=0)
             for place in places:
