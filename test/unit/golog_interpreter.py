@@ -260,26 +260,6 @@ class Interpreter:
             return any(self.rests(one, state) for one in parts[0])
         return any(self.rests(one, state) for one in (parts if kind == "star" else self.within(program, state)))
 
-    def passes(self, program, state):
-        """Whether what a program was waiting for is there, and nothing else can be meant."""
-        kind, *parts = program
-        if kind == "await":
-            return self.holds(parts[0], state)
-        if kind in ("seq", "searching", "try", "rerun", "begun"):
-            return self.passes(parts[0], state)
-        if kind in ("if", "call"):
-            return any(self.passes(one, state) for one in self.within(program, state))
-        if kind == "while":
-            return self.holds(parts[0], state) and self.passes(parts[1], state)
-        if kind == "retry":
-            return self.passes(parts[1], state)
-        if kind in ("conc", "prio"):
-            first, second = parts
-            if not self.locked(second) and self.passes(first, state):
-                return True
-            return kind == "conc" and not self.locked(first) and self.passes(second, state)
-        return False
-
     # ---- whole runs ------------------------------------------------------------------------------------------------
 
     def closure(self, programs, state):
