@@ -108,6 +108,7 @@ def _closed(fluent: Compound) -> Condition:
     found: List[Variable] = []
 
     def named(term: Term) -> Term:
+        """Return a term with a name for each _ in it."""
         if isinstance(term, Compound):
             return replace(term, arguments=tuple(map(named, term.arguments)))
         if isinstance(term, Variable) and term.token.text == "_":

@@ -47,7 +47,7 @@ SHUTDOWN_TIME = 5.0
 #: Seconds, of wall time or of ROS time, after which an improvement lets what is due by time be done.
 IMPROVING = 0.5
 
-# Seconds of wall time that actions have been under way before answers to what may come are prepared.
+#: Seconds of wall time that actions have been under way before answers to what may come are prepared.
 PREPARING = 0.4
 
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.

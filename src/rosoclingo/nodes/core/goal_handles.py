@@ -7,6 +7,7 @@ import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalStatus
 
+from rosoclingo.common.greeting import Greeting
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.nodes.core.board import GoalBoard
@@ -77,18 +78,18 @@ class GoalHandles:
         rospy.loginfo("goal '%s' %s: %s", handle.get_goal().request, outcome.name.lower(), message)
 
 
-class Results(rospy.SubscribeListener):  # type: ignore[misc]
+class Results:
     """Results that may not reach their clients, which connect one by one to a core that goes on: for each that does.
 
     They are of goals that ended before the core was killed, and of those that end before all clients are there again.
     """
 
     def __init__(self, name: str, resumed: bool) -> None:
-        super().__init__()
         self._messages: List[ROSoClingoActionResult] = []
         self._until = time.monotonic() + (RESENT if resumed else 0.0)
         topic = rospy.remap_name(name) + "/result"
-        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, subscriber_listener=self)
+        greeting = Greeting(lambda: list(self._messages))
+        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, subscriber_listener=greeting)
 
     @property
     def awaited(self) -> bool:
@@ -105,11 +106,6 @@ class Results(rospy.SubscribeListener):  # type: ignore[misc]
             return []
         messages, self._messages = self._messages, []
         return [one.status.goal_id.id for one in messages]
-
-    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
-        """Called by rospy when a client has connected."""
-        for message in list(self._messages):
-            publish(message)
 
 
 def status_of(client: Client, goal: Optional[Goal]) -> int:

@@ -63,6 +63,7 @@ def run_command(command: Sequence[str]) -> int:
     early: List[int] = []
 
     def hand_over(number: int, _frame: object) -> None:
+        """Send a signal on, once there is a process."""
         for process in processes:
             process.send_signal(number)
         if not processes:
