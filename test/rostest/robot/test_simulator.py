@@ -10,7 +10,7 @@ from pathlib import Path
 import rospy
 import rostest
 import tf2_ros
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor, SetRobotPose, SetSpeed, StepSimulation
@@ -224,7 +224,7 @@ class SimulatorTest(unittest.TestCase):
         self.assertTrue(self.door("corridor", False).success)
         self.assertTrue(self.put("bin", 5.0, 0.0, 0.2, 0.0, 0.0, 0.0).success)
         self.drive_until(lambda message: message.twist.twist.angular.z > 0.5, 0.0, 1.0)
-        last = self.truth.wait(lambda m: m and m[-1].twist.twist.angular.z == 0.0)[-1]
+        last = self.stop()
         stands = last.pose.pose
         self.assertGreater(stands.orientation.z, math.sin(0.51))
         wait_until(lambda: self.is_kept(stands), "all to be kept")
@@ -235,6 +235,16 @@ class SimulatorTest(unittest.TestCase):
         rospy.ServiceProxy("reset_positions", Empty)()
         self.assertTrue(self.place("", 6.9, 0.0, 0.0).success)
         self.assertLess(self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135], 1.1, "the door is closed")
+
+    def stop(self):
+        """Return where the robot stands after a last command, which turns it back a little: none comes after that."""
+        self.command.publish(Twist(angular=Vector3(z=-0.1)))
+
+        def stands(messages):
+            turned_back = any(message.twist.twist.angular.z < 0.0 for message in messages)
+            return turned_back and messages[-1].twist.twist.angular.z == 0.0
+
+        return self.truth.wait(stands)[-1]
 
     def is_kept(self, pose):
         kept = rospy.get_param("/simulator/kept", {"robots": {}})
