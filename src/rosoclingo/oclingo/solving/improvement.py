@@ -4,9 +4,10 @@ Two kinds of parts are free in turns. Of a *window* of steps, what lies before i
 one step earlier (Shaw's large neighbourhood search, 1998). Where an action is *put off* the plan is left: for some
 steps anything is done but this action, and all is free from there on (a wide form of Harvey and Ginsberg's limited
 discrepancy search, 1995); with ``#heuristic`` the rest is then what these statements advise. Which kinds of actions are
-put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). Where a
-round over the plan brings nothing, the next has larger windows and more conflicts. What is found is pushed together: no
-step is left at which nothing is done, where that is a plan.
+put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). A plan may
+also be far too long, where it was found among many steps only: each round over a long one begins with the question for
+any plan of a quarter and of half the steps. Where a round brings nothing, the next has larger windows and more
+conflicts. What is found is pushed together: no step is left at which nothing is done, where that is a plan.
 """
 
 from random import Random
@@ -30,6 +31,9 @@ PUT_OFFS = 4
 FEWER = 4
 """So many times fewer conflicts it may take to put an action off: that leads to a plan at once or not at all."""
 
+SHARES = (4, 2)
+"""A plan of so many times fewer steps is asked for, with so many times more conflicts, which are cheaper there."""
+
 SPANS = (1, 4, 8, 16, 32, 64)
 """For so many steps an action is put off, one as likely as the other."""
 
@@ -47,6 +51,7 @@ class Part(NamedTuple):
         last: its last one, None where all is free to the end.
         put_off: an action at the first step, not to be done there.
         span: nor within so many steps.
+        share: so many times fewer steps are left to the plan.
 
     """
 
@@ -54,6 +59,7 @@ class Part(NamedTuple):
     last: Optional[int] = None
     put_off: Optional[clingo.Symbol] = None
     span: int = 1
+    share: int = 1
 
     def given(self, plan: Plan) -> Given:
         """Return what is assumed of the actions of ``plan``: those behind the part are done one step earlier."""
@@ -98,12 +104,13 @@ class Improvement:
             if part is None:
                 break
             given = [*present, *part.given(self._plan.since(self._step + 1))]
-            conflicts = self._conflicts if part.put_off is None else self._conflicts // FEWER
-            found = self._ask(grounding, halt, min(self._plan.horizon - 1, grounding.horizon), given, conflicts)
+            conflicts = self._conflicts * part.share // (1 if part.put_off is None else FEWER)
+            last = min(self._plan.horizon - 1, grounding.horizon, self._begin + self._length // part.share)
+            found = self._ask(grounding, halt, last, given, conflicts)
             if found.satisfiable:
                 return self._take(grounding, halt, present, found)
-            if found.satisfiable is False and part == Part(self._step + 1):
-                self._parts = iter(())  # there is none
+            if found.satisfiable is False and part._replace(share=1) == Part(self._step + 1):
+                self._first = last + 1  # there is none up to it
         return None
 
     def _present(self, grounding: Grounding) -> Given:
@@ -142,6 +149,7 @@ class Improvement:
     def _round(self) -> Iterator[Part]:
         """Yield windows from the present to the end, which overlap by half; after each some actions are put off."""
         first = self._step + 1
+        yield from (Part(first, share=share) for share in SHARES if self._length >= 2 * SIZE)
         while first <= self._plan.horizon and self._length > 0:
             last = first + self._size - 1
             yield Part(first, last if last < self._plan.horizon else None)
@@ -165,8 +173,13 @@ class Improvement:
 
     @property
     def _length(self) -> int:
-        """How many steps of the plan lie behind the present."""
-        return self._plan.horizon - max(self._step, self._first)
+        """How many steps of the plan might be left out."""
+        return self._plan.horizon - self._begin
+
+    @property
+    def _begin(self) -> int:
+        """The least horizon that a shorter plan might have."""
+        return max(self._step, self._first)
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:

@@ -32,6 +32,12 @@ Where one was not enough the next may take twice as many; but while there is no 
 search, only more steps help: with enough of them there are next to no conflicts.
 """
 
+EFFORT = 20_000
+"""Conflicts times steps that a question for any plan may take, at first, if that is more.
+
+A conflict among few steps is cheap, more steps make all that follows dearer, and what ``#heuristic`` says may mislead.
+"""
+
 PROOF_AGAIN = 0.1
 """Part of the time that is given to prove once more that a plan that went on as foreseen is the shortest."""
 
@@ -123,16 +129,17 @@ class PlanSearch(HorizonSearch):
 
     def _find(self, transaction: Transaction) -> Search:
         """Let the horizon grow until there is a plan or no more may be grounded."""
-        conflicts = CONFLICTS
+        harder = 1
         while True:
-            more = transaction.may_grow()
+            more, steps = transaction.may_grow(), transaction.state.horizon - transaction.state.step + 1
+            conflicts = harder * max(CONFLICTS, EFFORT // max(1, steps))
             found = self._any(transaction, conflicts if more and self._block > 1 else None)
             if found.satisfiable:
                 self._take(transaction, found)
                 return found
             if self.permanent or not more:
                 return found
-            conflicts *= 1 if found.satisfiable is False or transaction.program.advises else 2
+            harder *= 1 if found.satisfiable is False or transaction.program.advises else 2
             for _ in self._grow(transaction, refuted=found.satisfiable is False):
                 if self._caller_halts():
                     return Search(None)

@@ -51,7 +51,10 @@ class Asked:
 
 @pytest.fixture(autouse=True)
 def put_offs(monkeypatch):
-    """No action is put off, where a test does not say otherwise; what was drawn from: weights, and things."""
+    """No action is put off and no far shorter plan asked for, where a test does not say otherwise.
+
+    Returns what was drawn from: weights, and things.
+    """
     drawn = []
 
     class Second:
@@ -69,7 +72,35 @@ def put_offs(monkeypatch):
 
     monkeypatch.setattr(improvement, "Random", Second)
     monkeypatch.setattr(improvement, "PUT_OFFS", 0)
+    monkeypatch.setattr(improvement, "SHARES", ())
     return drawn
+
+
+@pytest.mark.parametrize(
+    ("horizon", "replies", "asked"),
+    [
+        (41, [], ["1..11/400", "1..21/200", "1..40/100 +19 +40"]),
+        (33, [], ["1..9/400", "1..17/200", "1..32/100 +19 +40"]),
+        (32, [], ["1..31/100 +19 +40"]),
+        (41, [NONE], ["1..11/400", "12..40/100 +19 +40"]),
+        (61, [NONE], ["1..16/400", "17..39/200", "17..60/100 +19 +40"]),
+        (41, [OPEN, NONE], ["1..11/400", "1..21/200", "22..40/100 +19 +40"]),
+    ],
+    ids=["long", "just", "short", "none so short", "still long", "nor half as long"],
+)
+def test_of_a_long_plan_first_any_far_shorter_one_is_asked_for(monkeypatch, horizon, replies, asked):
+    monkeypatch.undo()
+    monkeypatch.setattr(improvement, "PUT_OFFS", 0)
+    solver = Asked(*replies)
+    assert Improvement(plan(horizon, 2, 5, 20, 41), 1, 1).run(solver, solver.halt_after(len(asked))) is None
+    assert solver.asked == asked
+
+
+def test_a_far_shorter_plan_is_taken(monkeypatch):
+    monkeypatch.undo()
+    asked = Asked(found(9, 2, 9), OPEN)
+    assert Improvement(plan(41, 2, 5, 20, 41), 1, 1).run(asked, asked.halt_after(9)).horizon == 9
+    assert asked.asked == ["1..11/400", "1..3/100 +2 +3"]
 
 
 def test_windows_overlap_by_half():

@@ -5,11 +5,18 @@ from types import SimpleNamespace
 import pytest
 
 from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo.solving import plan_search
 from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.plan_search import PlanSearch, TimeLimit
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 FOREVER = float("inf")
+
+
+@pytest.fixture(autouse=True)
+def few_conflicts(monkeypatch):
+    """The first plan is looked for with as few conflicts as a shorter one, where a test does not say otherwise."""
+    monkeypatch.setattr(plan_search, "EFFORT", 0)
 
 
 def actions(*cycles):
@@ -112,6 +119,23 @@ def run(world, last=None, seconds=FOREVER, block=8, models=1, foreseen=False):
 def test_any_plan_is_found_by_more_steps(world, horizon, asked):
     """A quarter more of those to come, or a block; where a plan idles at its end that is left out, if it can be."""
     assert run(world, seconds=0)[::2] == (horizon, asked)
+
+
+@pytest.mark.parametrize(
+    ("steps", "needed", "advises", "asked"),
+    [
+        (20, 999, True, "1..20/1000 >29 21..29/689"),
+        (39, 480, False, "1..39/512 >58 40..58/344"),
+        (20, 9999, True, "1..20/1000 >28 1..28/714 >36 1..36/555"),
+        (20, 9999, False, "1..20/1000 >28 1..28/1428 >36 1..36/2220"),
+        (300, 99, True, "1..300/100"),
+    ],
+    ids=["few", "more", "too hard", "the harder", "many"],
+)
+def test_the_fewer_the_steps_the_more_conflicts_a_first_plan_may_take(monkeypatch, steps, needed, advises, asked):
+    monkeypatch.setattr(plan_search, "EFFORT", 20_000)
+    world = World({}, horizon=steps, hard={1: needed}, most=600, advises=advises, halts=asked.count("/"))
+    assert run(world)[::2] == (None, asked)
 
 
 @pytest.mark.parametrize(

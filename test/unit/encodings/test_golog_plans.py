@@ -1,0 +1,42 @@
+"""Plans where control programs and what ``#heuristic`` advises disagree."""
+
+from pathlib import Path
+
+import pytest
+from golog_programs import ENCODINGS
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo.progression.parser import parse_updates
+from rosoclingo.oclingo.solving import plan_search
+
+LOW_BATTERY = Path(__file__).resolve().parents[2] / "data" / "mailbot_day_low_battery.txt"
+SHORTEST = 17
+
+
+@pytest.fixture(scope="module")
+def program():
+    return ReactiveProgram.from_files(
+        [ENCODINGS / name for name in ("mailbot.lp", "office.lp", "golog/mailbot_day.golog")]
+    )
+
+
+def after_stream(program):
+    """A solver that has answered the updates, with as little time as there may be, and its last result."""
+    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=0.0)
+    for update in parse_updates(LOW_BATTERY.read_text()):
+        result = solver.update(update)
+    return solver, result
+
+
+def test_advice_that_misleads_makes_no_plan_many_times_too_long(program):
+    assert after_stream(program)[1].horizon <= 2 * SHORTEST
+
+
+def test_a_plan_that_is_many_times_too_long_is_shortened(program, monkeypatch):
+    monkeypatch.setattr(plan_search, "EFFORT", 0)
+    solver, result = after_stream(program)
+    assert result.horizon > 5 * SHORTEST, "there is nothing to shorten"
+    looks = iter(range(2000))
+    better = solver.improve(lambda: next(looks, None) is None)
+    assert better is not None
+    assert better.horizon <= 3 * SHORTEST
