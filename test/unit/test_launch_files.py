@@ -11,6 +11,7 @@ from roslaunch.config import ROSLaunchConfig  # noqa: E402
 from roslaunch.core import RLException  # noqa: E402
 from roslaunch.xmlloader import XmlLoader  # noqa: E402
 
+pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
 SIM = {"rosoclingo": ("rosoclingo", "simulator"), "stage": ("rosoclingo", "stage"), "none": None}
 NAV = {"rosoclingo": ("rosoclingo", "move_base"), "move_base": ("move_base", "move_base"), "none": None}
