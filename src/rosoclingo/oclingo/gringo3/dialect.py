@@ -52,6 +52,7 @@ class _Group:
     commas: int = 0
     semicolons: int = 0
     comparisons: int = 0
+    comma: Optional[Token] = None  # the first one between elements in braces
 
 
 def findings(statement: Sequence[Token]) -> Iterator[Finding]:
@@ -136,6 +137,8 @@ class _Scanner:
             group = self._groups.pop()
             if group.bracket == "(" and group.semicolons and self._pool_differs(group):
                 yield Finding(Sign.CONFLICT, group.opening, "a pool")
+            elif group.comma is not None and not group.semicolons:  # both is a slip in either language
+                yield Finding(Sign.GRINGO3, group.comma, "',' between elements")
 
     def _pool_differs(self, group: _Group) -> bool:
         """A pool reads alike in a plain head and in ``#external`` if it is the only argument."""
@@ -159,6 +162,7 @@ class _Scanner:
             yield from self._comma(group, token)
         elif text == ";":
             yield Finding(Sign.CLINGO5, token, "';' between elements")
+            group.semicolons += bool(group.bracket)
             group.first_in_segment, group.colons, group.comparisons = True, 0, 0
         elif text in ("|", ":-"):
             self._head_mark(group, text)
@@ -201,7 +205,7 @@ class _Scanner:
         elif group.colons:
             yield Finding(Sign.CONFLICT, token, "',' after a condition")
         elif group.bracket == "{" and not group.name:
-            yield Finding(Sign.GRINGO3, token, "',' between elements")
+            group.comma = group.comma or token
 
 
 _PRAGMA = re.compile(r"\s*dialect\s*:\s*(gringo|clingo)\s*([35])\s*$")

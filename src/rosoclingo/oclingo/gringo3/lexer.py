@@ -8,6 +8,7 @@ found again by the tokens' offsets.
 import enum
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Iterator, List, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
@@ -68,9 +69,14 @@ _KINDS = {name: Kind[name] for name in (*_TOKEN.groupindex, "UNKNOWN") if name i
 
 def tokens(text: str) -> List[Token]:
     """All tokens of a text; the last one is of kind :attr:`Kind.END`."""
+    return list(_tokens(text))
+
+
+@lru_cache(maxsize=32)  # a program's texts are asked for several times, by what it includes and by its checks
+def _tokens(text: str) -> Tuple[Token, ...]:
     lines = _LineCounter(text)
     found = [lines.token(kind, start, end) for kind, start, end in _matches(text)]
-    return [*found, lines.token(Kind.END, len(text), len(text))]
+    return (*found, lines.token(Kind.END, len(text), len(text)))
 
 
 def comments(text: str) -> Iterator[str]:

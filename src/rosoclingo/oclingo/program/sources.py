@@ -12,6 +12,7 @@ from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
+from rosoclingo.oclingo.program.endings import ended_before
 from rosoclingo.oclingo.program.languages import Translation, translation_of
 from rosoclingo.oclingo.progression.terms import parse_term
 
@@ -118,7 +119,7 @@ def _parse(
     try:
         parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
     except RuntimeError as error:
-        faults.extend(_named(fault, name) for fault in messages.faults(error))
+        faults.extend(ended_before(_named(fault, name), text) for fault in messages.faults(error))
     for statement in statements:
         _relocate(statement, name, translation)
     return Parsed(source, statements)

@@ -42,7 +42,11 @@ _ALL = {
     # predicates and what they are about
     "undefined": (WARNING, "a predicate that no rule and no #external defines, so that it is never true"),
     "unused": (WARNING, "a predicate that nothing looks at and nothing shows, in a program with #show"),
-    "misspelt": (WARNING, "a predicate that nothing looks at, and whose name is like that of one that is looked at"),
+    "misspelt": (
+        WARNING,
+        "a predicate that nothing looks at, or a constant or variable that stands once, with a name like another's",
+    ),
+    "mark": (WARNING, "a comma, dot, colon or semicolon that makes another statement of what is written"),
     "unfounded": (WARNING, "a predicate whose rules all need what follows from it alone, so that it is never true"),
     "no-match": (WARNING, "an atom with a value that no rule and no #external gives the predicate"),
     "contradiction": (WARNING, "a body that holds an atom and its negation, or a comparison that never holds"),
@@ -51,6 +55,8 @@ _ALL = {
     "lower-case": (WARNING, "a name that is that of a variable of its rule but for its case, and stands nowhere else"),
     # steps
     "no-step": (WARNING, "a head in the part of steps without its step: the rules of two steps may define it in a run"),
+    "at-the-end": (WARNING, "a head in the volatile part that the core reads: it holds at a plan's last step alone"),
+    "other-step": (WARNING, "an action of another step than its rule or its return, an end of which no step is asked"),
     "look-ahead": (WARNING, "an atom of a later step, whose rules are not there yet"),
     "first-step": (WARNING, "a fact of a predicate of steps that is of no step, or of one whose rules define it"),
     "history": (WARNING, "a look back at all steps: no cycle is ever over, a long run grows without end"),

@@ -52,6 +52,40 @@ def _likeness(one: str, other: str) -> float:
     return SequenceMatcher(None, one, other).ratio()
 
 
+# ---- words: one letter -------------------------------------------------------------------------------------------
+
+
+def is_slip(text: str, other: str, shortest: int = 4) -> bool:
+    """Tell whether a word is another one but for one letter: left out, doubled, added, changed or exchanged.
+
+    What names of a row differ by is no slip: a digit, an ``s`` at the end, the last letter, a letter by itself.
+    """
+    if text == other or min(len(text), len(other)) < shortest or abs(len(text) - len(other)) > 1:
+        return False
+    start = next((n for n, pair in enumerate(zip(text, other)) if pair[0] != pair[1]), min(len(text), len(other)))
+    if len(text) != len(other):
+        return _is_added(min(text, other, key=len), max(text, other, key=len), start)
+    pair, its = text[start : start + 2], other[start : start + 2]
+    if pair == its[::-1] and text[start + 2 :] == other[start + 2 :]:
+        return not set(pair) & _OF_ROWS
+    within = start < len(text) - 1 and len(text) > shortest and text[start + 1 :] == other[start + 1 :]
+    return within and not {text[start], other[start]} & _OF_ROWS and not _is_alone(text, start)
+
+
+def _is_added(shorter: str, longer: str, place: int) -> bool:
+    """Tell whether the longer word has one letter more, at the place, which is none that tells names of a row apart."""
+    plural = place == len(shorter) and longer.endswith("s")
+    of_rows = longer[place] != "_" and longer[place] in _OF_ROWS
+    return longer[place + 1 :] == shorter[place:] and not of_rows and not plural
+
+
+def _is_alone(text: str, place: int) -> bool:
+    """Tell whether a letter stands by itself in a name of several words."""
+    return (place == 0 or text[place - 1] == "_") and text[place + 1] == "_"
+
+
+_OF_ROWS = frozenset("0123456789_'")  # by which the names of a row differ
+
 # ---- words ----------------------------------------------------------------------------------------------------------
 
 

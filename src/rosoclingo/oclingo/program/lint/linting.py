@@ -4,14 +4,19 @@ from typing import Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program import checks
+from rosoclingo.oclingo.program.languages import translation_of
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.constants import words_for_numbers
+from rosoclingo.oclingo.program.lint.exchanged import exchanged, exchanged_words
 from rosoclingo.oclingo.program.lint.kinds import ERROR, KINDS, WARNING, Finding
+from rosoclingo.oclingo.program.lint.marks import odd_choices, odd_marks
+from rosoclingo.oclingo.program.lint.other_steps import early_ends, other_steps
 from rosoclingo.oclingo.program.lint.predicates import contradictions, never_matching, unfounded, unused
 from rosoclingo.oclingo.program.lint.silence import Silences
 from rosoclingo.oclingo.program.lint.slips import slips, slips_of_words
 from rosoclingo.oclingo.program.lint.steps import histories, stepless
-from rosoclingo.oclingo.program.lint.talk import missing_words, statuses
+from rosoclingo.oclingo.program.lint.talk import missing_words, statuses, told_at_the_end
+from rosoclingo.oclingo.program.lint.words import odd_words
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
@@ -41,13 +46,21 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
     found += [*unused(survey), *never_matching(survey, values), *unfounded(survey, values), *contradictions(survey)]
     found += [*stepless(survey), *slips(survey), *words_for_numbers(survey)]
+    found += [*exchanged(survey), *odd_choices(survey)]
+    found += odd_marks([(one.name, one.text) for one in program.texts if translation_of(one.text, one.name) is None])
     if checks.uses_keywords(program.parts) if core is None else core:
         found += [
             *missing_words(survey),
             *statuses(survey, values),
+            *told_at_the_end(survey),
             *histories(survey),
+            *exchanged_words(survey),
+            *other_steps(survey),
+            *early_ends(survey),
             *slips_of_words(survey, values),
         ]
+    told = {(one.file, one.line, one.column) for one in found}
+    found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in told]
     proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
     return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
 

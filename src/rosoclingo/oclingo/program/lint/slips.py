@@ -177,8 +177,12 @@ def _like_cancel(survey: Survey) -> Iterator[Fault]:
     """Yield the requests that look like a cancellation misspelt."""
     for place in survey.using.get(_REQUEST, ()):
         term = parted(place.occurrence.term)[1][0]
-        name = term.name if term.ast_type == ASTType.Function and len(term.arguments) == 1 else ""
-        if name != _CANCEL and SequenceMatcher(None, name, _CANCEL).ratio() >= _ALIKE:
+        size = len(term.arguments) if term.ast_type == ASTType.Function else 0
+        name = term.name if size else ""
+        if name == _CANCEL and size != 1:
+            message = f"{written(term)} has {size} arguments: who takes a goal back asks for cancel(Id)"
+            yield fault_at(term, "misspelt", message, f"write {_CANCEL}(Id)")
+        elif size == 1 and name != _CANCEL and SequenceMatcher(None, name, _CANCEL).ratio() >= _ALIKE:
             message = f"nobody asks for {written(term)}: who takes a goal back asks for cancel(Id)"
             yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
 

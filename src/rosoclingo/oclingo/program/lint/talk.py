@@ -6,6 +6,7 @@ import clingo
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
 from rosoclingo.oclingo.program.lint.likeness import likely_value
 from rosoclingo.oclingo.program.lint.survey import Survey, written
@@ -37,6 +38,16 @@ def missing_words(survey: Survey) -> List[Fault]:
 def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
     """Return a fault of the program as a whole: it is told at the first line, where it can be silenced."""
     return Fault(survey.first_file, 1, 1, message, mend, kind)
+
+
+def told_at_the_end(survey: Survey) -> List[Fault]:
+    """Return the rules for what the core reads that hold at the last step of a plan alone."""
+    found = []
+    for place in (one for signature in KEYWORDS.values() for one in survey.defining.get(signature, ())):
+        if place.part.name == "volatile":
+            message = f"{written(place.occurrence.term)} holds at the last step of a plan alone: its rule is volatile"
+            found.append(place.fault("at-the-end", message, "write #program cumulative(t). before the rule"))
+    return found
 
 
 def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:

@@ -173,7 +173,10 @@ def common(one: FrozenSet[clingo.Symbol], other: FrozenSet[clingo.Symbol]) -> Fr
     if not any(map(is_open, one)) and not any(map(is_open, other)):
         return one & other
     return frozenset(
-        value for mine, its in ((one, other), (other, one)) for value in mine if any(_may_equal(value, x) for x in its)
+        value
+        for mine, its in ((one, other), (other, one))
+        for value in mine
+        if value in its or any(_may_equal(value, x) for x in its)
     )
 
 

@@ -1,0 +1,65 @@
+"""Steps that do not belong together: those of an action and its return or its rule, of an end and what is asked."""
+
+from typing import Iterator, List, Optional, Sequence
+
+from clingo.ast import AST, ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.lint.argument_values import parted
+from rosoclingo.oclingo.program.lint.survey import OWN, Survey, fault_at, written
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.signatures import Occurrence
+
+_KIND = "other-step"
+
+
+def other_steps(survey: Survey) -> Iterator[Fault]:
+    """Yield the actions whose step is another than that of their return, or than that of the rule that plans them."""
+    for part, statement, found in survey.statements:
+        if part.parameter and statement.ast_type == ASTType.Rule:
+            acts = [one for one in found if one.signature == ACTION]
+            returns = [one for one in found if one.signature == RETURN and not one.head]
+            yield from (_planned(part, one, survey) for one in acts if one.head and _step(part, one, survey))
+            for act in acts:
+                yield from _apart(part, act, returns, survey)
+
+
+def _step(part: Part, atom: Occurrence, survey: Survey) -> Optional[int]:
+    """Return how far an atom of a keyword is from the step, None where that is open."""
+    return time_offset(parted(atom.term)[1][-1], part.parameter, survey.constants)
+
+
+def _planned(part: Part, act: Occurrence, survey: Survey) -> Fault:
+    message = f"{written(act.term)} is an action of another step than {part.parameter}, at which it is planned"
+    return fault_at(act.term, _KIND, message, f"write {part.parameter} for its cycle")
+
+
+def _apart(part: Part, act: Occurrence, returns: Sequence[Occurrence], survey: Survey) -> Iterator[Fault]:
+    """Yield a return of an action of the same rule that has another cycle."""
+    mine, name = _step(part, act, survey), str(parted(act.term)[1][0])
+    same = [one for one in returns if str(parted(one.term)[1][0]) == name]
+    steps = [_step(part, one, survey) for one in same]
+    if mine is not None and None not in steps and same and mine not in steps:
+        message = f"{written(same[0].term)} is no return of {written(act.term)}, which has another cycle"
+        yield fault_at(same[0].term, _KIND, message, "an action and its return have the same cycle")
+
+
+def early_ends(survey: Survey) -> Iterator[Fault]:
+    """Yield the constraints on a plan's end of which no atom is of its last step, though all have a step."""
+    for part, statement, found in survey.statements:
+        if part.name == "volatile" and statement.ast_type == ASTType.Rule and _is_constraint(statement):
+            steps = [_steps(part, one, survey) for one in found if not one.signature.name.startswith(OWN)]
+            if steps and all(one and max(one) < 0 for one in steps):
+                message = f"nothing of this is of step {part.parameter}: a plan's last step is not asked for"
+                yield fault_at(statement, _KIND, message, f"write {part.parameter} for the step")
+
+
+def _is_constraint(statement: AST) -> bool:
+    return statement.head.ast_type == ASTType.Literal and statement.head.atom.ast_type == ASTType.BooleanConstant
+
+
+def _steps(part: Part, atom: Occurrence, survey: Survey) -> List[int]:
+    found = [time_offset(one, part.parameter, survey.constants) for one in parted(atom.term)[1]]
+    return [one for one in found if one is not None]

@@ -1,0 +1,113 @@
+"""Constants and variables that stand once and look like slips of others."""
+
+from collections import Counter
+from typing import Dict, Iterator, List, NamedTuple, Set, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.lint.likeness import asked, is_slip
+from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
+
+_PLAIN = clingo.SymbolType.Function
+_DIGITS = "0123456789"
+
+Slot = Tuple[object, int]
+"""An argument's place: the predicate, or the name and number of arguments of a term, and the position."""
+
+
+class _Word(NamedTuple):
+    """A constant or a variable in a statement."""
+
+    text: str
+    node: AST
+    slot: Slot
+
+
+def odd_words(survey: Survey) -> List[Fault]:
+    """Return the constants and variables that stand once in the program and are a letter away from others."""
+    constants, variables = _Words(), _Words()
+    for part, _, found in survey.statements:
+        for one in found:
+            for word in _words(one.term, one.signature):
+                if word.node.ast_type == ASTType.Variable:
+                    variables.add(word)
+                elif word.text not in survey.constants and word.text != part.parameter:
+                    constants.add(word)
+    return [*_constants(constants), *_variables(variables)]
+
+
+class _Words:
+    """Words with their places."""
+
+    def __init__(self) -> None:
+        self.count: Counter = Counter()
+        self.slots: Dict[str, Set[Slot]] = {}
+        self._first: Dict[str, _Word] = {}
+
+    def add(self, word: _Word) -> None:
+        """Take one."""
+        self.count[word.text] += 1
+        self.slots.setdefault(word.text, set()).add(word.slot)
+        self._first.setdefault(word.text, word)
+
+    def lonely(self) -> Iterator[_Word]:
+        """Yield those that stand once."""
+        for text, word in self._first.items():
+            if self.count[text] == 1 and word.node.location.begin.filename != LABELS:
+                yield word
+
+
+def _constants(words: _Words) -> Iterator[Fault]:
+    for word in words.lonely():
+        near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
+        meant = max(near, key=lambda one: words.count[one], default=None)
+        if meant is not None:
+            yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
+
+
+def _may_be_meant(word: _Word, other: str, words: _Words) -> bool:
+    """Tell whether another word stands more often, or lacks where this one stands and is of a longer row."""
+    if words.count[other] > 1:
+        return True
+    rows = Counter(one.rstrip(_DIGITS) for one in words.count)
+    lacks = word.slot not in words.slots[other]
+    return lacks and rows[word.text.rstrip(_DIGITS)] <= rows[other.rstrip(_DIGITS)]
+
+
+def _variables(words: _Words) -> Iterator[Fault]:
+    for word in words.lonely():
+        near = [
+            other
+            for other, count in words.count.items()
+            if count > 2 and word.slot in words.slots[other] and _is_slip_of_variable(word.text, other)
+        ]
+        if near:
+            meant = max(near, key=lambda one: words.count[one])
+            yield fault_at(word.node, "misspelt", f"the variable {word.text} stands nowhere else", asked(meant))
+
+
+def _is_slip_of_variable(text: str, other: str) -> bool:
+    if text.lower() == other.lower():
+        return text != other and len(text) > 1
+    return is_slip(text, other, shortest=2)
+
+
+def _words(term: AST, owner: object) -> Iterator[_Word]:
+    """Yield the constants and variables that are arguments in an atom, or in terms that are."""
+    bare = term.argument if term.ast_type == ASTType.UnaryOperation else term
+    for position, argument in enumerate(bare.arguments if bare.ast_type == ASTType.Function else ()):
+        kind = argument.ast_type
+        if kind == ASTType.Variable:
+            if argument.name != "_":
+                yield _Word(argument.name, argument, (owner, position))
+        elif kind == ASTType.SymbolicTerm:
+            symbol = argument.symbol
+            if symbol.type is _PLAIN and not symbol.arguments and symbol.name:
+                yield _Word(symbol.name, argument, (owner, position))
+        elif kind == ASTType.Function:
+            yield from _words(argument, (argument.name, len(argument.arguments)))
+        elif kind == ASTType.Pool:
+            for one in argument.arguments:
+                yield from _words(one, (owner, position))
