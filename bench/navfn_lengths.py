@@ -1,4 +1,4 @@
-"""Measures the ways of navfn's class NavFn, without a master, on the shipped maps beside those of this package's planner.
+"""Measures ways by navfn's class NavFn, without a master, on the shipped maps beside those of this package's planner.
 
 Needs g++ and a catkin workspace in which the navigation stack is built; only its library is called. With --write the
 lengths become what test/unit/robot/navigation/test_navfn_lengths.py holds the planner to.

@@ -9,14 +9,14 @@ from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.constants import words_for_numbers
 from rosoclingo.oclingo.program.lint.exchanged import exchanged, exchanged_words
 from rosoclingo.oclingo.program.lint.kinds import ERROR, KINDS, WARNING, Finding
-from rosoclingo.oclingo.program.lint.marks import odd_choices, odd_marks
+from rosoclingo.oclingo.program.lint.lone_names import odd_words
 from rosoclingo.oclingo.program.lint.other_steps import early_ends, other_steps
 from rosoclingo.oclingo.program.lint.predicates import contradictions, never_matching, unfounded, unused
+from rosoclingo.oclingo.program.lint.punctuation import odd_choices, odd_marks
 from rosoclingo.oclingo.program.lint.silence import Silences
 from rosoclingo.oclingo.program.lint.slips import slips, slips_of_words
 from rosoclingo.oclingo.program.lint.steps import histories, stepless
 from rosoclingo.oclingo.program.lint.talk import missing_words, statuses, told_at_the_end
-from rosoclingo.oclingo.program.lint.words import odd_words
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
