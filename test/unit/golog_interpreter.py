@@ -114,6 +114,7 @@ class Interpreter:
         found = [
             (event, self._with(left, lambda left: ("seq", left, second))) for event, left in self._of(first, state)
         ]
+        found += [(None, second)] if self.over(first, state) else []
         return found + (list(self._of(second, state)) if self.final(first, state) else [])
 
     def _if(self, program, state):
@@ -259,6 +260,39 @@ class Interpreter:
         if kind == "order":
             return any(self.rests(one, state) for one in parts[0])
         return any(self.rests(one, state) for one in (parts if kind == "star" else self.within(program, state)))
+
+    def over(self, program, state):
+        """Whether a program has ended, and nothing else can be meant."""
+        kind, *parts = program
+        if kind == "while":
+            return not self.holds(parts[0], state)
+        if kind in ("seq", "conc", "prio"):
+            return all(self.over(one, state) for one in parts)
+        if kind in ("if", "call") or kind in WRAPS:
+            return all(self.over(one, state) for one in self.within(program, state))
+        return program in (("nil",), ("order", ()))
+
+    def passes(self, program, state):
+        """Whether what a program was waiting for is there, or a part of it over, and nothing else can be meant."""
+        kind, *parts = program
+        if kind == "await":
+            return self.holds(parts[0], state)
+        if kind == "seq" and self.over(parts[0], state):
+            return True
+        if kind in ("seq", "searching", "try", "rerun", "begun"):
+            return self.passes(parts[0], state)
+        if kind in ("if", "call"):
+            return any(self.passes(one, state) for one in self.within(program, state))
+        if kind == "while":
+            return self.holds(parts[0], state) and self.passes(parts[1], state)
+        if kind == "retry":
+            return self.passes(parts[1], state)
+        if kind in ("conc", "prio"):
+            first, second = parts
+            if not self.locked(second) and self.passes(first, state):
+                return True
+            return kind == "conc" and not self.locked(first) and self.passes(second, state)
+        return False
 
     # ---- whole runs ------------------------------------------------------------------------------------------------
 

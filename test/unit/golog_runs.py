@@ -2,45 +2,96 @@
 
 from golog_interpreter import RAISE, Interpreter
 
+REJECTED = "rejected"
+STUCK = 'canceled("not all that was begun could be undone")'
 TRIES = 3  # so often in a row an action fails before it is given up
 
 
 class Runs:
     """Programs that were asked for, in the order in which they came; ``left`` is all that may be left of each.
 
-    A step is ``begin``, which tells who ends, then ``act``. ``how`` tells what has become of a program.
+    What was asked for as NAME is ("run", NAME) there, what is done for it since it was cancelled ("undo", NAME). A step
+    is ``begin``, which tells who ends, then ``act``. ``how`` tells what has become of the last request of a name.
     """
 
     def __init__(self, domain, procedures, state=frozenset()):
         self.interpreter = Interpreter(domain, procedures)
         self.domain, self.state = domain, state
-        self.left, self.how, self.fails = {}, {}, {}
-
-    def start(self, name, program):
-        """A program begins."""
-        self.left[name], self.how[name] = {program}, "accepted"
-        self.fails = {}
+        self.left, self.how, self.fails, self.owed = {}, {}, {}, set()
 
     def happen(self, fluent, value):
         """Somebody else makes a fluent true, or false."""
         self.state = self.state | {fluent} if value else self.state - {fluent}
 
-    def begin(self, cancelled=()):
-        """A step begins: tests pass, programs end, or are cancelled."""
-        self.interpreter.lose(action for action, times in self.fails.items() if times >= TRIES)
-        for name in list(self.left):
-            self._reach(name)
-            if name in self.left and name in cancelled:
-                undo = {undoing(one) for one in self.left.pop(name)}
-                self.fails = {}
-                self.left[name, "undone"] = undo
-                self._reach((name, "undone"))
+    def begin(self, asked=None, cancelled=(), free=False):
+        """A step begins: tests pass, programs end.
 
-    def _reach(self, name):
-        self.left[name] = self.interpreter.closure(self.left[name], self.state)
-        if any(self.interpreter.final(one, self.state) for one in self.left[name]):
-            del self.left[name]
-            self.how[name[0] if name[1:] else name] = "canceled" if name[1:] else "succeeded"
+        Before that programs are ``asked`` for by names of which none runs, None for one that there is not, and those of
+        names are ``cancelled``; of both at once the cancel counts.
+        """
+        asked = asked or {}
+        if asked or cancelled:
+            self.fails = {}
+        self.interpreter.lose(action for action, times in self.fails.items() if times >= TRIES)
+        owed, self.owed = self.owed, {name for name in self.owed if ("undo", name) in self.left} - set(asked)
+        self.how = {name: how for name, how in self.how.items() if name not in asked and how != REJECTED}
+        kept = dict(self.left)
+        for name in sorted(asked):
+            self._ask(name, asked[name], name in cancelled)
+        over = self._over(set(cancelled))
+        for name in sorted(over):
+            undo = {undoing(one) for one in over[name]}
+            earlier = kept.get(("undo", name))
+            self.left.pop(("undo", name), None)
+            self.left["undo", name] = {("conc", one, new) for one in earlier for new in undo} if earlier else undo
+            self.owed |= set() if name in asked else {name}
+        self._end_undos({name for name in owed if name in cancelled and name not in asked}, free)
+
+    def _ask(self, name, program, cancelled):
+        if program is None:
+            self.how[name] = REJECTED
+        elif cancelled:
+            self.how[name] = "canceled"
+        else:
+            self.left.pop(("run", name), None)
+            self.left["run", name], self.how[name] = {program}, "accepted"
+
+    def _over(self, cancelled):
+        """Tests pass, programs end; return what is left of those that are cancelled, by their names."""
+        found = {}
+        for kind, name in [key for key in self.left if key[0] == "run"]:
+            self._reach((kind, name))
+            if self.is_done((kind, name)):
+                del self.left[kind, name]
+                self.how[name] = "succeeded"
+            elif name in cancelled:
+                found[name] = self.left.pop((kind, name))
+        return found
+
+    def _end_undos(self, cancelled, free):
+        undone = [key for key in self.left if key[0] == "undo"]
+        for key in undone:
+            self._reach(key)
+        for key in undone:
+            if self.is_done(key) or key[1] in cancelled:
+                self._end_undo(key, "canceled")
+        waiting = any(self.waits(key) for key in self.left if key[0] == "undo")
+        if not free and not waiting and not any(self.offers(key) for key in self.left):
+            for key in [key for key in self.left if key[0] == "undo"]:
+                self._end_undo(key, STUCK)
+
+    def _end_undo(self, key, how):
+        del self.left[key]
+        if key[1] in self.owed:
+            self.how[key[1]] = how
+            self.owed.discard(key[1])
+
+    def _reach(self, key):
+        self.left[key] = self.interpreter.closure(self.left[key], self.state)
+
+    def is_done(self, key):
+        """Whether a program may end."""
+        return any(self.interpreter.final(one, self.state) for one in self.left[key])
 
     def offers(self, name):
         """What a program may do now."""
@@ -58,15 +109,17 @@ class Runs:
         for name, programs in self.left.items():
             mine = name == takes
             kept = set()
-            if not mine or free:  # what is free may have been somebody else's
-                kept = {one for one in programs if mine or not action or not self.interpreter.locked(one)}
+            if not mine or free:  # what is free may have been somebody else's, but in the middle of a search
+                kept = {one for one in programs if not action or not self.interpreter.locked(one)}
+            passed = {one for one in programs if self.interpreter.passes(one, self.state)}
+            kept -= passed
             if mine:
                 event = ("done" if worked else "bad", action)
                 found = [
                     left for one in programs for e, left in self.interpreter.transitions(one, self.state) if e == event
                 ]
                 if RAISE in found:
-                    raised, kept = True, kept | programs
+                    raised, kept = True, kept | (programs - passed)
                 kept |= set(found) - {RAISE}
             after[name] = kept
         self.left = after

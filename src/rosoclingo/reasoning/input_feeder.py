@@ -155,7 +155,8 @@ class InputFeeder:
         """Return the update that starts cycle ``step``; what it carries waits until it is ``taken``.
 
         Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
-        where a fact of now takes effect only then.
+        where a fact of now takes effect only then; so does one whose identifier is that of a goal that was given up and
+        of whose cancellation the program hears only now.
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         requests = [one for one in self._requests if not (too_early and isinstance(one, Goal))]
@@ -210,7 +211,12 @@ class InputFeeder:
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
 
     def _after_rejected(self, requests: Sequence[Union[Goal, Symbol]]) -> Tuple[Union[Goal, Symbol], ...]:
-        """Return ``requests`` behind the cancellations of what was rejected, but for what is asked for anew."""
+        """Return ``requests`` behind the cancellations of what was rejected, but for what is asked for anew.
+
+        Goals are left out of whose identifiers others were given up, as is told only with these requests.
+        """
+        given_up = [one for one in requests if not isinstance(one, Goal)]
+        requests = [one for one in requests if not (isinstance(one, Goal) and one.identifier in given_up)]
         renewed = [one.identifier for one in requests if isinstance(one, Goal)]
         return (*(one for one in self._rejected if one not in renewed), *requests)
 

@@ -17,12 +17,14 @@ GOALS = OPEN.sub("", (ENCODINGS / "golog" / "goals.lp").read_text())
 PLAYED = """
 #program base.
 #defined _failed/3. #defined _return/3. #defined _request/2. #defined event/3. #defined free/1.
-#show _status/3.
+#show status/3.
 #show offers/3.
 #show waits/2.
 #program cumulative(t).
 offers(G,A,t) :- _g_offers(G,A,t).
 waits(G,t)    :- _g_waits(G,t).
+status(Id,rejected,t) :- _status(Id,rejected(Why),t).
+status(Id,How,t)      :- _status(Id,How,t), How != rejected(Why) : _status(Id,rejected(Why),t).
 golog_free(t) :- free(t).
 { _action_lib(N,X,t) : golog_action(A,N,X,t) } :- golog_free(t).
 """
@@ -33,52 +35,52 @@ class Play:
 
     def __init__(self, data):
         self.facts, self.constraints, self.told = [], [], set()
-        terms = Terms()
+        self.terms = Terms()
         self.runs = Runs(Toy, PROCEDURES)
-        starts = {name: data.draw(st.integers(1, 3), label="start") for name in ("g", "h")}
-        wanted = {name: data.draw(programs(), label=name) for name in starts}
         for step in range(1, STEPS + 1):
-            self.step(data, step, starts, wanted)
-        for name, program in wanted.items():
-            self.facts.append(f"_request(run({name}0,{name}),{starts[name] + 1})")
-            self.facts.append(f"golog_procedure({name}0,{terms.program(program)})")
-        self.rules = PROCEDURE_RULES + terms.facts
+            self.step(data, step)
+        self.rules = PROCEDURE_RULES + self.terms.facts
 
-    def step(self, data, step, starts, wanted):
+    def step(self, data, step):
         """One step."""
         happens = data.draw(st.none() | st.tuples(st.sampled_from(FLUENTS), st.booleans()), label="event")
         if happens is not None and step > 1:
             self.runs.happen(*happens)
             self.facts.append(f"event({Terms.atom(happens[0])},{'yes' if happens[1] else 'no'},{step})")
-        for name in starts:
-            if starts[name] == step:
-                self.runs.start(name, wanted[name])
-        live = [name for name in ("g", "h") if name in self.runs.left]
-        cancelled = [name for name in live if data.draw(st.sampled_from([False] * 5 + [True]), label="cancel")]
-        fresh = [name for name in cancelled if starts[name] == step]
-        for name in fresh:
-            self.runs.left.pop(name)
-            self.runs.how[name] = "canceled"
+        idle = [name for name in ("g", "h") if ("run", name) not in self.runs.left]
+        asked = {name: self.ask(data, name, step) for name in idle if data.draw(st.booleans(), label="asked")}
+        known = [name for name in ("g", "h") if name in self.runs.how or name in asked]
+        cancelled = [name for name in known if data.draw(st.sampled_from([False] * 4 + [True]), label="cancel")]
         self.facts += [f"_request(cancel({name}),{step})" for name in cancelled]
-        self.runs.begin(set(cancelled) - set(fresh))
+        free = data.draw(st.sampled_from([False, False, True]), label="free")
+        self.facts += [f"free({step})"] * free
+        self.runs.begin(asked, cancelled, free)
         self.tell(step)
-        self.act(data, step)
+        self.act(data, step, free)
+
+    def ask(self, data, name, step):
+        """A program is asked for, be it one that there is not, the same again, or another."""
+        program = data.draw(st.none() | programs() | programs(), label=name)
+        number = len(self.facts)
+        self.facts.append(f"_request(run(p({number}),{name}),{step + 1})")
+        if program is not None:
+            self.facts.append(f"golog_procedure(p({number}),{self.terms.program(program)})")
+        return program
 
     def tell(self, step):
         """Note what is to be shown of this step."""
-        self.told |= {f"_status({name},{how},{step})" for name, how in self.runs.how.items()}
-        for name in self.runs.left:
-            shown = f"undone({name[0]})" if name[1:] else name
-            self.told |= {f"offers({shown},{Terms.atom(one)},{step})" for one in self.runs.offers(name)}
-            if self.runs.waits(name):
+        for name, how in self.runs.how.items():
+            self.told.add(f"status({name},{how},{step})")
+        for key in self.runs.left:
+            shown = "{}({})".format(*key)
+            self.told |= {f"offers({shown},{Terms.atom(one)},{step})" for one in self.runs.offers(key)}
+            if self.runs.waits(key):
                 self.told.add(f"waits({shown},{step})")
 
-    def act(self, data, step):
+    def act(self, data, step, free):
         """Something is done, or not; or fails."""
-        free = data.draw(st.sampled_from([False, False, True]), label="free")
         possible = {one for name in self.runs.left for one in self.runs.offers(name)}
         if free:
-            self.facts.append(f"free({step})")
             possible |= {one for one in ACTIONS if self.runs.interpreter.possible(one, self.runs.state)}
         action = data.draw(st.sampled_from([*sorted(possible), None]), label="action")
         worked = action is None or data.draw(st.sampled_from([True, True, False]), label="worked")
@@ -104,7 +106,7 @@ class Play:
         found = []
         control.solve(on_model=lambda model: found.append(set(map(str, model.symbols(shown=True)))))
         assert len(found) == 1, "what was done decides all"
-        return {one for one in found[0] if not one.startswith(("_action_lib", "_explain"))}
+        return {one for one in found[0] if not one.startswith(("_action_lib", "_explain", "_status"))}
 
 
 @pytest.mark.slow

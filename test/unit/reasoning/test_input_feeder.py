@@ -39,6 +39,17 @@ def test_order_is_commitments_requests_facts():
     assert parse_update(str(batch.update)) == batch.update
 
 
+def test_a_goal_waits_until_the_program_has_heard_that_an_earlier_one_of_its_identifier_is_given_up():
+    feeder, again = InputFeeder(), goal("goal(c,d,1)")
+    feeder.add_cancellation(parse_term("1"))
+    feeder.add_goal(again)
+    first = feeder.next_update(5)
+    assert words(str(first.update)) == words("#step 5. _request(cancel(1),5). #end step.")
+    feeder.taken(first)
+    assert feeder.pending
+    assert feeder.next_update(6).goals == (again,)
+
+
 def test_the_feeder_is_empty_once_its_update_is_taken():
     feeder, first = InputFeeder(), goal("g(1)")
     feeder.add_goal(first)

@@ -3,18 +3,18 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import Optional, Sequence
 
-from rosoclingo.languages.golog.writing import translate
-from rosoclingo.oclingo.errors import ProgramError
-from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.program.sources import Collector, Source
 
 GOOD, FAULTY, UNREADABLE = 0, 1, 2
 """The exit codes: all is well, there are faults, a file cannot be read or the command line is wrong."""
 
 _DESCRIPTION = """\
 Prints control programs in Golog as facts and rules for encodings/golog.lp, which is what the solver makes of them, or
-tells what is wrong with them, by line and column. Programs that use them name the .golog files as they are."""
+tells what is wrong with them and with those that they include, by line and column. Programs that use them name the
+.golog files as they are."""
 
 _EPILOG = "Exit code: 0 all is well; 1 there are faults; 2 a file can't be read, or the command line is wrong."
 
@@ -35,26 +35,30 @@ def _translate(file: str, silent: bool) -> int:
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
-    try:
-        text = translate(source.text, source.name).text
-    except ProgramError as error:
-        sys.stderr.writelines(_told(error, source.text.splitlines()))
+    collector = Collector()
+    collector.add(source)
+    collector.translate()
+    texts = {one.name: one.text for one in collector.sources}
+    for fault in collector.faults:
+        sys.stderr.write(_told(fault, texts.get(fault.file, "").splitlines()))
+    if collector.faults:
         return FAULTY
     if not silent:
-        sys.stdout.write(text)
+        sys.stdout.write(collector.texts[0])
     return GOOD
 
 
 def _read(file: str) -> Source:
-    return Source("stdin.golog", sys.stdin.read()) if file == "-" else Source.from_file(Path(file))
+    if file == "-":
+        return Source("stdin.golog", sys.stdin.read())
+    if not file.endswith(".golog"):
+        raise ProgramError([Fault(file, 0, 0, "no control program by its name", "let it end on .golog")])
+    return Source.from_file(Path(file))
 
 
-def _told(error: ProgramError, lines: Sequence[str]) -> List[str]:
-    """Return each fault with its line and a mark below its column."""
-    told = []
-    for fault in error.faults:
-        told.append(f"{fault}\n")
-        if 0 < fault.line <= len(lines):
-            line = lines[fault.line - 1].replace("\t", " ")
-            told.append(f"{fault.line:6} | {line}\n       | {' ' * (fault.column - 1)}^\n")
-    return told
+def _told(fault: Fault, lines: Sequence[str]) -> str:
+    """Return a fault with its line and a mark below its column."""
+    if not 0 < fault.line <= len(lines):
+        return f"{fault}\n"
+    line = lines[fault.line - 1].replace("\t", " ")
+    return f"{fault}\n{fault.line:6} | {line}\n       | {' ' * (fault.column - 1)}^\n"

@@ -1,6 +1,6 @@
 """Procedures that call themselves before they have done anything: what is left of them would have no end."""
 
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Set, Tuple
+from typing import AbstractSet, Dict, Iterator, List, Mapping, NamedTuple, Set, Tuple
 
 from rosoclingo.languages.golog.scanner import Token
 from rosoclingo.languages.golog.tree import (
@@ -27,8 +27,13 @@ class _Begin(NamedTuple):
     idle: bool
 
 
-def endless_calls(procedures: Mapping[Signature, Procedure]) -> Iterator[Tuple[Token, str, str]]:
-    """Yield, for each procedure that may call itself before any action, the call's word, what is wrong and the mend."""
+def endless_calls(
+    procedures: Mapping[Signature, Procedure], own: AbstractSet[Signature]
+) -> Iterator[Tuple[Token, str, str]]:
+    """Yield, for each of a file's ``own`` procedures that may call itself before any action, the call's word.
+
+    With it come what is wrong and the mend. The ``procedures`` are all that may be called.
+    """
     idle: Set[Signature] = set()
     begins: Dict[Signature, _Begin] = {}
     before = -1
@@ -37,7 +42,7 @@ def endless_calls(procedures: Mapping[Signature, Procedure]) -> Iterator[Tuple[T
         begins = {signature: _begin(one.body, procedures, idle) for signature, one in procedures.items()}
         idle |= {signature for signature, begin in begins.items() if begin.idle}
     for signature, begin in begins.items():
-        for called, token in begin.calls:
+        for called, token in begin.calls if signature in own else ():
             if signature in _reached(called, begins):
                 name = signature[0]
                 mend = "let an action come before the call, or write a loop (while, star)"

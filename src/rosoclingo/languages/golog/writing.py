@@ -1,8 +1,7 @@
 """Control programs for encodings/golog.lp: programs are terms, with rules for what is chosen or asked."""
 
 import re
-from pathlib import PurePath
-from typing import Dict, FrozenSet, List, Sequence, Set, Tuple
+from typing import FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 from rosoclingo.languages.golog.clauses import (
     STEP,
@@ -15,8 +14,7 @@ from rosoclingo.languages.golog.clauses import (
     first_token,
     unbound,
 )
-from rosoclingo.languages.golog.grammar import parse
-from rosoclingo.languages.golog.recursion import endless_calls
+from rosoclingo.languages.golog.recursion import Signature
 from rosoclingo.languages.golog.scanner import GologError, Token
 from rosoclingo.languages.golog.tree import (
     AnyAction,
@@ -36,76 +34,75 @@ from rosoclingo.languages.golog.tree import (
 from rosoclingo.languages.golog.tree import (
     Sequence as Statements,
 )
-from rosoclingo.oclingo.errors import Fault, ProgramError
-from rosoclingo.oclingo.program.languages import Translation
+from rosoclingo.oclingo.errors import Fault
 
-Signature = Tuple[str, int]
-_NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_]*")
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
+ROW = 8
+"""So many statements or parts stand in one term; what follows is a term of its own, or terms would have no bound."""
+DEEPEST = 300
+"""So deep may a term be that a statement becomes."""
+ORDERED = 20
+"""So many parts may any order have."""
 
 
-def translate(text: str, name: str) -> Translation:
-    """Return a control program as a reactive logic program; ``name`` is its file's.
+class Declared(NamedTuple):
+    """A procedure, and the file that has it."""
 
-    Raises ProgramError with all faults that are found.
+    file: str
+    procedure: Procedure
+
+
+class Writer:
+    """Writes the rules of one file, one on a line; ``places`` says from where each comes (line, column).
+
+    ``procedures`` are those that its statements may call, its own among them. In the names that it gives to choices
+    and conditions is ``stem``, a term that no other file of the program has. What is wrong is added to ``faults``.
     """
-    faults: List[Fault] = []
-    program = parse(text, name, faults)
-    writer = _Writer(name, program, faults)
-    if faults:
-        raise ProgramError(sorted(faults, key=lambda one: (one.line, one.column)))
-    return Translation("".join(f"{line}\n" for line in writer.lines), tuple(writer.places))
 
-
-class _Writer:
-    """Writes the rules of one file, one on a line; ``places`` says from where each comes (line, column)."""
-
-    def __init__(self, file: str, program: ControlProgram, faults: List[Fault]) -> None:
-        self._file, self._faults = file, faults
-        stem = PurePath(file).stem
-        self._stem = stem if _NAME.match(stem) else '"{}"'.format(re.sub(r'["\\\n]', "_", stem))
+    def __init__(
+        self,
+        file: str,
+        stem: str,
+        program: ControlProgram,
+        procedures: Mapping[Signature, Declared],
+        faults: List[Fault],
+    ) -> None:
+        self._file, self._stem, self._procedures, self._faults = file, stem, procedures, faults
         self._count = 0
+        self._name = Token("end", "", 1, 1)  # of the procedure that is written
         self._actions: Set[str] = set()
         self._scope = Scope(file)
         self.lines: List[str] = []
         self.places: List[Tuple[int, int]] = []
-        self._procedures: Dict[Signature, Procedure] = {}
         for one in program.includes:
             self._add(f"#include {one.text}.", one)
         self._add(f"#program cumulative({STEP}).", Token("end", "", 1, 1))
-        for procedure in program.procedures:
-            self._declare(procedure)
-        faults += [self._fault(*found) for found in endless_calls(self._procedures)]
         for procedure in program.procedures:
             try:
                 self._procedure(procedure)
             except GologError as error:
                 faults.append(error.fault)
+            except RecursionError:
+                faults.append(self._too_deep(procedure.name).fault)
 
-    def _fault(self, token: Token, message: str, mend: str) -> Fault:
-        return Fault(self._file, token.line, token.column, message, mend)
+    def _too_deep(self, token: Token) -> GologError:
+        return self._scope.fault(token, "too much within each other", "make procedures of some")
 
     def _add(self, text: str, token: Token) -> None:
+        depth = deepest = 0
+        for sign in re.findall("[()]", _STRING.sub("", text)):
+            depth += 1 if sign == "(" else -1
+            deepest = max(deepest, depth)
+        if deepest > DEEPEST:
+            raise self._too_deep(token)
         self.lines.append(text)
         self.places.append((token.line, token.column))
 
     # ---- procedures ------------------------------------------------------------------------------------------------
 
-    def _declare(self, procedure: Procedure) -> None:
-        signature = (procedure.name.text, len(procedure.parameters))
-        if signature in self._procedures:
-            line = self._procedures[signature].name.line
-            told = f"procedure {signature[0]} with {_arguments(signature[1])} is in line {line} already"
-            self._faults.append(self._fault(procedure.name, told, "give one of them another name"))
-            return
-        self._procedures[signature] = procedure
-        seen: Set[str] = set()
-        for one in procedure.parameters:
-            if one.token.text in seen:
-                self._faults.append(self._fault(one.token, f"two parameters {one.token.text}", "rename one of them"))
-            seen.add(one.token.text)
-
     def _procedure(self, procedure: Procedure) -> None:
+        self._name = procedure.name
         names = self._scope.inner({}, procedure.parameters)
         parameters = [names[one.token.text] for one in procedure.parameters]
         head = procedure.name.text + (f"({','.join(parameters)})" if parameters else "")
@@ -120,7 +117,7 @@ class _Writer:
         if isinstance(one, AnyAction):
             return "any"
         if isinstance(one, Statements):
-            return self._nested("seq", [self._statement(part, names) for part in one.statements]) or "nil"
+            return self._row("seq", [self._statement(part, names) for part in one.statements]) or "nil"
         if isinstance(one, Check):
             return f"{one.token.text}({self._condition(one.token, one.condition, names)})"
         if isinstance(one, Branch):
@@ -132,9 +129,12 @@ class _Writer:
             return f"{one.kind}({self._options(one, names)})"
         if isinstance(one, Several):
             parts = [self._statement(part, names) for part in one.parts]
-            return (
-                f"order({self._nested('l', [*parts, 'end'])})" if one.kind == "order" else self._nested(one.kind, parts)
-            )
+            if one.kind != "order":
+                return self._row(one.kind, parts)
+            if len(parts) > ORDERED:
+                told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
+                raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
+            return f"order({self._nested('l', [*parts, 'end'])})"
         return self._around(one, names)
 
     def _around(self, one: Around, names: Names) -> str:
@@ -142,6 +142,16 @@ class _Writer:
         if one.number is not None:
             return f"{one.kind}({one.number.text},{body})"
         return f"{one.kind}({body}" + ("" if one.other is None else f",{self._statement(one.other, names)}") + ")"
+
+    def _row(self, kind: str, parts: Sequence[str]) -> str:
+        """Return ``kind(a,kind(b,c))`` for the parts a, b, c; a long one goes on behind calls."""
+        first = (len(parts) - 1) // ROW * ROW
+        text = self._nested(kind, parts[first:])
+        for begin in range(first - ROW, -1, -ROW):
+            rest = self._node(text)
+            self._add(f"golog_body({rest},{text},{STEP}) :- golog_call({rest},{STEP}).", self._name)
+            text = self._nested(kind, [*parts[begin : begin + ROW], f"call({rest})"])
+        return text
 
     @staticmethod
     def _nested(kind: str, parts: Sequence[str]) -> str:
@@ -156,7 +166,10 @@ class _Writer:
             return f"call({term})"
         others = sorted(number for name, number in self._procedures if name == what.token.text)
         if others:
-            told = f"procedure {what.token.text} has {' or '.join(map(_arguments, others))}, not {len(what.arguments)}"
+            files = {self._procedures[what.token.text, number].file for number in others} - {self._file}
+            where = f" of {', '.join(sorted(files))}" if files else ""
+            counts = " or ".join(map(arguments, others))
+            told = f"procedure {what.token.text}{where} has {counts}, not {len(what.arguments)}"
             raise self._scope.fault(what.token, told, "call it with as many as it has")
         if term not in self._actions:  # so that check tells of an action that the domain does not know
             self._actions.add(term)
@@ -171,9 +184,7 @@ class _Writer:
     def _node(self, *texts: str) -> str:
         """Return a new name with the variables that stand in these texts."""
         self._count += 1
-        found = dict.fromkeys(
-            name for text in texts for name in _VARIABLE.findall(re.sub(r'"(?:[^"\\]|\\.)*"', "", text))
-        )
+        found = dict.fromkeys(name for text in texts for name in _VARIABLE.findall(_STRING.sub("", text)))
         return f"in({','.join([self._stem, str(self._count), *found])})"
 
     def _condition(self, token: Token, condition: Condition, names: Names) -> str:
@@ -233,5 +244,6 @@ def _used(literal: Literal) -> FrozenSet[str]:
     return literal.needs | literal.binds if isinstance(literal, Plain) else literal.variables
 
 
-def _arguments(number: int) -> str:
+def arguments(number: int) -> str:
+    """Return how many arguments something has, in words."""
     return f"{number} argument{'s' * (number != 1)}"

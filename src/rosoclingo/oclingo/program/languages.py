@@ -1,14 +1,37 @@
-"""Files of a program that are in a language of their own, by their names' endings: translated as they are read."""
+"""Files of a program that are in a language of their own, by their names' endings: translated as they are read.
+
+A language is a module of :data:`PLACE` with two functions: ``read(text, name)`` returns a :class:`Document`, whatever
+the text; ``translate_files(documents, included)`` a :class:`Translation` of each, or raises ProgramError with all
+their faults. ``included`` has for each document, for each of its ``includes``, the numbers of the documents that it
+brings in.
+"""
 
 import importlib
 import re
 from pathlib import PurePath
-from typing import NamedTuple, Optional, Tuple
+from types import ModuleType
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 PLACE = "rosoclingo.languages"
 """The package whose modules translate, each the files that end on its name."""
 
 _ENDING = re.compile(r"\.[a-z][a-z0-9_]*\Z")
+
+
+class Include(NamedTuple):
+    """A file's name as another one names it, with the line and column where it does so."""
+
+    name: str
+    line: int
+    column: int
+
+
+class Document(NamedTuple):
+    """A file as its language reads it: its name, the files that it includes, and what is the language's own."""
+
+    name: str
+    includes: Tuple[Include, ...]
+    content: Any
 
 
 class Translation(NamedTuple):
@@ -22,16 +45,22 @@ class Translation(NamedTuple):
         return self.places[line - 1] if 0 < line <= len(self.places) else (1, 1)
 
 
-def translation_of(text: str, name: str) -> Optional[Translation]:
-    """Return the translation of a file, None where it needs none; raises ProgramError with all its faults."""
+def language_of(name: str) -> Optional[ModuleType]:
+    """Return the language that a file of this name is in, None where that is clingo's, or gringo 3's."""
     ending = PurePath(name).suffix
     if not _ENDING.match(ending):
         return None
     try:
-        module = importlib.import_module(PLACE + ending)
+        return importlib.import_module(PLACE + ending)
     except ModuleNotFoundError as error:
         if error.name in (PLACE, PLACE + ending):
             return None
         raise
-    found: Translation = module.translate(text, name)
+
+
+def translate_documents(
+    language: ModuleType, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]
+) -> List[Translation]:
+    """Return the translations of all documents of a language; raises ProgramError with all their faults."""
+    found: List[Translation] = language.translate_files(documents, included)
     return found

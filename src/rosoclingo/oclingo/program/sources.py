@@ -1,9 +1,10 @@
 """Program texts: read from files with what they include, translated from other languages, parsed by clingo."""
 
+import os
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, parse_string
@@ -13,7 +14,7 @@ from rosoclingo.oclingo.gringo3 import included_files, translate_program
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
 from rosoclingo.oclingo.program.endings import ended_before
-from rosoclingo.oclingo.program.languages import Translation, translation_of
+from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of, translate_documents
 from rosoclingo.oclingo.progression.terms import parse_term
 
 _CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
@@ -53,9 +54,10 @@ def read_sources(
 
     With ``whole`` all that they include is among them. Raises ProgramError with all the faults of all files.
     """
-    collector = _Collector(whole)
+    collector = Collector(whole)
     for source in sources:
         collector.add(source)
+    collector.translate()
     texts: Sequence[str] = ()
     faults = list(collector.faults)
     try:
@@ -72,12 +74,17 @@ def read_sources(
     return parsed
 
 
-class _Collector:
-    """Follows ``#include``, each file once; the files of a program are translated together."""
+class Collector:
+    """Follows includes, each file once; the files of a program are translated together.
 
-    def __init__(self, whole: bool) -> None:
+    With ``whole`` what is included is among what is added.
+    """
+
+    def __init__(self, whole: bool = False) -> None:
         self._whole = whole
-        self._seen: Set[Path] = set()
+        self._numbers: Dict[Path, Optional[int]] = {}  # None for a file that cannot be read
+        self._documents: Dict[int, Document] = {}  # of sources in a language of their own
+        self._includes: List[List[Tuple[Include, Optional[int]]]] = []  # of each source, and which one each is
         self.sources: List[Source] = []
         self.translations: List[Optional[Translation]] = []  # of each source, where it is in a language of its own
         self.texts: List[str] = []  # of each source, in clingo's language or gringo 3's
@@ -85,31 +92,93 @@ class _Collector:
 
     def add(self, source: Source) -> None:
         """Take a source and all that it includes."""
-        try:
-            translation = translation_of(source.text, source.name)
-        except ProgramError as error:
-            self.faults.extend(error.faults)
-            return
-        text = source.text if translation is None else translation.text
+        language, number = language_of(source.name), len(self.sources)
+        if language is not None:
+            path = Path(source.name).resolve()
+            if not self._whole and self._numbers.setdefault(path, number) != number:
+                return  # a file that is included, and named as well
+            self._documents[number] = language.read(source.text, source.name)
+            includes = self._documents[number].includes
+        else:
+            includes = tuple(Include(name, line, 1) for name, line in included_files(source.text))
         self.sources.append(source)
-        self.translations.append(translation)
-        self.texts.append(text)
-        for name, line in () if self._whole else included_files(text):
-            self._include(source, name, line if translation is None else translation.place(line)[0])
+        self.texts.append(source.text)
+        self.translations.append(None)
+        self._includes.append([])
+        for one in includes:
+            self._includes[number].append((one, None if self._whole else self._include(source, one)))
 
-    def _include(self, source: Source, name: str, line: int) -> None:
-        folders = [folder for folder in (source.folder, Path()) if folder is not None]
-        paths = [folder / name for folder in folders if (folder / name).is_file()]
-        if not paths:
-            message = f"included file {name!r} is not there"
-            mend = "looked in {}".format(" and ".join(str(folder.resolve()) for folder in folders))
-            self.faults.append(Fault(source.name, line, 1, message, mend))
-        elif paths[0].resolve() not in self._seen:
-            self._seen.add(paths[0].resolve())
+    def _include(self, source: Source, wanted: Include) -> Optional[int]:
+        path = found_file(source, wanted.name)
+        if path is None:
+            self.faults.append(missing_file(source, wanted))
+            return None
+        key = path.resolve()
+        if key not in self._numbers:
             try:
-                self.add(Source.from_file(paths[0]))
+                included = Source.from_file(path)
             except ProgramError as error:
                 self.faults.extend(error.faults)
+                self._numbers[key] = None
+            else:
+                self._numbers[key] = len(self.sources)
+                self.add(included)
+        return self._numbers[key]
+
+    def translate(self) -> None:
+        """Translate what is in languages of their own."""
+        languages = {number: language_of(one.name) for number, one in self._documents.items()}
+        for language in filter(None, dict.fromkeys(languages.values())):
+            numbers = [number for number, other in languages.items() if other is language]
+            included = [
+                [self._brought(self._target(one, *way), numbers) for way in self._includes[one]] for one in numbers
+            ]
+            try:
+                documents = [self._documents[number] for number in numbers]
+                for number, one in zip(numbers, translate_documents(language, documents, included)):
+                    self.translations[number], self.texts[number] = one, one.text
+            except ProgramError as error:
+                self.faults.extend(error.faults)
+                for number in numbers:
+                    self.texts[number] = ""
+
+    def _target(self, number: int, wanted: Include, found: Optional[int]) -> Optional[int]:
+        """Return which source another one includes, None where it is not there."""
+        if not self._whole:
+            return found
+        beside = os.path.join(os.path.dirname(self.sources[number].name), wanted.name)
+        names = [os.path.normpath(one.name) for one in self.sources]
+        for name in map(os.path.normpath, (beside, wanted.name)):
+            if name in names:
+                return names.index(name)
+        return None
+
+    def _brought(self, number: Optional[int], wanted: Sequence[int]) -> List[int]:
+        """Return the places among the ``wanted`` sources of those that an include brings in."""
+        found: List[int] = []
+        waiting, seen = [number], {number}
+        while waiting:
+            one = waiting.pop()
+            if one in wanted:
+                found.append(wanted.index(one))
+            elif one is not None:
+                following = [self._target(one, *way) for way in self._includes[one]]
+                waiting += [other for other in following if other not in seen]
+                seen.update(following)
+        return sorted(found)
+
+
+def found_file(source: Source, name: str) -> Optional[Path]:
+    """Return the path of a file that a source includes, None where it is not there."""
+    folders = [folder for folder in (source.folder, Path()) if folder is not None]
+    return next((folder / name for folder in folders if (folder / name).is_file()), None)
+
+
+def missing_file(source: Source, wanted: Include) -> Fault:
+    """Return that an included file is not there."""
+    folders = [folder for folder in (source.folder, Path()) if folder is not None]
+    mend = "looked in {}".format(" and ".join(str(folder.resolve()) for folder in folders))
+    return Fault(source.name, wanted.line, wanted.column, f"included file {wanted.name!r} is not there", mend)
 
 
 def _parse(

@@ -42,6 +42,9 @@ FAULTS = [
     ("proc p { p; }", 1, 10, "p may come to call itself again before it has done anything", "action"),
     ("proc p { test f; star { q; } }\nproc q { p; a; }", 1, 25, "p may come to call itself", "loop"),
     ("proc p { test " + "(" * DEPTH + "f" + ")" * DEPTH + "; }", 1, None, f"more than {DEPTH} levels", "procedures"),
+    ("proc p { any order { a; }" + " and { b; }" * 20 + " }", 1, 6, "21 parts in any order", "at most 20"),
+    ("proc p(X) { a(X" + " + 1" * 2000 + "); }", 1, 6, "too much within each other", "procedures"),
+    ("proc p { test f" + " and f" * 2000 + "; }", 1, 6, "too much within each other", "procedures"),
     ('include "x.lp"', 1, 15, "the end of the file where ';' belongs", "write ;"),
 ]
 
@@ -65,6 +68,12 @@ def test_all_faults_are_told_at_once():
 
 def test_recursion_behind_an_action_is_no_fault():
     translate("proc p { a; p; }\nproc q { choose { } or { a; q; b; } }\nproc r { while f { a; r; } }", "x.golog")
+
+
+def test_programs_of_any_length_are_read():
+    text = "proc p(X) { choose { a; }" + " or { b(X); }" * 300 + "a; " * 1500 + "}\n"
+    text += "".join(f"proc p{number}(X) {{ while f(X) {{ a; p{number + 1}(X); }} }}\n" for number in range(300))
+    ReactiveProgram([Source("long.golog", text)])
 
 
 WORDS = [

@@ -53,6 +53,15 @@ def test_traces_are_those_of_the_definitions(program, state, longest):
     check(program, state, longest)
 
 
+def test_long_rows_are_whole():
+    """Of a row only so much is in one term; what is behind it is left after that."""
+    names = "acaccaacacac"
+    program = ("do", (names[-1],))
+    for name in reversed(names[:-1]):
+        program = ("seq", ("do", (name,)), program)
+    check(program, frozenset(), len(names))
+
+
 @pytest.mark.slow
 @RUNS
 @given(asking, STATES)

@@ -1,0 +1,141 @@
+"""The control programs of a program's files: what each includes, which procedures it may call, each translated."""
+
+import re
+from pathlib import PurePath
+from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
+
+from rosoclingo.languages.golog.grammar import parse
+from rosoclingo.languages.golog.recursion import Signature, endless_calls
+from rosoclingo.languages.golog.scanner import Token
+from rosoclingo.languages.golog.tree import ControlProgram, Procedure
+from rosoclingo.languages.golog.writing import Declared, Writer, arguments
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.program.languages import Document, Include, Translation
+
+_NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
+
+
+class _Read(NamedTuple):
+    """A control program as read, with what is wrong with it so far."""
+
+    program: ControlProgram
+    faults: Tuple[Fault, ...]
+
+
+def read(text: str, name: str) -> Document:
+    """Return what a file of control programs is."""
+    faults: List[Fault] = []
+    program = parse(text, name, faults)
+    includes = tuple(Include(one.text[1:-1], one.line, one.column) for one in program.includes)
+    return Document(name, includes, _Read(program, tuple(faults)))
+
+
+def translate(text: str, name: str) -> Translation:
+    """Return a control program as a reactive logic program, without those that it includes; ``name`` is its file's.
+
+    Raises ProgramError with all faults that are found.
+    """
+    document = read(text, name)
+    return translate_files([document], [[() for _ in document.includes]])[0]
+
+
+def translate_files(documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> List[Translation]:
+    """Return files of control programs as reactive logic programs.
+
+    ``included`` has for each of them, for each of its includes, the numbers of the files that it brings in. Raises
+    ProgramError with all faults of all files.
+    """
+    linker = _Linker(documents, included)
+    stems = _stems([one.name for one in documents])
+    faults: List[Fault] = []
+    found: List[Translation] = []
+    for number, one in enumerate(documents):
+        procedures, own = linker.procedures(number), [*one.content.faults, *linker.faults[number]]
+        for token, message, mend in endless_calls(
+            {signature: declared.procedure for signature, declared in procedures.items()},
+            {signature for signature, declared in procedures.items() if declared.file == one.name},
+        ):
+            own.append(Fault(one.name, token.line, token.column, message, mend))
+        writer = Writer(one.name, stems[number], one.content.program, procedures, own)
+        faults += sorted(own, key=lambda fault: (fault.line, fault.column))
+        found.append(Translation("".join(f"{line}\n" for line in writer.lines), tuple(writer.places)))
+    if faults:
+        raise ProgramError(faults)
+    return found
+
+
+def _stems(names: Sequence[str]) -> List[str]:
+    """Return a term for each file, after its name."""
+    found: List[str] = []
+    for name in names:
+        stem = PurePath(name).stem
+        term = stem if _NAME.match(stem) else '"{}"'.format(re.sub(r'["\\\n]', "_", stem))
+        found.append(f"({term},{len(found)})" if term in found else term)
+    return found
+
+
+class _Linker:
+    """Finds which file has which procedures, those of included files first; ``faults`` has those of each file."""
+
+    def __init__(self, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> None:
+        self._documents, self._included = documents, included
+        self._declared: Dict[Signature, Tuple[int, Procedure]] = {}
+        self._above: List[int] = []  # the files within whose includes the present one lies
+        self._over: Set[int] = set()
+        self.faults: List[List[Fault]] = [[] for _ in documents]
+        for number in range(len(documents)):
+            self._link(number)
+
+    def procedures(self, number: int) -> Dict[Signature, Declared]:
+        """The procedures that a file may call: its own, and those of all that it includes."""
+        seen, waiting = {number}, [number]
+        while waiting:
+            further = {one for way in self._included[waiting.pop()] for one in way} - seen
+            seen |= further
+            waiting += further
+        return {
+            signature: Declared(self._documents[file].name, procedure)
+            for signature, (file, procedure) in self._declared.items()
+            if file in seen
+        }
+
+    def _link(self, number: int) -> None:
+        if number in self._over:
+            return
+        self._over.add(number)
+        self._above.append(number)
+        program: ControlProgram = self._documents[number].content.program
+        for token, way in zip(program.includes, self._included[number]):
+            for one in way:
+                if one in self._above:
+                    self._tell_circle(number, token, one)
+                self._link(one)
+        self._above.pop()
+        for procedure in program.procedures:
+            self._declare(number, procedure)
+
+    def _tell_circle(self, number: int, token: Token, first: int) -> None:
+        names = [PurePath(self._documents[one].name).name for one in self._above[self._above.index(first) :]]
+        told = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
+        mend = "put what both need into a third file" if names[1:] else "leave it out"
+        self._fault(number, token, told, mend)
+
+    def _declare(self, number: int, procedure: Procedure) -> None:
+        signature = (procedure.name.text, len(procedure.parameters))
+        if signature in self._declared:
+            file, other = self._declared[signature]
+            where = "" if file == number else f"{self._documents[file].name}, "
+            told = (
+                f"procedure {signature[0]} with {arguments(signature[1])} is in {where}line {other.name.line} already"
+            )
+            self._fault(number, procedure.name, told, "give one of them another name")
+            return
+        self._declared[signature] = (number, procedure)
+        seen: Set[str] = set()
+        for one in procedure.parameters:
+            if one.token.text in seen:
+                self._fault(number, one.token, f"two parameters {one.token.text}", "rename one of them")
+            seen.add(one.token.text)
+
+    def _fault(self, number: int, token: Token, message: str, mend: str) -> None:
+        self.faults[number].append(Fault(self._documents[number].name, token.line, token.column, message, mend))

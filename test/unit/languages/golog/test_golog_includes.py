@@ -1,0 +1,144 @@
+"""Control programs that use procedures of other files."""
+
+import pytest
+from core_driver import Driver
+from golog_programs import ENCODINGS
+
+from rosoclingo.languages.golog.golog_command import main
+from rosoclingo.oclingo import ProgramError, ReactiveProgram
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.runs.recorded_run import RunProgram
+
+DOMAIN = f"""
+#include "{ENCODINGS}/golog.lp".
+#program base.
+act(a;b;c).
+#program cumulative(t).
+golog_action(A,act,A,t) :- act(A).
+golog_holds(act(A),t) :- act(A).
+:- 2 {{ _action_lib(A,X,t) }}.
+"""
+
+
+def files(folder, **texts):
+    """Write files NAME.golog, all with the domain beside them, and return the first one's path."""
+    (folder / "domain.lp").write_text(DOMAIN)
+    paths = [folder / f"{name}.golog" for name in texts]
+    for path, text in zip(paths, texts.values()):
+        path.write_text(text)
+    return paths[0]
+
+
+def done(program, goal):
+    """What is done for a goal."""
+    driver, found = Driver(settings=CoreSettings(), program=program).goal("g", goal), []
+    while driver.core.awaited:
+        found.append(str(driver.core.awaited[0].parameter))
+        driver.succeed()
+    assert driver.states("g")[-1] == "succeeded"
+    return " ".join(found)
+
+
+def faults(path):
+    """The faults of a program: file, line, column, message and mend."""
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram.from_files([path])
+    return [
+        (one.file.rsplit("/", 1)[-1], one.line, one.column, f"{one.message} ({one.mend})")
+        for one in caught.value.faults
+    ]
+
+
+DAY = {
+    "day": 'include "domain.lp"; include "round.golog"; proc day { if act(c) { round(2); } b; }',
+    "round": 'include "more.golog"; proc round(N) { if N > 1 { a; round(N - 1); } else { more; } }',
+    "more": "proc more { c; }",
+}
+
+
+def test_procedures_of_included_files_are_called(tmp_path):
+    program = ReactiveProgram.from_files([files(tmp_path, **DAY)])
+    assert done(program, "run(day)") == "a c b"
+    assert done(program, "run(round(3),1)") == "a a c"
+
+
+def test_a_file_that_is_named_as_well_is_read_once(tmp_path):
+    path = files(tmp_path, **DAY)
+    more = [tmp_path / "more.golog", tmp_path / "round.golog"]
+    assert done(ReactiveProgram.from_files([path, *more]), "run(day)") == "a c b"
+    assert done(ReactiveProgram.from_files([*more, path]), "run(day)") == "a c b"
+
+
+def test_files_of_one_name_in_two_folders_keep_their_conditions_apart(tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "day.golog").write_text("proc other { if act(d) { a; } else { b; } }")
+    path = files(tmp_path, day='include "domain.lp"; include "other/day.golog"; proc day { if act(c) { other; } c; }')
+    assert done(ReactiveProgram.from_files([path]), "run(day)") == "b c"
+
+
+def test_a_recorded_program_is_the_same(tmp_path):
+    program = ReactiveProgram.from_files([files(tmp_path, **DAY)])
+    kept = RunProgram.parse(RunProgram.of("run", program, {}).text())
+    for path in tmp_path.iterdir():
+        path.unlink()
+    assert done(kept.load(), "run(day)") == "a c b"
+
+
+@pytest.mark.parametrize(
+    ("texts", "place", "message"),
+    [
+        (
+            {"x": 'include "y.golog"; proc p { q(1); }', "y": "proc q { }"},
+            ("x.golog", 1, 29),
+            "y.golog has 0 arguments, not 1 (call it with as many as it has)",
+        ),
+        (
+            {"x": 'include "y.golog";\nproc q { }', "y": "\nproc q { }"},
+            ("x.golog", 2, 6),
+            "y.golog, line 2 already (give one of them another name)",
+        ),
+        (
+            {"x": 'include "y.golog"; proc p { }', "y": 'proc q { }\n\ninclude "x.golog";'},
+            ("y.golog", 3, 9),
+            "this file includes itself: x.golog, y.golog, x.golog (put what both need into a third file)",
+        ),
+        ({"x": 'include "x.golog";'}, ("x.golog", 1, 9), "this file includes itself (leave it out)"),
+        (
+            {"x": 'include "y.golog"; proc p { q; p; }', "y": "proc q { star { a; } }"},
+            ("x.golog", 1, 32),
+            "p may come to call itself again before it has done anything",
+        ),
+        ({"x": 'include "y.golog"; proc p { }', "y": "proc q { a b; }"}, ("y.golog", 1, 12), "'b' where ';' belongs"),
+        ({"x": 'proc p { }\n  include "y.golog";'}, ("x.golog", 2, 11), "included file 'y.golog' is not there"),
+    ],
+)
+def test_what_is_wrong_has_its_file_line_and_column(tmp_path, texts, place, message):
+    (found,) = faults(files(tmp_path, **texts))
+    assert found[:3] == place
+    assert message in found[3]
+
+
+def test_procedures_of_files_that_are_not_included_are_no_procedures(tmp_path):
+    """What is no procedure is an action, and procedures of one name are told wherever they are."""
+    path = files(tmp_path, x='include "domain.lp"; proc p { q; }', y="proc q { }", z="proc p { }")
+    with pytest.raises(ProgramError, match=r"x\.golog, line 1 already"):
+        ReactiveProgram.from_files([path, path.with_name("z.golog")])
+    program = ReactiveProgram.from_files([path, path.with_name("y.golog")])
+    driver = Driver(settings=CoreSettings(horizon_limit=3), program=program).goal("g", "run(p)")
+    assert driver.states("g")[-1] == "aborted"
+
+
+def test_the_command_follows_includes(tmp_path, capsys):
+    path = files(tmp_path, x='include "y.golog"; proc p { q; }', y="proc q { a; }")
+    assert main([str(path)]) == 0
+    assert "golog_body(p,call(q),_step)" in capsys.readouterr().out
+    path.with_name("y.golog").write_text("proc q {\n a b; }")
+    assert main(["--check", str(path)]) == 1
+    shown = capsys.readouterr().err.splitlines()
+    assert shown[0].endswith("y.golog:2:4: 'b' where ';' belongs, behind a (write ;)")
+    assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
+
+
+def test_the_command_takes_control_programs_alone(tmp_path, capsys):
+    assert main([str(tmp_path / "x.lp")]) == 2
+    assert "no control program by its name (let it end on .golog)" in capsys.readouterr().err
