@@ -128,14 +128,17 @@ class Writer:
         if isinstance(one, Choosing):
             return f"{one.kind}({self._options(one, names)})"
         if isinstance(one, Several):
-            parts = [self._statement(part, names) for part in one.parts]
-            if one.kind != "order":
-                return self._row(one.kind, parts)
-            if len(parts) > ORDERED:
-                told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
-                raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
-            return f"order({self._nested('l', [*parts, 'end'])})"
+            return self._several(one, names)
         return self._around(one, names)
+
+    def _several(self, one: Several, names: Names) -> str:
+        parts = [self._statement(part, names) for part in one.parts]
+        if one.kind != "order":
+            return self._row(one.kind, parts)
+        if len(parts) > ORDERED:
+            told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
+            raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
+        return f"order({self._nested('l', [*parts, 'end'])})"
 
     def _around(self, one: Around, names: Names) -> str:
         body = self._statement(one.body, names)

@@ -4,7 +4,7 @@ from typing import Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program import checks
-from rosoclingo.oclingo.program.languages import translation_of
+from rosoclingo.oclingo.program.languages import language_of
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.constants import words_for_numbers
 from rosoclingo.oclingo.program.lint.exchanged import exchanged, exchanged_words
@@ -47,7 +47,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     found += [*unused(survey), *never_matching(survey, values), *unfounded(survey, values), *contradictions(survey)]
     found += [*stepless(survey), *slips(survey), *words_for_numbers(survey)]
     found += [*exchanged(survey), *odd_choices(survey)]
-    found += odd_marks([(one.name, one.text) for one in program.texts if translation_of(one.text, one.name) is None])
+    found += odd_marks([(one.name, one.text) for one in program.texts if language_of(one.name) is None])
     if checks.uses_keywords(program.parts) if core is None else core:
         found += [
             *missing_words(survey),
