@@ -10,9 +10,12 @@ from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Option
 
 import clingo
 
+from rosoclingo.oclingo.explaining.induction import breaks_for_ever
 from rosoclingo.oclingo.explaining.minimal_sets import Minimum, OutOfTimeError, Reply, grown, shrink, smallest
 from rosoclingo.oclingo.explaining.named_rules import RuleKind
+from rosoclingo.oclingo.explaining.near_miss import Ends, never_true
 from rosoclingo.oclingo.explaining.questions import Facts, Halt, Questions
+from rosoclingo.oclingo.explaining.reach import Reach, UncertainError
 from rosoclingo.oclingo.explaining.relaxed_program import KEEP, WHOLE, RelaxedProgram
 from rosoclingo.oclingo.explaining.why_not import BlamedFact, BlamedRule, BrokenPlan, WhyNot
 from rosoclingo.oclingo.program.action_rules import ACTION
@@ -85,17 +88,27 @@ class _Explainer:
         steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(found.things), {})
         facts: Blame[int] = self._in_time(lambda: self._find_facts(rules, self._questions.told), ())
         rule_of = self._relaxed.rules
+        blamed = tuple(self._blamed(number, plans.get(number), steps.get(number, ())) for number in found.things)
+        reach = self._reach()
         return WhyNot(
             self._steps[0],
             self._steps[-1],
-            never,
-            tuple(self._blamed(number, plans.get(number), steps.get(number, ())) for number in found.things),
+            never or (reach is not None and breaks_for_ever(self._relaxed, rules, reach, self._steps[-1])),
+            blamed,
             tuple(BlamedFact(f"{atom}.", hinders=hinders) for atom, hinders in told),
             tuple(BlamedFact(rule_of[one].text, rule_of[one], hinders) for one, hinders in facts),
             found.smallest,
             self._complete,
             self._nearest(plans),
+            () if reach is None else never_true(self._program, reach, _ends(blamed)),
         )
+
+    def _reach(self) -> Optional[Reach]:
+        """Return what the program can ever make true, None where that is not known."""
+        try:
+            return Reach(self._program, self._questions.known())
+        except UncertainError:
+            return None
 
     def _note(self, found: Minimum[T]) -> Minimum[T]:
         self._complete &= found.minimal
@@ -215,6 +228,11 @@ class _Explainer:
     def _to_do(self, verdict: Search) -> List[clingo.Symbol]:
         plan = Plan.of(verdict.answers[-1], verdict.horizon).since(self._steps[0])
         return sorted(plan.actions, key=lambda one: (one.arguments[2].number, one))
+
+
+def _ends(rules: Iterable[BlamedRule]) -> Ends:
+    """Return the constraints on a plan's end, as the plan that there is without each of them breaks it."""
+    return [(one.rule, one.breach[1]) for one in rules if one.rule.kind is RuleKind.VOLATILE and one.breach]
 
 
 def _wholes(rules: Iterable[int]) -> List[clingo.Symbol]:

@@ -1,7 +1,7 @@
 """Questions about one update: whether there is a plan with some rules, after some of the facts of the stream."""
 
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterable, Optional
+from typing import Callable, FrozenSet, Iterable, List, Optional
 
 import clingo
 
@@ -56,6 +56,10 @@ class Questions:
         if verdict.satisfiable is None:
             raise OutOfTimeError
         return verdict
+
+    def known(self) -> List[clingo.Symbol]:
+        """Return all atoms that may be true at the steps that have been ground."""
+        return self._inquiry.known()
 
     def shortest(self, kept: Iterable[clingo.Symbol], found: Search) -> Search:
         """Return the shortest plan with what is kept, of which one was found."""

@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from rosoclingo.oclingo.explaining.named_rules import NamedRule, RuleKind
+from rosoclingo.oclingo.explaining.near_miss import NearMiss, NeverTrue
 
 #: Of so many facts at most each is named where all they do is that there is something to do.
 MANY = 12
@@ -82,6 +83,7 @@ class WhyNot:
         smallest: whether fewer rules would not do.
         complete: whether all of this was found out in time; otherwise some that are named may be of no matter.
         plan: a plan that breaks as few rules as can be, one of ``rules`` among them; None where none is known.
+        lacking: what a plan would need at its end and what no rule ever makes true, with the rules that come nearest.
 
     """
 
@@ -94,6 +96,7 @@ class WhyNot:
     smallest: bool = False
     complete: bool = False
     plan: Optional[BrokenPlan] = None
+    lacking: Tuple[NeverTrue, ...] = ()
 
     def to_message(self) -> Dict[str, Any]:
         """Return it as a plain value that JSON knows."""
@@ -118,7 +121,10 @@ class WhyNot:
         plan = message["plan"] and BrokenPlan(
             tuple(map(_rule, message["plan"]["rules"])), tuple(message["plan"]["actions"])
         )
-        return cls(**{**message, "rules": rules, "told": told, "facts": facts, "plan": plan})
+        lacking = tuple(
+            NeverTrue(one["atom"], tuple(NearMiss(**miss) for miss in one["misses"])) for one in message["lacking"]
+        )
+        return cls(**{**message, "rules": rules, "told": told, "facts": facts, "plan": plan, "lacking": lacking})
 
     def text(self) -> str:
         """Return it in words, in several lines."""
@@ -137,7 +143,8 @@ class WhyNot:
         doubt = "" if self.complete else " (not all of it was found out in time)"
         lines = [f"{kind}{doubt}:", *(line for one in self.rules for line in _lines_of(one, self.last))]
         volatile = all(one.rule.kind is RuleKind.VOLATILE for one in self.rules)
-        return [*lines, *_BEYOND] if volatile and not self.never else lines
+        lacking = [line for one in self.lacking for line in one.lines()]
+        return [*lines, *(lacking or _BEYOND)] if volatile and not self.never else [*lines, *lacking]
 
     def _of_facts(self) -> List[str]:
         facts = [*self.told, *self.facts]

@@ -241,6 +241,11 @@ class Grounding:
         return bool(self._control.is_conflicting)
 
     @property
+    def known(self) -> List[clingo.Symbol]:
+        """All atoms that may be true by what is ground."""
+        return [one.symbol for one in self._control.symbolic_atoms]
+
+    @property
     def complete(self) -> bool:
         """Whether further steps leave what is ground as it is: where it has no answer, they bring none."""
         defined = self.program.defines_externals and not self.program.steps_apart

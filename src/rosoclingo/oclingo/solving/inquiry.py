@@ -5,7 +5,7 @@ which there is none (see clingo's ``SolveHandle.core``). Every other question th
 """
 
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterator, NamedTuple, Optional, Sequence, Set
+from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Set
 
 import clingo
 
@@ -102,6 +102,11 @@ class Inquiry:
             if last == self._end(transaction) or timeless:
                 return Search(False, core=frozenset(core), timeless=timeless, blamed=frozenset(blamed))
         return Search(None)
+
+    def known(self) -> List[clingo.Symbol]:
+        """Return all atoms that may be true at the steps that have been ground for the last question."""
+        grounding = None if self._transaction is None else self._transaction.grounding
+        return [] if grounding is None else grounding.known
 
     def _begun(self, halt: Callable[[], bool], dropped: Optional[Callable[[], bool]]) -> Optional[Transaction]:
         """Return the transaction that has taken the update; None where it was stopped."""

@@ -157,5 +157,8 @@ not s(X,t) :- go(X,t).  fine(t) :- p("%").
 
 
 def test_where_no_rule_stands_in_the_way_something_may_be_missing():
-    assert "No rule stands in the way" in why_not("_request(go(e),2).").text()
+    found = why_not("_request(go(e),2).")
+    assert found.never
+    assert [one.lacks for one in found.lacking[0].misses] == ["start(e)", "_action_lib(go,e,t)", "way(_,e)"]
+    assert "lacks way(_,e), which is never true" in found.text()
     assert "No rule stands in the way" not in why_not("_request(go(d),2).").text()

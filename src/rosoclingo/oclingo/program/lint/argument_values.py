@@ -236,7 +236,7 @@ def _rules(statement: AST, step: str, constants: _Constants) -> Iterator[Rule]:
         for term in atom_terms(statement.atom.symbol):
             yield _rule(step, term, body, constants)
     elif statement.ast_type == ASTType.Rule:
-        for literal, condition in _head_literals(statement.head):
+        for literal, condition in head_literals(statement.head):
             if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
                 for term in atom_terms(literal.atom.symbol):
                     yield _rule(step, term, [*condition, *body], constants)
@@ -266,7 +266,7 @@ def _equations(comparison: AST, step: str, constants: _Constants) -> Iterator[Eq
                 yield Equation(one.variable, other, guard.comparison == ComparisonOperator.Equal)
 
 
-def _head_literals(head: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
+def head_literals(head: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
     """Yield the literals of a head, each with its condition."""
     if head.ast_type == ASTType.Literal:
         yield head, ()

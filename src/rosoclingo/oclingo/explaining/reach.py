@@ -1,0 +1,176 @@
+"""What a program can ever make true, seen too large rather than too small, whatever the number of steps.
+
+Steps are left out: the rules of a step say of each atom, without its time, what has to have been true for it at any
+time. What rules forbid, what they ask not to be true, bounds and sums are left out as well. So an atom that is not
+among what follows is true in no answer, with no number of steps. A program that counts its steps, or has no end
+without them, is not judged.
+"""
+
+from typing import FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+import clingo
+from clingo.ast import AST, ASTType, Sign
+from clingo.backend import Observer
+
+from rosoclingo.oclingo.program.domains import names_in, nodes_of
+from rosoclingo.oclingo.program.lint.argument_values import head_literals, parted
+from rosoclingo.oclingo.program.lint.survey import OWN
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.signatures import atom_terms
+
+_MOST = 100_000  # ground rules: more are not looked at
+_TIME = clingo.Number(0)  # stands for every time
+
+
+class UncertainError(Exception):
+    """Of this program it is not known what it can make true."""
+
+
+class HeadRule(NamedTuple):
+    """A rule for an atom, without its time.
+
+    Attributes:
+        statement: the rule.
+        head: the atom, as text.
+        body: the atoms that have to be true, as text.
+        other: comparisons that do not change with the step, as text.
+
+    """
+
+    statement: AST
+    head: str
+    body: Tuple[str, ...]
+    other: Tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """The rule."""
+        return f"{self.head} :- {', '.join([*self.body, *self.other])}." if self.body or self.other else f"{self.head}."
+
+
+class Reach:
+    """What a program can ever make true.
+
+    Attributes:
+        rules: its rules without their times.
+        known: what may have been true so far.
+        atoms: the atoms, each without its time.
+
+    """
+
+    def __init__(self, program: ReactiveProgram, known: Iterable[clingo.Symbol]) -> None:
+        """Take what may have been true so far; raises UncertainError."""
+        self._program = program
+        self.rules: List[HeadRule] = [rule for part in program.parts for rule in self._rules_of(part)]
+        constants = "".join(f"#const {name} = {value}.\n" for name, value in program.values.items())
+        self.known = [one for one in known if not one.name.startswith(OWN)]
+        begun = {self.timeless(one) for one in self.known}
+        facts = "".join(f"{{ {one} }}.\n" for one in sorted(begun))
+        self.atoms: FrozenSet[clingo.Symbol] = _closed(constants + facts + "\n".join(one.text for one in self.rules))
+
+    def timeless(self, atom: clingo.Symbol) -> clingo.Symbol:
+        """Return an atom without its time."""
+        return atom if self.time_of(atom) is None else self.at(atom, 0)
+
+    def time_of(self, atom: clingo.Symbol) -> Optional[int]:
+        """Return the time of an atom, None where it has none."""
+        position = self._program.time_position(atom.name, len(atom.arguments))
+        time = None if position is None else atom.arguments[position]
+        return time.number if time is not None and time.type is clingo.SymbolType.Number else None
+
+    def at(self, atom: clingo.Symbol, time: int) -> clingo.Symbol:
+        """Return an atom that has a time at another one."""
+        position = self._program.time_position(atom.name, len(atom.arguments))
+        arguments = [clingo.Number(time) if n == position else one for n, one in enumerate(atom.arguments)]
+        return clingo.Function(atom.name, arguments, atom.positive)
+
+    def written(self, term: AST, part: Part) -> str:
+        """Return the text of a rule's atom without its time; raises UncertainError where the step is more than that."""
+        return self._atom(term, part, set())
+
+    def _rules_of(self, part: Part) -> Iterator[HeadRule]:
+        used = self._program.survey.using
+        for statement in part.statements:
+            if statement.ast_type != ASTType.Rule or statement.location.begin.filename.startswith("<"):
+                continue
+            for literal, condition in head_literals(statement.head):
+                plain = literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom
+                for term in atom_terms(literal.atom.symbol) if plain else ():
+                    if parted(term)[0] in used:  # nothing follows from what no rule looks at
+                        yield self._rule(statement, term, [*condition, *statement.body], part)
+
+    def _rule(self, statement: AST, head: AST, literals: Sequence[AST], part: Part) -> HeadRule:
+        times: Set[str] = set()
+        plain = [one for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
+        atoms = [one.atom.symbol for one in plain if one.atom.ast_type == ASTType.SymbolicAtom]
+        texts = tuple(self._atom(one, part, times) for one in atoms if not parted_name(one).startswith(OWN))
+        told = self._atom(head, part, times)
+        compared = [one for one in plain if one.atom.ast_type == ASTType.Comparison]
+        free = [one for one in compared if not times & set(names_in(one)) and not _mentions(one, part.parameter)]
+        counted = times & {name for text in (head, *atoms) for name in self._names_besides_time(text)}
+        if counted:
+            raise UncertainError(f"the rules reckon with {min(counted)}, a time")
+        return HeadRule(statement, told, texts, tuple(map(str, free)))
+
+    def _position(self, term: AST) -> Optional[int]:
+        signature, arguments = parted(term)
+        return self._program.time_position(signature.name, len(arguments)) if arguments else None
+
+    def _names_besides_time(self, term: AST) -> Iterator[str]:
+        position = self._position(term)
+        for number, one in enumerate(parted(term)[1]):
+            if number != position:
+                yield from names_in(one)
+
+    def _atom(self, term: AST, part: Part, times: Set[str]) -> str:
+        if term.ast_type == ASTType.Pool:
+            raise UncertainError("an atom is a pool")
+        signature, arguments = parted(term)
+        position, texts = self._position(term), []
+        for number, one in enumerate(arguments):
+            if number == position:
+                times.update(names_in(one))
+                texts.append(str(_TIME))
+            elif part.parameter and _mentions(one, part.parameter):
+                raise UncertainError(f"{signature} has a step besides its time")
+            else:
+                texts.append(str(one))
+        sign = "" if signature.positive else "-"
+        return f"{sign}{signature.name}({','.join(texts)})" if texts else f"{sign}{signature.name}"
+
+
+def parted_name(term: AST) -> str:
+    """Return the name of an atom."""
+    return str(next(parted(one)[0].name for one in atom_terms(term)))
+
+
+def _mentions(node: AST, step: str) -> bool:
+    return bool(step) and any(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in nodes_of(node))
+
+
+class _TooManyError(Exception):
+    """There are more ground rules than are looked at."""
+
+
+class _Counter(Observer):
+    def __init__(self) -> None:
+        self._left = _MOST
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A rule."""
+        self._left -= 1
+        if self._left < 0:
+            raise _TooManyError
+
+
+def _closed(text: str) -> FrozenSet[clingo.Symbol]:
+    """Return what the rules of a text may make true."""
+    control = clingo.Control(["-Wnone"], logger=lambda code, said: None)
+    control.register_observer(_Counter())
+    try:
+        control.add("base", [], text)
+        control.ground([("base", [])])
+    except (RuntimeError, _TooManyError) as error:
+        raise UncertainError(str(error)) from None
+    return frozenset(one.symbol for one in control.symbolic_atoms)
