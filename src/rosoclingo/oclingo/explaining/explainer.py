@@ -89,7 +89,7 @@ class _Explainer:
         facts: Blame[int] = self._in_time(lambda: self._find_facts(rules, self._questions.told), ())
         rule_of = self._relaxed.rules
         blamed = tuple(self._blamed(number, plans.get(number), steps.get(number, ())) for number in found.things)
-        reach = self._reach()
+        reach = self._reach() if self._complete else None
         return WhyNot(
             self._steps[0],
             self._steps[-1],
