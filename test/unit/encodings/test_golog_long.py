@@ -1,0 +1,77 @@
+"""Long histories of control programs: what is kept of them does not grow, and who has ended is forgotten."""
+
+from collections import Counter
+
+import pytest
+from core_driver import Driver, shortest
+from golog_programs import ENCODINGS
+
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.solving import compaction
+from rosoclingo.reasoning import stream_planner
+
+#: Actions named act; others may act beside programs once ``shared`` holds. Fluents are what somebody tells.
+DOMAIN = """
+#include "golog.lp".
+#program base.
+act(a;b;c;d;tidy).
+#program cumulative(t).
+#external _set/2. #external _unset/2.
+golog_action(A,act,A,t) :- act(A).
+golog_free(t) :- holds(shared,t-1).
+holds(F,t) :- _set(F,t).
+holds(F,t) :- holds(F,t-1), not _unset(F,t).
+golog_holds(F,t) :- holds(F,t).
+:- 2 { _action_lib(A,X,t) }.
+#show _g_reach/3.
+"""
+
+PROGRAMS = """
+proc watch { prefer { interrupts { when f { c; await not f; } } until g; } over { await g; } }
+proc errand { do { try { a; b; } else { d; } a; } on cancel { tidy; } }
+proc row { alone { %s } }
+"""
+
+
+def program(length=1):
+    """The domain with these programs; ``row`` is so many times two actions."""
+    return ReactiveProgram(
+        [Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS % ("a; b; " * length))]
+    )
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    """Steps that are over are let go as soon as may be, those that an open goal has seen after 5 cycles."""
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
+    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
+    monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
+
+
+def test_a_program_that_never_ends_keeps_no_more_of_its_past_as_time_goes_on():
+    solver = shortest(program())
+    driver = Driver(program=solver.program, solver=lambda _: solver)
+    driver.goal("watch", "run(watch,0)")
+    sizes = []
+    for number in range(1, 16):
+        driver.facts("_set(f,now)").finish()
+        driver.facts("_unset(f,now)").finish()
+        if number % 3 == 0:
+            driver.goal(f"g{number}", f"run(errand,{number})").finish()
+            assert driver.states(f"g{number}")[-1] == "succeeded"
+        if number > 6:
+            assert solver.state.past.first >= driver.core.cycle - 8
+            sizes.append(len(solver.state.past.facts))
+    assert driver.states("watch")[-1] == "active"
+    assert driver.core.cycle > 60
+    assert max(sizes) < 20
+    assert not any("_g_ended(3," in str(fact) for fact in solver.state.past.facts), "it is forgotten how it ended"
+
+
+def test_of_a_search_beside_what_is_free_no_more_may_be_left_with_each_action():
+    solver = shortest(program(length=10))
+    (answer,) = solver.update(parse_update("#step 1 : 40. _set(shared,1). _request(run(row,1),2). #endstep.")).answers
+    left = Counter(atom.arguments[2].number for atom in answer if atom.name == "_g_reach")
+    assert len(left) == 21
+    assert max(left.values()) <= 3
