@@ -31,11 +31,14 @@ def read_condition(reader: Reader) -> Condition:
     )
 
 
-def read_variables(reader: Reader) -> Tuple[Variable, ...]:
-    """Read variables between commas."""
+def read_variables(reader: Reader, kind: str = "variables") -> Tuple[Variable, ...]:
+    """Read variables between commas, each another one."""
     found = [_variable(reader)]
     while reader.took(","):
-        found.append(_variable(reader))
+        one = _variable(reader)
+        if one.token.text in [other.token.text for other in found]:
+            raise reader.fault(one.token, f"two {kind} {one.token.text}", "rename one of them")
+        found.append(one)
     return tuple(found)
 
 

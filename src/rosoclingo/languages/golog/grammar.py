@@ -53,7 +53,7 @@ def _procedure(reader: Reader) -> Procedure:
     name = reader.take_kind("name", "the procedure's name", "names begin with a small letter")
     parameters: Tuple[Variable, ...] = ()
     if reader.took("("):
-        parameters = read_variables(reader) if not reader.sees(")") else ()
+        parameters = read_variables(reader, "parameters") if not reader.sees(")") else ()
         reader.take(")", "behind the parameters, which are variables")
     return Procedure(name, parameters, _block(reader, f"the body of {name.text}"))
 

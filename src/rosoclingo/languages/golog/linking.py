@@ -131,11 +131,6 @@ class _Linker:
             self._fault(number, procedure.name, told, "give one of them another name")
             return
         self._declared[signature] = (number, procedure)
-        seen: Set[str] = set()
-        for one in procedure.parameters:
-            if one.token.text in seen:
-                self._fault(number, one.token, f"two parameters {one.token.text}", "rename one of them")
-            seen.add(one.token.text)
 
     def _fault(self, number: int, token: Token, message: str, mend: str) -> None:
         self.faults[number].append(Fault(self._documents[number].name, token.line, token.column, message, mend))

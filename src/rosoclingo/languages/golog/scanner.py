@@ -51,6 +51,10 @@ _WORD = re.compile(
 )
 
 
+GREATEST = 2**31 - 1
+"""The greatest number that clingo knows; of greater ones it would take what is left of some of their bits."""
+
+
 class GologError(Exception):
     """A control program is not as it should be; ``fault`` says where and what to write instead."""
 
@@ -84,11 +88,19 @@ def scan(text: str, name: str, faults: List[Fault]) -> List[Token]:
         kind, word = str(match.lastgroup), match.group()
         if kind != "space":
             kind = "word" if kind == "name" and word in RESERVED else kind
+            if kind == "number" and _is_great(word):
+                told = f"the number {word} is too great", f"have at most {GREATEST}, or write it as a string"
+                faults.append(Fault(name, line, position - begin + 1, *told))
             tokens.append(Token(kind, word, line, position - begin + 1))
         if "\n" in word:
             line, begin = line + word.count("\n"), position + word.rindex("\n") + 1
         position = match.end()
     return [*tokens, Token("end", "", line, position - begin + 1)]
+
+
+def _is_great(number: str) -> bool:
+    digits = number.lstrip("0") or "0"
+    return len(digits) > len(str(GREATEST)) or int(digits) > GREATEST
 
 
 def _behind(text: str, position: int) -> int:
