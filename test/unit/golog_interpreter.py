@@ -254,6 +254,8 @@ class Interpreter:
             return self.rests(parts[0], state) or (self.final(parts[0], state) and self.rests(parts[1], state))
         if kind in ("conc", "prio"):
             resting = [self.rests(one, state) for one in parts]
+            if any(rests and self.locked(one) for rests, one in zip(resting, parts)):
+                return True
             return any(resting) and all(rests or self.final(one, state) for rests, one in zip(resting, parts))
         if kind == "while" and not self.holds(parts[0], state):
             return False

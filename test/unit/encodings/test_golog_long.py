@@ -49,6 +49,7 @@ def at_once(monkeypatch):
     monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
 
 
+@pytest.mark.slow
 def test_a_program_that_never_ends_keeps_no_more_of_its_past_as_time_goes_on():
     solver = shortest(program())
     driver = Driver(program=solver.program, solver=lambda _: solver)

@@ -87,6 +87,12 @@ HAPPENING = [
     ("interleave { a; c; } with { await f; b; d; }", ["_set(f,now)"], "a b c d"),
     ("search { a; await f; b; }", ["_set(f,now)"], "a b"),
     ("star { a; } await f; b;", ["_set(f,now)"], "b"),
+    ("prefer { alone { a; await f; b; } } over { c; }", ["_set(f,now)"], "a b c"),
+    (
+        "prefer { interrupts { when not g { alone { a; await g; b; } } } until g; } over { c; }",
+        ["_set(g,now)"],
+        "a b c",
+    ),
     ("try { a; await f; b; } else { }", ["_set(f,now)"], "a b"),
     ("retry 2 { a; await f; b; }", ["_set(f,now)"], "a b"),
     ("do { a; await f; b; } on cancel { }", ["_set(f,now)"], "a b"),
