@@ -1,14 +1,12 @@
-"""Further examples of the literature, in test/data/golog: what is done, as their papers say, and when something happens."""
+"""Further examples of the literature: what is done, as their papers say, and when something happens."""
 
 from functools import lru_cache
 from pathlib import Path
 
 import pytest
 from core_driver import Driver
-from golog_programs import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
-from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning import CoreSettings
 
 DATA = Path(__file__).resolve().parents[2] / "data" / "golog"
@@ -17,11 +15,7 @@ DATA = Path(__file__).resolve().parents[2] / "data" / "golog"
 @lru_cache(maxsize=None)
 def example(name):
     """An example's program."""
-    domain = "".join(
-        (DATA / f"{one}.lp").read_text().replace('#include "actions.lp".', "") for one in ("actions", name)
-    )
-    golog = (DATA / f"{name}.golog").read_text().replace(f'include "{name}.lp";', "")
-    return ReactiveProgram([Source("domain.lp", domain, ENCODINGS), Source(f"{name}.golog", golog)])
+    return ReactiveProgram.from_files([DATA / f"{name}.golog"])
 
 
 def plans(name, request):

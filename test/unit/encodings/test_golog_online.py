@@ -89,9 +89,9 @@ HAPPENING = [
     ("star { a; } await f; b;", ["_set(f,now)"], "b"),
     ("prefer { alone { a; await f; b; } } over { c; }", ["_set(f,now)"], "a b c"),
     (
-        "prefer { interrupts { when not g { alone { a; await g; b; } } } until g; } over { c; }",
+        "prefer { interrupts { when not g { alone { a; await g; b; } } } until g; } over { d; }",
         ["_set(g,now)"],
-        "a b c",
+        "a b d",
     ),
     ("try { a; await f; b; } else { }", ["_set(f,now)"], "a b"),
     ("retry 2 { a; await f; b; }", ["_set(f,now)"], "a b"),
