@@ -107,6 +107,8 @@ OTHERS = [
     "c;",
     "d;",
     "search { a; b; c; }",
+    "a; b; a; c;",
+    "if f { b; } else { a; c; }",
     "alone { d; if f { b; } else { a; c; } }",
     "prefer { a; while f { d; } await g; } over { b; c; }",
     "prefer { a; if f { d; } else { } await g; } over { b; c; }",
@@ -238,6 +240,27 @@ def test_each_action_is_of_one_program():
 def test_nothing_comes_into_a_search():
     driver = core("search { a; b; c; }").goal("h", goal("d;", 2))
     assert "a b c" in done(driver)
+
+
+def test_an_action_may_have_been_another_ones_where_others_may_act():
+    driver = Driver(program=program()).facts("_set(shared,now)").goal("g", goal(OTHERS[-4], 1))
+    assert done(driver.facts("_set(f,now)", "_set(no(c),now)")) == "a b"
+    assert driver.states("g")[-1] == "succeeded"
+
+
+def test_nobody_acts_while_a_search_waits():
+    driver = core("search { a; await f; b; }").succeed().goal("h", goal("d;", 2))
+    assert driver.awaited == []
+    assert done(driver.facts("_set(f,now)")) in ("b", "b d")
+    assert driver.states("g")[-1] == "succeeded"
+
+
+def test_failures_are_counted_anew_once_the_action_has_worked():
+    driver = core(OTHERS[-5])
+    for action, works in zip("aaabaaac", [False, False, True, True] * 2):
+        assert [str(one.parameter) for one in driver.core.awaited] == [action]
+        driver = driver.succeed() if works else driver.fail("stuck")
+    assert driver.states("g")[-1] == "succeeded"
 
 
 def test_in_the_midst_of_a_search_an_action_was_its_own_though_others_may_act():
