@@ -3,7 +3,7 @@
 from itertools import combinations, product
 from typing import Container, Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
-from clingo import Function, Symbol
+from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import parse_term
@@ -175,7 +175,7 @@ class Deed(NamedTuple):
 
     Attributes:
         interface: the action's name.
-        what: its parameter, the last argument of a goal.
+        what: that thing, the last argument of a goal: its parameter, or a part of it.
         again: whether that goal was sent again since.
 
     """
@@ -199,11 +199,21 @@ def done_after(done: Done, move: Move, things: Container[Symbol]) -> Done:
     asked = [goal_of(one).arguments[-1] for one in move.happenings if one.kind == "ask"]
     done = frozenset(one._replace(again=True) if one.what in asked else one for one in done)
     for action, value in move.answers:
-        deed = Deed(action.interface, action.parameter)
+        deed = Deed(action.interface, thing_of(action.parameter, things))
         done = frozenset(one for one in done if one.interface != deed.interface and one.what != deed.what)
-        if value == deed.what and value in things:
+        if value == action.parameter and deed.what in things:
             done |= {deed}
     return done
+
+
+def thing_of(parameter: Symbol, things: Container[Symbol]) -> Symbol:
+    """Return which of ``things`` an action with this parameter is about: the parameter, or the one that is part of it.
+
+    Where it is about none or several, as ``pair(left,red)`` may be, that is the parameter itself.
+    """
+    parts = parameter.arguments if parameter not in things and parameter.type is SymbolType.Function else []
+    inside = {one for part in parts for one in [thing_of(part, things)] if one in things}
+    return inside.pop() if len(inside) == 1 else parameter
 
 
 def goal_of(happening: Happening) -> Symbol:

@@ -18,7 +18,7 @@ from rosoclingo.reasoning.keywords import cancellation, request
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.verifying.beliefs import Belief, Beliefs
 from rosoclingo.reasoning.verifying.findings import Finding, Kind, Suspicion
-from rosoclingo.reasoning.verifying.moves import Deed, Limits, Move, Moves, Repertory, done_after
+from rosoclingo.reasoning.verifying.moves import Deed, Limits, Move, Moves, Repertory, done_after, thing_of
 from rosoclingo.reasoning.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.reasoning.verifying.ways import Node, Step, circles
 
@@ -237,7 +237,7 @@ class Search:
         for fault in core.plan.faults:
             self._suspicion.add(Finding(Kind.MALFORMED, way, fault, cost))
         for one in node.awaited:
-            if Deed(one.interface, one.parameter, again=True) in node.done:
+            if Deed(one.interface, thing_of(one.parameter, self._things), again=True) in node.done:
                 found = Finding(Kind.REPEATED, way, str(one.atom), cost, str(one.interface))
                 self._suspicion.add_repeated(found, node.calm)
 
