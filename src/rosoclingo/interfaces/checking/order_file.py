@@ -38,6 +38,7 @@ class OrderFile:
             reader = Reader(self.file.data)
             self._forms = read_orders(reader)
             self.faults += [self.file.fault(text, "configuration") for text in reader.faults]
+            self.faults += self.file.doubles
 
     def requests(self, program: ReactiveProgram, labels: Sequence[str]) -> Kinds:
         """Return goals that may be ordered, of each form; without ``labels`` of all names of the program."""

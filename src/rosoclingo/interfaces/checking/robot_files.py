@@ -62,7 +62,7 @@ class RobotFiles:
     def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
         """Return what may be wrong with them, beside a program where it could be read."""
         files = [one for one in (self._labels, self._interfaces) if one is not None]
-        faults = [fault for one in files for fault in one.faults]
+        faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
         labels = self._look_at_labels(faults)
         specs = self._look_at_interfaces(faults)
         if program is not None:

@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 import yaml
 
@@ -11,6 +11,9 @@ from rosoclingo.oclingo.program.lint.actions import Named
 from rosoclingo.oclingo.program.sources import Source
 
 _UNKNOWN = re.compile(r"unknown key '([^']*)'")
+
+_DEEPEST = 32  # levels of which the places are known
+_STRING = "tag:yaml.org,2002:str"
 
 
 class YamlFile:
@@ -21,6 +24,7 @@ class YamlFile:
         text: its text.
         data: what it holds, None where it is no YAML.
         faults: that it is none.
+        doubles: keys that stand in it twice.
 
     """
 
@@ -30,7 +34,9 @@ class YamlFile:
         self.name, self.text = source.name, source.text
         self.data: Any = None
         self.faults: List[Fault] = []
+        self.doubles: List[Fault] = []
         self._places: Dict[str, Tuple[int, int]] = {}
+        self._seen: Set[int] = set()  # nodes, which are looked at once however many aliases they have
         try:
             self.data = yaml.safe_load(self.text)
             node = yaml.compose(self.text, Loader=yaml.SafeLoader)
@@ -64,14 +70,36 @@ class YamlFile:
         return Fault(self.name, *place, f"no YAML: {problem}", kind="configuration")
 
     def _note(self, path: str, node: Any, depth: int) -> None:
-        """Note where the keys below a node stand."""
-        if isinstance(node, yaml.MappingNode) and depth < 32:
+        """Note where the keys below a node stand, and which stand there twice."""
+        if id(node) in self._seen or depth >= _DEEPEST:
+            return
+        self._seen.add(id(node))
+        if isinstance(node, yaml.MappingNode):
+            told: Dict[str, int] = {}
             for key, value in node.value:
-                inside = f"{path}.{key.value}" if path else str(key.value)
-                self._places.setdefault(inside, (key.start_mark.line + 1, key.start_mark.column + 1))
+                name, line = _text(key), key.start_mark.line + 1
+                inside = f"{path}.{name}" if path else name
+                self._places[inside] = (
+                    line,
+                    key.start_mark.column + 1,
+                )  # of keys that stand there twice the last counts
+                if name in told and name != "<<":
+                    text = f"the key {name} stands in line {told[name]} already: of the two the last one counts"
+                    place = line, key.start_mark.column + 1
+                    self.doubles.append(Fault(self.name, *place, text, "leave one of them out", "configuration"))
+                told[name] = line
                 self._note(inside, value, depth + 1)
-        elif isinstance(node, yaml.SequenceNode) and depth < 32:
+        elif isinstance(node, yaml.SequenceNode):
             for index, value in enumerate(node.value):
                 inside = f"{path}[{index}]"
                 self._places.setdefault(inside, (value.start_mark.line + 1, value.start_mark.column + 1))
                 self._note(inside, value, depth + 1)
+
+
+def _text(key: Any) -> str:
+    """Return a key as the data has it: True for yes, 1 for 1."""
+    plain = isinstance(key, yaml.ScalarNode) and key.tag != _STRING and not key.tag.endswith(":merge")
+    try:
+        return str(yaml.safe_load(key.value)) if plain else str(key.value)
+    except yaml.YAMLError:
+        return str(key.value)

@@ -238,13 +238,17 @@ def _words(fault: Fault) -> str:
     return fault.message + (f" ({fault.mend})" if fault.mend else "")
 
 
+_WIDEST = 200  # columns of a line that are shown
+
+
 def _shown(fault: Fault, lines: Sequence[str]) -> str:
     """Return the line of a fault with a mark below its column."""
     if not 0 < fault.line <= len(lines) or not lines[fault.line - 1].strip():
         return ""
-    line = lines[fault.line - 1].replace("\t", " ")
+    start = max(0, fault.column - 1 - _WIDEST // 2) if fault.column > _WIDEST else 0
+    line = lines[fault.line - 1].replace("\t", " ")[start : start + _WIDEST]
     number = f"{fault.line:6} | "
-    return f"{number}{line}\n{'|':>{len(number) - 1}} {' ' * (fault.column - 1)}^\n"
+    return f"{number}{line}\n{'|':>{len(number) - 1}} {' ' * (fault.column - 1 - start)}^\n"
 
 
 def _counted(number: int, what: str) -> str:

@@ -1,0 +1,51 @@
+"""YAML files as people leave them: keys twice, words that YAML takes for values, lines and lists without end."""
+
+import pytest
+
+from rosoclingo.interfaces.checking.yaml_places import YamlFile
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.service.check_command import _shown
+
+
+def read(folder, text):
+    path = folder / "labels.yaml"
+    path.write_text(text, encoding="utf-8")
+    return YamlFile(str(path))
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("hall: [1, 2]\nkitchen: [1, 2]\nhall: [3, 4]\n", [(3, 1, "hall stands in line 1")]),
+        ("hall: {x: 1, y: 2,\n  x: 3}\n", [(2, 3, "x stands in line 1")]),
+        ("- {title: a, title: b}\n", [(1, 14, "title stands in line 1")]),
+        ("hall: &a {x: 1}\nkitchen: {<<: *a, x: 2}\n", []),
+    ],
+)
+def test_keys_that_stand_there_twice_are_told(tmp_path, text, places):
+    found = read(tmp_path, text)
+    assert found.faults == []
+    assert len(found.doubles) == len(places)
+    for one, (line, column, words) in zip(found.doubles, places):
+        assert (one.line, one.column, one.kind) == (line, column, "configuration")
+        assert words in one.message
+
+
+def test_faults_stand_at_the_key_that_counts(tmp_path):
+    found = read(tmp_path, "hall: [1, 2]\nyes: [1, 2]\nhall: [x]\n")
+    assert found.fault("hall: must be numbers", "configuration").line == 3
+    assert found.fault("True: the name is no ASP term", "configuration").line == 2
+
+
+def test_aliases_of_aliases_take_no_time(tmp_path):
+    rows = ["a0: &a0 [x, x]", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 25))]
+    found = read(tmp_path, "\n".join(rows) + "\n")
+    assert found.fault("a24: must be a pose", "configuration").line == 25
+
+
+@pytest.mark.parametrize("column", [1, 150, 450, 999])
+def test_of_a_long_line_a_part_is_shown(column):
+    line = "x" * (column - 1) + "!" + "x" * (1000 - column)
+    first, second = _shown(Fault("a.lp", 1, column, "odd"), [line]).splitlines()
+    assert first[second.index("^")] == "!"
+    assert len(first) < 250
