@@ -3,30 +3,34 @@
 import re
 import shutil
 from pathlib import Path
-from typing import Iterator, List, Optional
+from typing import Iterable, Iterator, List, Optional
 
 #: What stands for the package's name, in the templates' texts and names.
 _NAME = "@NAME@"
 
-_FIT = re.compile(r"[a-z][a-z0-9_]+")
+_FIT = re.compile(r"[a-z][a-z0-9_]{1,99}")
 
 
 class NewPackageError(ValueError):
     """A package that cannot be made; the text says why, and what to do."""
 
 
-def new_package(name: str, folder: Path, templates: Path) -> List[Path]:
+def new_package(name: str, folder: Path, templates: Path, known: Iterable[str] = ()) -> List[Path]:
     """Make the package ``name`` in a folder; returns its files, relative to the folder.
 
-    Raises NewPackageError where the name is not one for a package, something of that name is there, or the package
-    cannot be written; then nothing of it stays.
+    Raises NewPackageError where the name is not one for a package, or that of one of the ``known`` packages, something
+    of that name is there, or the package cannot be written; then nothing of it stays.
     """
     if not _FIT.fullmatch(name):
         raise NewPackageError(
-            f"'{name}' is no name for a package: lower-case letters, digits and '_', a letter first, two at least"
+            f"'{name}' is no name for a package: lower-case letters, digits and '_', a letter first, 2 to 100 of them"
             + (f"; say '{_likely(name)}'" if _likely(name) else "")
         )
     package = folder / name
+    if name in known and not package.exists():
+        raise NewPackageError(
+            f"there is a package {name} already, and roslaunch would take either: choose another name"
+        )
     try:
         package.mkdir()
     except FileExistsError:

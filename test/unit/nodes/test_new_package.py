@@ -40,6 +40,15 @@ def test_the_readme_names_what_is_there(tmp_path):
     assert not [name for name in named if not any(file.startswith(f"guard/{name}") for file in files)]
 
 
+def test_a_name_that_a_package_has_is_refused(templates, tmp_path):
+    with pytest.raises(NewPackageError, match="there is a package std_msgs already"):
+        new_package("std_msgs", tmp_path, templates, ["roscpp", "std_msgs"])
+    assert not (tmp_path / "std_msgs").exists()
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(NewPackageError, match="mine is there already"):
+        new_package("mine", tmp_path, templates, ["mine"])
+
+
 @pytest.mark.parametrize(
     ("name", "likely"),
     [
@@ -50,12 +59,13 @@ def test_the_readme_names_what_is_there(tmp_path):
         ("", None),
         ("../up", "up"),
         ("ü", None),
+        ("x" * 101, None),
     ],
 )
 def test_what_is_no_name_is_refused(name, likely, templates, tmp_path):
     with pytest.raises(NewPackageError) as caught:
         new_package(name, tmp_path / "folder", templates)
-    assert str(caught.value).endswith(f"say '{likely}'" if likely else "two at least")
+    assert str(caught.value).endswith(f"say '{likely}'" if likely else "2 to 100 of them")
 
 
 def test_what_is_there_is_left_alone(templates, tmp_path):
