@@ -107,6 +107,7 @@ OTHERS = [
     "c;",
     "d;",
     "search { a; b; c; }",
+    "d; search { a; c; await f; b; }",
     "a; b; a; c;",
     "if f { b; } else { a; c; }",
     "alone { d; if f { b; } else { a; c; } }",
@@ -248,11 +249,14 @@ def test_an_action_may_have_been_another_ones_where_others_may_act():
     assert driver.states("g")[-1] == "succeeded"
 
 
-def test_nobody_acts_while_a_search_waits():
-    driver = core("search { a; await f; b; }").succeed().goal("h", goal("d;", 2))
+@pytest.mark.parametrize("before", [0, 1])
+def test_nobody_acts_while_a_search_waits(before):
+    driver = core("d; search { a; c; await f; b; }").succeed().succeed()
+    driver = driver.succeed().goal("h", goal("d;", 2)) if before else driver.goal("h", goal("d;", 2)).succeed()
     assert driver.awaited == []
-    assert done(driver.facts("_set(f,now)")) in ("b", "b d")
-    assert driver.states("g")[-1] == "succeeded"
+    assert driver.states("h")[-1] == "active"
+    assert done(driver.facts("_set(f,now)")) == "b d"
+    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
 def test_failures_are_counted_anew_once_the_action_has_worked():
