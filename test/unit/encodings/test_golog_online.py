@@ -107,6 +107,8 @@ OTHERS = [
     "c;",
     "d;",
     "search { a; b; c; }",
+    "interleave { alone { a; await f; b; } d; } with { c; }",
+    "interleave { interleave { alone { a; await f; b; } } with { d; } } with { c; }",
     "d; search { a; c; await f; b; }",
     "a; b; a; c;",
     "if f { b; } else { a; c; }",
@@ -257,6 +259,15 @@ def test_nobody_acts_while_a_search_waits(before):
     assert driver.states("h")[-1] == "active"
     assert done(driver.facts("_set(f,now)")) == "b d"
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
+
+
+@pytest.mark.parametrize("text", OTHERS[7:9])
+def test_a_search_that_waits_within_others_holds_all_of_them_off(text):
+    driver = core(text)
+    assert driver.awaited == ["_action_lib(act,a,1)"]
+    assert driver.succeed().awaited == []
+    assert sorted(done(driver.facts("_set(f,now)"))) == sorted("b c d")
+    assert driver.states("g")[-1] == "succeeded"
 
 
 def test_failures_are_counted_anew_once_the_action_has_worked():
