@@ -19,7 +19,6 @@ FILES = {
     "day": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp", ENCODINGS / "golog" / "mailbot_day.golog"],
     "elevator": [ENCODINGS / "golog" / "elevator.golog"],
     "paper": [ENCODINGS / "paper.lp"],
-    "new": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     "two_offices": [ENCODINGS / "mailbot.lp", DATA / "two_offices.lp"],
     "template": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "two_arms")},

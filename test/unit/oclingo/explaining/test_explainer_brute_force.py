@@ -153,7 +153,7 @@ def check_each(named, everything, has_plan):
 
 @pytest.mark.slow
 @pytest.mark.once
-@settings(max_examples=max(5, settings.default.max_examples // 2))
+@settings(max_examples=max(5, settings.default.max_examples // 3))
 @given(CASES)
 def test_reasons_hold_and_none_of_them_is_idle(case):
     check(case)

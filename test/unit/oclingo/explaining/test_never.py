@@ -91,7 +91,7 @@ WORLDS = st.builds(
 
 @pytest.mark.slow
 @pytest.mark.once
-@settings(max_examples=max(5, settings.default.max_examples // 2))
+@settings(max_examples=max(5, settings.default.max_examples // 3))
 @given(WORLDS)
 def test_what_is_said_to_be_never_so_never_is(world):
     check(world)
