@@ -8,6 +8,7 @@ from mailbot_world import ENCODINGS, fewest_steps, neighbours
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.solving.grounding import Grounding
 
 EXAMPLES = settings(max_examples=max(1, settings.default.max_examples // 12))
 
@@ -87,6 +88,27 @@ def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
     assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
+
+
+def test_the_solver_is_told_how_long_it_takes_at_least():
+    """Nearly: what is told grows by a quarter at first, beyond the look back by a sixteenth."""
+    requests = [(1, 2)] * 7 + [(2, 1)] * 7
+    assert 30 <= claimed(mailbot([(1, 2)], 3, _window="1"), requests) <= 28 + 6
+    assert 27 <= claimed(mailbot([(1, 2)], 3), requests) <= 28 + 6
+    assert claimed(mailbot([(1, 2)], 3), [(1, 2), (2, 1)]) == 0
+    far = [(1, 6)] * 24
+    row = [(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)]
+    assert 48 + 75 - 10 <= claimed(mailbot(row, 3), far) <= 48 + 75
+
+
+def claimed(program, requests):
+    """How many steps the program says that a plan takes at least, with a grounding of one step that was searched."""
+    told = [clingo.parse_term(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
+    grounding = Grounding(program, told, set(told), shortest=True)
+    grounding.ground_to(1)
+    assert grounding.search(1, lambda: False, 1, 1).satisfiable is False
+    assert grounding.claimed_steps(2) == 0
+    return grounding.claimed_steps(1)
 
 
 @pytest.mark.slow

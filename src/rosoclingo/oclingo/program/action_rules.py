@@ -21,6 +21,8 @@ from rosoclingo.oclingo.progression.terms import Signature
 ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
 FAILED = Signature("_failed", 3)
+STEPS = Signature("_steps", 2)
+"""``_steps(N,C)``: the program claims that a plan from cycle C on takes N steps at least."""
 BEYOND = Signature("__oclingo_beyond", 1)
 """``__oclingo_beyond(T)``: the program's name for the literal that is true for steps beyond the horizon."""
 
@@ -40,6 +42,12 @@ def is_action(atom: clingo.Symbol) -> bool:
     Most atoms of an answer were in the one before: to look them up takes a seventh of the time.
     """
     return atom.match(*ACTION)
+
+
+def steps_claimed(claim: clingo.Symbol, cycle: int) -> int:
+    """Return N where ``claim`` is ``_steps(N,cycle)`` for a number N, else 0."""
+    steps, of = claim.arguments
+    return steps.number if steps.type is clingo.SymbolType.Number and of == clingo.Number(cycle) else 0
 
 
 def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:

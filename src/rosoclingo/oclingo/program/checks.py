@@ -10,7 +10,7 @@ import clingo
 from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN
+from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, STEPS
 from rosoclingo.oclingo.program.lint.survey import Place, places, written
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
@@ -29,6 +29,7 @@ KEYWORDS = {
         Signature("_refuse", 3),
         Signature("_never", 2),
         Signature("_says", 2),
+        STEPS,
     )
 }
 """The predicates by which a program talks to rosoclingo."""
@@ -63,6 +64,7 @@ def _form(keyword: Signature) -> str:
         "_refuse": "_refuse(Fact,Text,C)",
         "_never": "_never(Text,C)",
         "_says": "_says(Action,Text)",
+        "_steps": "_steps(Number,C)",
     }
     return forms[keyword.name]
 

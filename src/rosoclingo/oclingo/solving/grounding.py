@@ -12,7 +12,6 @@ from typing import (
     Dict,
     FrozenSet,
     Iterable,
-    Iterator,
     List,
     Optional,
     Sequence,
@@ -24,8 +23,7 @@ from weakref import proxy
 import clingo
 from clingo.propagator import Propagator
 
-from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, STEPS, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import ReturnRules
@@ -35,7 +33,7 @@ from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSessi
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.foresight import Foreseen, foresee
 from rosoclingo.oclingo.solving.horizon import ActionIndex, CycleIndex, ExternalIndex, HorizonLiterals
-from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, with_their_failures
+from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -119,6 +117,7 @@ class Grounding:
         self._ground_base()
         self._externals.end_base()
         self._tell(self.past.facts)
+        self._before_steps = len(self._control.symbolic_atoms)
 
     def _observe(self) -> None:
         """Let those observers hear of what is ground that have a use for it."""
@@ -172,8 +171,13 @@ class Grounding:
             self._bound(step)
         if self._shortest:
             self._ends.link(last)
-        self._actions.forbid_late()
         self.atoms.resolve_absent()
+
+    @property
+    def atoms_per_step(self) -> int:
+        """How many atoms a step has that is ground, on average; at least 1."""
+        found, steps = len(self._control.symbolic_atoms) - self._before_steps, self.horizon + 1 - self.past.first
+        return max(1, found // max(1, steps))
 
     @cached_property
     def _domain_parts(self) -> List[str]:
@@ -213,9 +217,20 @@ class Grounding:
         """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
         return [atom for atom in self._externals.between(first, last, base) if self.atoms.is_open(atom)]
 
+    def claimed_steps(self, step: int) -> int:
+        """Return how many steps the program claims that a plan from ``step`` on takes at least; 0 for no claim.
+
+        What is known for good counts, after a search all that follows from what was told.
+        """
+        self._session.close()
+        self._control.cleanup()
+        claims = [one.symbol for one in self._control.symbolic_atoms.by_signature(*STEPS) if one.is_fact]
+        return max((steps_claimed(claim, step) for claim in claims), default=0)
+
     def show(self, propagator: Propagator) -> None:
         """Let ``propagator`` read the program as it stands, without a search."""
         self._control.register_propagator(propagator)
+        self._actions.forbid_late()
         external = self._session.new_external()
         self._session.close()
         self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
@@ -276,7 +291,7 @@ class Grounding:
         ``best``, or else any; where that need not be ``proven``, the best that is found until the search is stopped.
         Of the facts in doubt all were told but those ``untold``. What is ``kept`` is true.
         """
-        self.atoms.end_definitions()
+        self._complete()
         assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
         told = assumed.literals if assumed else []
         self._session.close()
@@ -305,6 +320,11 @@ class Grounding:
             return Search(None)
         kept_answers = tuple(answers if proven else answers[-1:])
         return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1]) if self.satisfied else refuted
+
+    def _complete(self) -> None:
+        """Add the rules that wait for all others."""
+        self.atoms.end_definitions()
+        self._actions.forbid_late()
 
     def _assumed(self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol]) -> Optional[Assumptions]:
         """Return what a search assumes beside its horizon; None where nothing is in doubt or kept, as a rule."""
@@ -343,57 +363,3 @@ def _awaited(handle: clingo.SolveHandle, stopped: Callable[[], bool]) -> clingo.
         if stopped():
             handle.cancel()
     return handle.get()
-
-
-BLOCK = 64
-"""Steps that are grounded at once."""
-
-
-def _block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
-    """Yield the last steps of the blocks from ``first`` to the horizon; one ends where steps may be retired."""
-    while first <= state.horizon:
-        last = min(first + block - 1, state.horizon)
-        if first < state.keep_from <= last:
-            last = state.keep_from - 1
-        yield last
-        first = last + 1
-
-
-def build_grounding(
-    program: ReactiveProgram,
-    state: StreamState,
-    shortest: bool,
-    dropped: Callable[[], bool] = lambda: False,
-    coming: Iterable[clingo.Symbol] = (),
-    doubted: FrozenSet[clingo.Symbol] = frozenset(),
-    foresees: bool = False,
-) -> Grounding:
-    """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
-
-    Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
-    for one head are what they are in a program of one piece. Atoms that are ``coming`` are known as externals,
-    and facts that are ``doubted`` were told where a search says so; where it ``foresees``, answers come with the
-    returns that may be told.
-    Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
-    """
-    facts = {one.head for one in state.permanent if one.head is not None and not one.body}
-    facts -= with_their_failures(doubted)
-    open_atoms = dict.fromkeys([*state.open_atoms, *coming])
-    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted, foresees)
-    for last in _block_ends(state, grounding.horizon + 1, BLOCK if shortest or program.steps_apart else 1):
-        if dropped():
-            raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
-        grounding.ground_to(last)
-    for atom in state.forgotten:
-        grounding.atoms.close(atom)
-    for cycle, executed in state.closed_cycles.items():
-        grounding.close_cycle(cycle, executed)
-    given = set(open_atoms) & facts
-    for statement in state.permanent:
-        if statement.head not in given:  # a rule for what is given as a fact says no more
-            grounding.add(statement, FOREVER)
-    for entry in state.lapsing:
-        grounding.add(entry.statement, entry.lifetime)
-    for cycle in sorted(state.closed_cycles)[:-1]:
-        grounding.close_returns(cycle)
-    return grounding

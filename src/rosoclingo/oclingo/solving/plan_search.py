@@ -4,7 +4,7 @@ The shortest plan is found by refuting every shorter horizon, which may take for
 soon: with more steps than are needed it is easy, the more so where ``#heuristic`` says what to do next. So the horizon
 grows by a quarter as long as a few conflicts do not tell (as in Rintanen's algorithms for planning as satisfiability,
 2006), by a half where it is refuted, and what is found bounds the horizons to look at from above, as what is refuted
-does from below.
+does from below. Where the program claims that so many steps are needed, as many and a quarter more are ground at once.
 """
 
 import time
@@ -22,8 +22,11 @@ Clock = Callable[[], float]
 
 CLOCK: Clock = time.process_time
 
+PIECE_ATOMS = 250_000
+"""About so many atoms are grounded between two looks at the stop request: with each call clingo sorts in all it has."""
+
 PIECE = 64
-"""Steps that are grounded between two looks at the stop request."""
+"""So many steps at least."""
 
 CONFLICTS = 100
 """Conflicts that a question may take, at first.
@@ -78,6 +81,7 @@ class PlanSearch(HorizonSearch):
         super().__init__(models, True, 0, block, halt)
         self._caller_halts, self._plan, self._time = halt, plan, time_limit
         self._least = 0  # no answer has a horizon below it
+        self._claimed: Optional[int] = None  # nor below this one, if it is true what the program claims
         self._best: Optional[Search] = None
         self._old: List[Plan] = []  # what may be left of the last plan
 
@@ -154,19 +158,32 @@ class PlanSearch(HorizonSearch):
         return self._look(transaction, self._least, last, conflicts)
 
     def _grow(self, transaction: Transaction, refuted: bool) -> Iterator[None]:
-        """Ground a quarter more of the steps to come, half as many more where all are ``refuted``, piece by piece."""
+        """Ground a quarter more of the steps to come, half as many more where all are ``refuted``, piece by piece.
+
+        At first, as many as the program claims that a plan takes, and a quarter more, if these are more.
+        """
         state = transaction.state
         more = (state.horizon - state.step) // (2 if refuted else 4)
-        last = transaction.last_horizon(state.horizon + (max(self._block, more) if self._block > 1 else 1))
+        last = state.horizon + (max(self._block, more) if self._block > 1 else 1)
+        if self._claimed is None:
+            steps = transaction.ready().claimed_steps(state.step) if self._block > 1 else 0
+            self._claimed = state.step + steps - 1
+            last = max(last, self._claimed + steps // 4)
+        last = transaction.last_horizon(last)
         while state.horizon < last:
             yield
-            transaction.grow_to(min(last, state.horizon + PIECE))
+            piece = max(PIECE, PIECE_ATOMS // transaction.ready().atoms_per_step)
+            transaction.grow_to(min(last, state.horizon + piece))
 
     # ---- A shorter one -----------------------------------------------------------------------------------------------
 
     def _shorten(self, transaction: Transaction) -> None:
         """Look for shorter plans, and refute the least horizons in turns, until both meet or the time is over."""
         conflicts = CONFLICTS
+        if self._best is not None and not self._is_over():
+            claimed = min(self._claimed or 0, self._best.horizon)
+            if self._least < claimed:
+                self._try(transaction, self._least, claimed - 1, conflicts)
         while self._best is not None and self._least < self._best.horizon and not self._is_over():
             first, last = self._least, self._best.horizon - 1
             self._try(transaction, first, last, conflicts)

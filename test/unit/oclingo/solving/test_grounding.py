@@ -11,7 +11,8 @@ from test_solver import atoms, play, solver_of
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.solving.assumptions import Search
-from rosoclingo.oclingo.solving.grounding import Grounding, _block_ends
+from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.solving.regrounding import _block_ends
 from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."

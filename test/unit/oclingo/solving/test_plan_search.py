@@ -34,7 +34,8 @@ class World:
     horizon where nothing is given; from horizon ``dead`` on nothing makes the program satisfiable any more. After
     ``halts`` questions it is to end; where they are ``cut`` the last one is left without an answer. What was asked is
     noted as text: 2..5/100 all 0 for these horizons, so many conflicts and all answers, with + and - for the cycles
-    whose actions are given as true and as false; and >7 for the steps that were grounded.
+    whose actions are given as true and as false; and >7 for the steps that were grounded. The program ``claims`` that
+    so many steps are needed, and has so many ``atoms`` per step.
     """
 
     def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **others):
@@ -43,6 +44,7 @@ class World:
         self.program = SimpleNamespace(optimizes=others.get("optimizes", False), advises=others.get("advises", False))
         self.dead, self.halts = others.get("dead"), others.get("halts")
         self.cut = others.get("cut", False)
+        self.claims, self.atoms_per_step = others.get("claims", 0), others.get("atoms", 10**6)
         self.conflicting, self.questions = False, 0
 
     def halt(self):
@@ -65,6 +67,10 @@ class World:
 
     def ready(self):
         return self
+
+    def claimed_steps(self, step):
+        assert step == self.state.step
+        return self.claims
 
     def actions(self, first, last):
         assert first == self.state.step
@@ -136,6 +142,30 @@ def test_the_fewer_the_steps_the_more_conflicts_a_first_plan_may_take(monkeypatc
     monkeypatch.setattr(plan_search, "EFFORT", 20_000)
     world = World({}, horizon=steps, hard={1: needed}, most=600, advises=advises, halts=asked.count("/"))
     assert run(world)[::2] == (None, asked)
+
+
+@pytest.mark.parametrize(
+    ("world", "horizon", "asked"),
+    [
+        (World({22: [22]}, claims=20), 22, "1..1/100 >25 2..25/100 2..19/100 20..21/100"),
+        (World({22: [22]}, step=5, horizon=6, claims=16), 22, "5..6/100 >24 7..24/100 7..19/100 20..21/100"),
+        (World({22: [22]}, claims=12), 22, "1..1/100 >15 2..15/100 >23 16..23/100 16..21/100"),
+        (World({22: [22]}, claims=20, most=18), False, "1..1/100 >18 2..18"),
+        (World({9: [9]}, claims=40), 9, "1..1/100 >50 2..50/100 2..8/100"),
+        (World({30: [30]}, horizon=40, claims=50), 30, "1..40/100 1..29/100"),
+        (World({180: [180]}, claims=160, most=300), 180, "1..1/100 >65 >129 >193 >200 2..200/100 2..159/100 160..179/100"),
+        (World({180: [180]}, claims=160, atoms=2000, most=300), 180, "1..1/100 >126 >200 2..200/100 2..159/100 160..179/100"),
+    ],
+)
+def test_as_many_steps_as_the_program_claims_and_a_quarter_more_are_grounded_at_once(world, horizon, asked):
+    """What it claims is asked, too: nobody believes it."""
+    found, proven, questions = run(world)
+    assert (found, questions) == (horizon, asked)
+    assert proven == bool(found)
+
+
+def test_where_steps_are_grounded_one_by_one_a_claim_is_passed_over():
+    assert run(World({3: [3]}, claims=9), block=1)[::2] == (3, "1..1 >2 2..2 >3 3..3")
 
 
 @pytest.mark.parametrize(
