@@ -153,8 +153,16 @@ def test_the_fewer_the_steps_the_more_conflicts_a_first_plan_may_take(monkeypatc
         (World({22: [22]}, claims=20, most=18), False, "1..1/100 >18 2..18"),
         (World({9: [9]}, claims=40), 9, "1..1/100 >50 2..50/100 2..8/100"),
         (World({30: [30]}, horizon=40, claims=50), 30, "1..40/100 1..29/100"),
-        (World({180: [180]}, claims=160, most=300), 180, "1..1/100 >65 >129 >193 >200 2..200/100 2..159/100 160..179/100"),
-        (World({180: [180]}, claims=160, atoms=2000, most=300), 180, "1..1/100 >126 >200 2..200/100 2..159/100 160..179/100"),
+        (
+            World({180: [180]}, claims=160, most=300),
+            180,
+            "1..1/100 >65 >129 >193 >200 2..200/100 2..159/100 160..179/100",
+        ),
+        (
+            World({180: [180]}, claims=160, atoms=2000, most=300),
+            180,
+            "1..1/100 >126 >200 2..200/100 2..159/100 160..179/100",
+        ),
     ],
 )
 def test_as_many_steps_as_the_program_claims_and_a_quarter_more_are_grounded_at_once(world, horizon, asked):
