@@ -107,8 +107,10 @@ OTHERS = [
     "c;",
     "d;",
     "search { a; b; c; }",
+    "await g; d;",
     "interleave { alone { a; await f; b; } d; } with { c; }",
     "interleave { interleave { alone { a; await f; b; } } with { d; } } with { c; }",
+    "interleave { try { alone { a; await f; b; } } else { } d; } with { c; }",
     "d; search { a; c; await f; b; }",
     "a; b; a; c;",
     "if f { b; } else { a; c; }",
@@ -261,7 +263,7 @@ def test_nobody_acts_while_a_search_waits(before):
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
-@pytest.mark.parametrize("text", OTHERS[7:9])
+@pytest.mark.parametrize("text", OTHERS[8:11])
 def test_a_search_that_waits_within_others_holds_all_of_them_off(text):
     driver = core(text)
     assert driver.awaited == ["_action_lib(act,a,1)"]
@@ -276,6 +278,13 @@ def test_failures_are_counted_anew_once_the_action_has_worked():
         assert [str(one.parameter) for one in driver.core.awaited] == [action]
         driver = driver.succeed() if works else driver.fail("stuck")
     assert driver.states("g")[-1] == "succeeded"
+
+
+def test_failures_are_counted_anew_when_a_program_is_asked_for_or_cancelled():
+    driver = core("a; b;").fail("stuck").fail("stuck").goal("h", goal("await g; d;", 2))
+    driver.fail("stuck").fail("stuck").cancel("h").fail("stuck").fail("stuck")
+    assert [driver.states(key)[-1] for key in "gh"] == ["active", "preempted"]
+    assert done(driver) == "a b"
 
 
 def test_in_the_midst_of_a_search_an_action_was_its_own_though_others_may_act():
