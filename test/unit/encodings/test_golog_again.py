@@ -4,12 +4,12 @@ from functools import lru_cache
 
 import pytest
 from busy_driver import BusyDriver
-from core_driver import Driver
+from core_driver import Driver, shortest
 from golog_programs import ENCODINGS
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source
 
 #: Actions named act; a fluent no(A) makes one impossible. What is done is told by acts.
@@ -37,6 +37,7 @@ proc whole { alone { do { a; b; c; } on cancel { tidy; calm; } } }
 proc both { interleave { short; } with { tidied; } }
 proc open { interrupts { when not f { c; await f; } } until f; b; }
 proc late { await g; c; }
+proc patient { do { a; b; } on cancel { await f; tidy; } }
 proc nothing { }
 """
 NAMES = [line.split()[1] for line in PROGRAMS.splitlines() if line]
@@ -101,6 +102,15 @@ def test_a_second_program_of_an_identifier_is_undone_beside_the_first_one():
     assert not driver.problems
 
 
+def test_what_waits_to_be_undone_is_undone_for_each_program_of_an_identifier():
+    driver = failing(core().goal("old", "run(patient,1)").succeed(), 3)
+    driver.goal("new", "run(patient,1)").succeed().cancel("new").fail("stuck")
+    assert [driver.states(key)[-1] for key in ("old", "new")] == ["aborted", "preempting"]
+    assert not driver.core.awaited
+    assert all_done(driver.facts("_set(f,now)")) == "tidy tidy"
+    assert driver.states("new")[-1] == "preempted"
+
+
 def test_who_is_rejected_does_not_end_what_is_done_for_an_earlier_one():
     driver = given_up().goal("new", "run(othr,1)").succeed()
     assert driver.states("new")[-1] == "rejected"
@@ -118,6 +128,19 @@ def test_what_cannot_be_undone_is_left(ended):
     assert ended or "not all that was begun could be undone" in driver.message("old")
     assert not driver.problems
     assert driver.goal("new", "run(short,1)").finish().states("new")[-1] == "succeeded"
+
+
+def test_a_further_cancel_ends_what_is_done_for_the_first_one():
+    solver, done = (
+        shortest(program()),
+        ":- not _action_lib(act,{0},{1}). _return(act,{0},{1}). _request(cancel(1),{2}).",
+    )
+    solver.update(parse_update("#step 1 : 20. _request(run(tidied,1),2). #endstep."))
+    (answer,) = solver.update(parse_update(f"#step 2 : 20. {done.format('a', 1, 2)} #endstep.")).answers
+    assert {"_action_lib(act,tidy,2)", "_action_lib(act,calm,3)"} <= set(map(str, answer))
+    (answer,) = solver.update(parse_update(f"#step 3 : 20. {done.format('tidy', 2, 3)} #endstep.")).answers
+    assert "_status(1,canceled,3)" in map(str, answer)
+    assert not any(atom.name == "_action_lib" and atom.arguments[2].number > 2 for atom in answer)
 
 
 def test_what_can_be_undone_in_part_is_undone_in_part():
