@@ -243,7 +243,9 @@ class Play:
         assert not self.driver.problems
 
 
-@settings(phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=max(1, settings.default.max_examples // 2), phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.lists(HAPPENED, min_size=4, max_size=12))
 def test_each_goal_ends_and_the_core_goes_on(script):
     play = Play()

@@ -68,6 +68,7 @@ class Played:
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_the_reactive_elevator_serves_alarm_temperature_and_calls_in_this_order():
     run = Played("reactive_elevator", "control")
     assert run.doing == "down(2)"
@@ -89,6 +90,7 @@ def test_the_tower_is_reversed_in_the_one_way_there_is():
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_each_tower_of_three_blocks_is_built():
     found = plans("blocks", "some_tower")
     assert len(found) == 6

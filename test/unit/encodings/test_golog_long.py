@@ -50,6 +50,7 @@ def at_once(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.once
 def test_a_program_that_never_ends_keeps_no_more_of_its_past_as_time_goes_on():
     solver = shortest(program())
     driver = Driver(program=solver.program, solver=lambda _: solver)
