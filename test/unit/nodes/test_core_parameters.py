@@ -153,7 +153,7 @@ def test_places_reach_the_program(program):
 
 
 def test_places_that_are_no_facts_are_told_by_their_name(program):
-    with pytest.raises(ProgramError, match="~places:2:1"):
+    with pytest.raises(ProgramError, match="~places:1:12"):
         load_program(core_parameters({"program_files": program, "places": "place(hall)\n#program"}))
 
 

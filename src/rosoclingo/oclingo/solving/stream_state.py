@@ -141,6 +141,11 @@ class StreamState:
         for entry in [*self.lapsing, *self.waiting]:
             yield entry.statement
 
+    def facts_without(self, doubted: FrozenSet[clingo.Symbol]) -> Set[clingo.Symbol]:
+        """Return what is a fact for good, but what is ``doubted``."""
+        facts = {one.head for one in self.permanent if one.head is not None and not one.body}
+        return facts - with_their_failures(doubted)
+
     def rules(self) -> Iterator[Statement]:
         """Yield the statements in force that have a head and a body."""
         for statement in [*self.permanent, *(entry.statement for entry in self.lapsing)]:
@@ -280,3 +285,13 @@ def _lasting(update: StreamUpdate) -> Iterator[Statement]:
 
 def _demands_action(statement: Statement) -> bool:
     return statement.is_commitment and is_action(statement.body[0].atom)
+
+
+def block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
+    """Yield the last steps of the blocks from ``first`` to the horizon; one ends where steps may be retired."""
+    while first <= state.horizon:
+        last = min(first + block - 1, state.horizon)
+        if first < state.keep_from <= last:
+            last = state.keep_from - 1
+        yield last
+        first = last + 1

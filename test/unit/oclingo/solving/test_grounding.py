@@ -12,8 +12,7 @@ from test_solver import atoms, play, solver_of
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.regrounding import _block_ends
-from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState
+from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState, block_ends
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 EXTERNALS = (
@@ -136,7 +135,7 @@ def test_atoms_of_open_predicates_are_of_no_step_and_not_forgotten():
     ],
 )
 def test_blocks_end_where_steps_may_be_retired(keep_from, ends):
-    assert list(_block_ends(StreamState(step=10, horizon=10, keep_from=keep_from), 1, 4)) == ends
+    assert list(block_ends(StreamState(step=10, horizon=10, keep_from=keep_from), 1, 4)) == ends
 
 
 @pytest.mark.parametrize("restored", [False, True])
