@@ -9,6 +9,7 @@ import threading
 import time
 import xmlrpc.client
 from contextlib import contextmanager, suppress
+from urllib.parse import urlsplit
 
 import rosgraph
 import rospy
@@ -118,9 +119,13 @@ class CoreSide:
 
 
 def process_of(node):
-    """The process of a node, as the master knows it."""
+    """The process of a node, as the master knows it; OSError where another system's node has a dead one's address."""
     uri = rosgraph.Master(rospy.get_name()).lookupNode(rospy.resolve_name(node))
-    return xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2]
+    there = xmlrpc.client.ServerProxy(uri)
+    master = there.getMasterUri(rospy.get_name())[2]
+    if urlsplit(master).port != urlsplit(rosgraph.get_master_uri()).port:
+        raise ConnectionError(f"at {uri}, where {node} was, there is a node of {master}")
+    return there.getPid(rospy.get_name())[2]
 
 
 def is_another(node, process):

@@ -8,9 +8,7 @@ import tempfile
 import unittest
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
@@ -18,7 +16,7 @@ from actionlib_msgs.msg import GoalStatus
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates
-from interface_helpers import Process, executable, wait_until
+from interface_helpers import Process, executable, process_of, wait_until
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
 
@@ -56,7 +54,7 @@ def stat(pid):
 
 def children(node):
     """Process ids of a node's children."""
-    pid = ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node)).getPid(rospy.get_name())[2]
+    pid = process_of(node)
     pids = [int(path.name) for path in Path("/proc").glob("[0-9]*")]
     return [one for one in pids if (stat(one) or ("", 0))[1] == pid]
 

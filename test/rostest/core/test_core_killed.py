@@ -26,7 +26,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, wait_until
+from interface_helpers import PATIENCE, process_of, wait_until
 
 SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "10")))
 SUCCEEDED, RECALLED, PREEMPTED = GoalStatus.SUCCEEDED, GoalStatus.RECALLED, GoalStatus.PREEMPTED
@@ -101,7 +101,7 @@ class CoreKilled(unittest.TestCase):
     def pid():
         """The process that is the core now, None where there is none."""
         try:
-            return rosgraph.Master("/core_killed_test", rosgraph.Master("/x").lookupNode("/rosoclingo")).getPid()
+            return process_of("/rosoclingo")
         except (rosgraph.MasterException, OSError):
             return None
 

@@ -21,7 +21,7 @@ from rosoclingo.srv import Explain
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands
-from interface_helpers import PATIENCE, wait_until
+from interface_helpers import PATIENCE, process_of, wait_until
 
 
 class ExplainGoals(unittest.TestCase):
@@ -90,8 +90,8 @@ class ExplainGoals(unittest.TestCase):
 
     def kill(self):
         """Kill the core and wait for the service of the next one."""
-        before, master = self.service(), rosgraph.Master("/explain_test")
-        os.kill(rosgraph.Master("/explain_test", master.lookupNode("/rosoclingo")).getPid(), signal.SIGKILL)
+        before = self.service()
+        os.kill(process_of("/rosoclingo"), signal.SIGKILL)
         wait_until(lambda: self.service() not in {None, before}, "the next core")
 
 

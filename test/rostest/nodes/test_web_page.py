@@ -5,10 +5,8 @@ import os
 import signal
 import sys
 import unittest
-import xmlrpc.client
 from pathlib import Path
 
-import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
@@ -25,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import browser
 from core_helpers import Client, Hands
-from interface_helpers import Process, executable, wait_until
+from interface_helpers import Process, executable, process_of, wait_until
 
 TOPICS = [
     "/in_rosoclingo",
@@ -187,10 +185,8 @@ class WebPage(unittest.TestCase):
         return f"({row} || {{textContent: ''}}).textContent.includes('{state}')"
 
     def kill_core(self):
-        master = rosgraph.Master(rospy.get_name())
-        with_core = xmlrpc.client.ServerProxy(master.lookupNode("/rosoclingo"))
-        process, runs = with_core.getPid(rospy.get_name())[2], len(self.hands.runs)
-        os.kill(process, signal.SIGKILL)
+        runs = len(self.hands.runs)
+        os.kill(process_of("/rosoclingo"), signal.SIGKILL)
         wait_until(lambda: len(self.hands.runs) > runs, "the core to be there again")
 
     def test_what_it_cannot_work_with_is_told(self):
