@@ -77,17 +77,13 @@ class YamlFile:
         if isinstance(node, yaml.MappingNode):
             told: Dict[str, int] = {}
             for key, value in node.value:
-                name, line = _text(key), key.start_mark.line + 1
-                inside = f"{path}.{name}" if path else name
-                self._places[inside] = (
-                    line,
-                    key.start_mark.column + 1,
-                )  # of keys that stand there twice the last counts
+                name, mark = _text(key), key.start_mark
+                inside, place = f"{path}.{name}" if path else name, (mark.line + 1, mark.column + 1)
+                self._places[inside] = place  # of keys that stand there twice the last counts
                 if name in told and name != "<<":
                     text = f"the key {name} stands in line {told[name]} already: of the two the last one counts"
-                    place = line, key.start_mark.column + 1
                     self.doubles.append(Fault(self.name, *place, text, "leave one of them out", "configuration"))
-                told[name] = line
+                told[name] = place[0]
                 self._note(inside, value, depth + 1)
         elif isinstance(node, yaml.SequenceNode):
             for index, value in enumerate(node.value):
