@@ -19,7 +19,7 @@ def likely(signature: Signature, known: Iterable[Signature]) -> Optional[Signatu
     """Return the one of ``known`` that ``signature`` may have been meant to be, None where nothing is like it."""
     found: List[Tuple[float, int, Signature]] = []
     for one in sorted(known):
-        near = _likeness(signature.name, one.name)
+        near = likeness(signature.name, one.name)
         if (
             one != signature
             and not one.name.startswith(OWN)
@@ -40,22 +40,23 @@ def slip_of(signature: Signature, used: Collection[Signature], shows: bool) -> O
     if same and shows:
         return min(same, key=lambda one: abs(one.arity - signature.arity))
     alike = [one for one in sorted(used) if one.arity == signature.arity and _alike(one.name, signature.name)]
-    return max(alike, key=lambda one: _likeness(one.name, signature.name), default=None)
+    return max(alike, key=lambda one: likeness(one.name, signature.name), default=None)
 
 
 def _alike(one: str, other: str) -> bool:
     short = min(len(one), len(other)) < _SHORTEST or one.startswith("_") != other.startswith("_")
-    return one != other and not short and _likeness(one, other) >= _ALIKE
+    return one != other and not short and likeness(one, other) >= _ALIKE
 
 
-def _likeness(one: str, other: str) -> float:
+def likeness(one: str, other: str) -> float:
+    """Return how alike two names are, from 0 to 1."""
     return SequenceMatcher(None, one, other).ratio()
 
 
 # ---- words: one letter -------------------------------------------------------------------------------------------
 
 
-def is_slip(text: str, other: str, shortest: int = 4) -> bool:
+def is_slip(text: str, other: str, shortest: int = _SHORTEST) -> bool:
     """Tell whether a word is another one but for one letter: left out, doubled, added, changed or exchanged.
 
     What names of a row differ by is no slip: a digit, an ``s`` at the end, the last letter, a letter by itself.

@@ -1,7 +1,6 @@
 """Slips of the pen: rules that give nothing, steps in the wrong place, answers that nobody gets to see."""
 
 from collections import Counter
-from difflib import SequenceMatcher
 from typing import Dict, FrozenSet, Iterator, List, Optional, Tuple
 
 import clingo
@@ -12,7 +11,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.domains import names_in, nodes_of
 from rosoclingo.oclingo.program.lint.actions import Actions
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
-from rosoclingo.oclingo.program.lint.likeness import asked, likely_value
+from rosoclingo.oclingo.program.lint.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.signatures import evaluate
@@ -182,7 +181,7 @@ def _like_cancel(survey: Survey) -> Iterator[Fault]:
         if name == _CANCEL and size != 1:
             message = f"{written(term)} has {size} arguments: who takes a goal back asks for cancel(Id)"
             yield fault_at(term, "misspelt", message, f"write {_CANCEL}(Id)")
-        elif size == 1 and name != _CANCEL and SequenceMatcher(None, name, _CANCEL).ratio() >= _ALIKE:
+        elif size == 1 and name != _CANCEL and likeness(name, _CANCEL) >= _ALIKE:
             message = f"nobody asks for {written(term)}: who takes a goal back asks for cancel(Id)"
             yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
 
