@@ -35,13 +35,18 @@ _SUCCESS = "#external _return(A__,P__,{cycle}) : _action_lib(A__,P__,{cycle}).\n
 _VARIABLE = "C__"
 
 
-@lru_cache(maxsize=1 << 16)
 def is_action(atom: clingo.Symbol) -> bool:
-    """Tell whether ``atom``, or any other symbol of an answer, is an ``_action_lib(A,P,C)``.
+    """Tell whether ``atom``, or any other symbol of an answer, is an ``_action_lib(A,P,C)``."""
+    return atom.match(*ACTION)
+
+
+@lru_cache(maxsize=1 << 16)
+def is_dated_action(atom: clingo.Symbol) -> bool:
+    """Tell whether ``atom``, or any other symbol of an answer, is an ``_action_lib(A,P,C)`` whose C is a number.
 
     Most atoms of an answer were in the one before: to look them up takes a seventh of the time.
     """
-    return atom.match(*ACTION)
+    return is_action(atom) and atom.arguments[2].type is clingo.SymbolType.Number
 
 
 def steps_claimed(claim: clingo.Symbol, cycle: int) -> int:

@@ -22,7 +22,7 @@ Constants = Mapping[str, clingo.Symbol]
 _STEP = "t__"
 
 
-def may_see_later(seen: Mapping[Signature, Sequence[Pattern]], defined: Mapping[Signature, List[Pattern]]) -> bool:
+def may_see_later(seen: Mapping[Signature, Iterable[Pattern]], defined: Mapping[Signature, Iterable[Pattern]]) -> bool:
     """Tell whether a rule of some step could see what a later step defines or declares; never wrongly False.
 
     Where none does, it is all the same whether steps are ground one by one or together.

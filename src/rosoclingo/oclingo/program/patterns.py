@@ -1,7 +1,7 @@
 """Atoms as rules write them: at which steps a rule could see a given ground atom, told without grounding."""
 
 from functools import cached_property
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -61,13 +61,11 @@ class Pattern:
 
     def first_match(self, atom: clingo.Symbol, first: int, last: int) -> Optional[int]:
         """Return the first step in first..last whose ground instance could be ``atom``, None where there is none."""
-        last = min([last, *self._last_steps(atom)])
-        if first > last:
-            return None
         pinned = self._pinned_step(atom)
-        if pinned is None:
-            return first if self._matches(atom, None) else None
-        return pinned if first <= pinned <= last and self._matches(atom, pinned) else None
+        if pinned is not None:
+            first, last = max(first, pinned), min(last, pinned)
+        last = min([last, *self._last_steps(atom)]) if first <= last else last
+        return first if first <= last and self._matches(atom, pinned) else None
 
     def _last_steps(self, atom: clingo.Symbol) -> List[int]:
         """Return the steps after which an argument is too old for what the statement compares it to."""
@@ -81,6 +79,48 @@ class Pattern:
         position, offset = next(iter(self.offsets.items()))
         value = atom.arguments[position]
         return value.number - offset if value.type == clingo.SymbolType.Number else -(2**31)
+
+
+class Patterns:
+    """The patterns of one signature."""
+
+    def __init__(self) -> None:
+        self._all: List[Pattern] = []
+
+    def __iter__(self) -> Iterator[Pattern]:
+        """Go through the patterns in the program's order."""
+        return iter(self._all)
+
+    def append(self, pattern: Pattern) -> None:
+        """Add one, before the first question."""
+        self._all.append(pattern)
+
+    def may_match(self, atom: clingo.Symbol, first: int, last: int, base: bool = True) -> bool:
+        """Tell whether an instance at some step first..last, or of ``base``, could be ``atom``; never wrongly False."""
+        if base and any(one.may_match(atom, first, last) for one in self._all if not one.parameter):
+            return True
+        if self._range is not None:
+            # most atoms of a long stream are too old for all of them
+            position, least, greatest = self._range
+            value = atom.arguments[position]
+            if value.type != clingo.SymbolType.Number:
+                return False
+            first, last = max(first, value.number - greatest), min(last, value.number - least)
+        return first <= last and any(one.may_match(atom, first, last) for one in self._all if one.parameter)
+
+    @cached_property
+    def _range(self) -> Optional[Tuple[int, int, int]]:
+        """An argument that is the parameter plus a number in all steps' patterns; the least and greatest of these.
+
+        None where there is no such argument.
+        """
+        offsets = [one.offsets for one in self._all if one.parameter]
+        common = set(offsets[0]).intersection(*offsets[1:]) if offsets else set()
+        if not common:
+            return None
+        position = min(common)
+        numbers = [one[position] for one in offsets]
+        return position, min(numbers), max(numbers)
 
 
 def _look_back(arguments: Sequence[AST], parameter: str, statement: AST, constants: Constants) -> List[Tuple[int, int]]:

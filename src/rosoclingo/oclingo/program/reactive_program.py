@@ -22,7 +22,7 @@ from rosoclingo.oclingo.program.lint.predicates import undefined
 from rosoclingo.oclingo.program.lint.survey import Survey
 from rosoclingo.oclingo.program.lint.trial import Trial, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
-from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.patterns import Pattern, Patterns
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, has_weights, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
@@ -31,6 +31,7 @@ from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signatur
 
 PathLike = Union[str, Path]
 _FAR = 2**31 - 1
+_NONE = Patterns()
 
 
 class ReactiveProgram:
@@ -201,17 +202,12 @@ class ReactiveProgram:
 
         Heads count for open externals alone.
         """
-        for atom in atoms:
-            for one in self._patterns.get(signature_of(atom), ()):
-                if one.may_match(atom, first, last):
-                    return True
-        return False
+        return any(self._patterns.get(signature_of(atom), _NONE).may_match(atom, first, last) for atom in atoms)
 
     def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
-        patterns = self._patterns.get(signature_of(atom), ())
-        in_base = self.is_open_signature(atom)
-        return any((one.parameter or in_base) and one.may_match(atom, first, _FAR) for one in patterns)
+        patterns = self._patterns.get(signature_of(atom), _NONE)
+        return patterns.may_match(atom, first, _FAR, base=self.is_open_signature(atom))
 
     def is_open_signature(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
@@ -219,14 +215,13 @@ class ReactiveProgram:
 
     def may_declare(self, atom: clingo.Symbol, first: int, last: int = _FAR) -> bool:
         """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
-        patterns = self._declarations.get(signature_of(atom), ())
-        return any(one.parameter and one.may_match(atom, first, last) for one in patterns)
+        return self._declarations.get(signature_of(atom), _NONE).may_match(atom, first, last, base=False)
 
     def may_define(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether base or some step from ``first`` on could define ``atom``, or declare it external."""
         signature = signature_of(atom)
-        patterns = [*self._heads.get(signature, ()), *self._declarations.get(signature, ())]
-        return signature in self.open_signatures or any(one.may_match(atom, first, _FAR) for one in patterns)
+        defining = (one.get(signature, _NONE) for one in (self._heads, self._declarations))
+        return signature in self.open_signatures or any(one.may_match(atom, first, _FAR) for one in defining)
 
     def may_act(self, cycle: int, first: int) -> bool:
         """Tell whether base or some step from ``first`` on could have an action of ``cycle``; never wrongly False."""
@@ -246,7 +241,7 @@ class ReactiveProgram:
 
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
-        patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
+        patterns = (one for one in self._declarations.get(signature_of(atom), _NONE) if one.parameter)
         found = (one.first_match(atom, steps[0], steps[-1]) for one in patterns)
         return min((step for step in found if step is not None), default=steps[0])
 
@@ -282,9 +277,9 @@ class ReactiveProgram:
 
     def _collect_patterns(self) -> None:
         """Gather what the program could see and declare; its constants have values by now."""
-        self._patterns: Dict[Signature, List[Pattern]] = {}
-        self._declarations: Dict[Signature, List[Pattern]] = {}
-        self._heads: Dict[Signature, List[Pattern]] = {}
+        self._patterns: Dict[Signature, Patterns] = {}
+        self._declarations: Dict[Signature, Patterns] = {}
+        self._heads: Dict[Signature, Patterns] = {}
         self._action_cycles: List[Pattern] = []
         for part in self.parts:
             for statement, one in part.atoms:
@@ -296,9 +291,11 @@ class ReactiveProgram:
                     self._action_cycles.append(Pattern(alone, part.parameter, statement, self._values))
                 if one.head:
                     external = statement.ast_type == ASTType.External
-                    (self._declarations if external else self._heads).setdefault(one.signature, []).append(pattern)
+                    (self._declarations if external else self._heads).setdefault(one.signature, Patterns()).append(
+                        pattern
+                    )
                 if not one.head or one.signature in self.open_signatures:
-                    self._patterns.setdefault(one.signature, []).append(pattern)
+                    self._patterns.setdefault(one.signature, Patterns()).append(pattern)
         free = self.open_signatures - self.head_signatures - self._declarations.keys()
         self.domains = domains(self.parts, free, self._values)
         self.return_rules = return_rules(self.parts, self._values)

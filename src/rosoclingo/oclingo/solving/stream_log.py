@@ -12,7 +12,7 @@ from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tu
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import is_action
+from rosoclingo.oclingo.program.action_rules import is_dated_action
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
 from rosoclingo.oclingo.solving.state_text import (
@@ -42,7 +42,7 @@ class Plan(NamedTuple):
     @classmethod
     def of(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
         """Return the plan in an answer, whose ``atoms`` may be other symbols as well that a ``#show`` has named."""
-        return cls(frozenset(atom for atom in atoms if is_action(atom) and _has_number(atom)), horizon, shortest)
+        return cls(frozenset(filter(is_dated_action, atoms)), horizon, shortest)
 
     def since(self, cycle: int) -> "Plan":
         """Return what is to be done from ``cycle`` on."""
@@ -64,10 +64,6 @@ class Plan(NamedTuple):
 def cycle_of(action: clingo.Symbol) -> int:
     """Return the cycle of an action."""
     return int(action.arguments[2].number)
-
-
-def _has_number(action: clingo.Symbol) -> bool:
-    return action.arguments[2].type == clingo.SymbolType.Number
 
 
 @dataclass(frozen=True)

@@ -96,3 +96,22 @@ def test_steps_at_which_a_rule_could_see_an_atom(written, atom, steps):
 @pytest.mark.parametrize("comparison", ["not t-T >= n", "t-T != n", "t-T > n", "t*T < n", "t-2*T < n", "(t-T)/2 < n"])
 def test_what_bounds_no_look_back(comparison):
     assert len(could_see(comparison)) == len(VALUES) * len(STEPS)
+
+
+RULES = st.lists(st.sampled_from(["d(t,t+1)", "d(t-2,T)", "d(T,t)", "d(t+1,a)", "d(1,3)", "d(x,T)"]), min_size=1)
+
+
+@given(RULES, st.sampled_from(["d(3,4)", "d(1,3)", "d(x,4)", "d(5,a)", "d(5,6)"]), st.integers(1, 8), st.integers(0, 3))
+def test_rules_together_could_see_what_one_of_them_could(rules, atom, first, more):
+    def program(bodies):
+        values = "".join(f"v({value}). " for value in VALUES)
+        text = "".join(f"hit({number}) :- {one}, v(T).\n" for number, one in enumerate(bodies) if one == "d(1,3)")
+        steps = "".join(f"hit({number},t) :- {one}, v(T).\n" for number, one in enumerate(bodies) if one != "d(1,3)")
+        return ReactiveProgram.from_text(
+            f"#external d/2.\n{values}\n#program base.\n{text}#program cumulative(t).\n{steps}#program volatile(t).\n"
+        )
+
+    def sees(bodies):
+        return program(bodies).may_see([parse_atom(atom)], first, first + more)
+
+    assert sees(rules) == any(sees([one]) for one in rules)
