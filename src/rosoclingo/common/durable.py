@@ -28,12 +28,21 @@ def _sealed(body: bytes) -> bytes:
     return b'{"crc":"%08x",' % zlib.crc32(body) + body[1:]
 
 
-def write(file: int, data: bytes) -> None:
-    """Write to a file descriptor, and return when the disk has it; raises OSError, with part of it written perhaps."""
+def write(file: int, data: bytes, wait: bool = True) -> None:
+    """Write to a file descriptor, and ``wait`` until the disk has it; raises OSError, with part of it written perhaps.
+
+    What is not waited for outlives this process, but not the machine, until :func:`sync`.
+    """
     left = memoryview(data)
     while left:
         left = left[os.write(file, left) :]
-    os.fsync(file)
+    if wait:
+        sync(file)
+
+
+def sync(file: int) -> None:
+    """Return when the disk has all that was written to a file descriptor; raises OSError."""
+    os.fdatasync(file)  # its length as well; the time of the change, which nobody reads, need not be there
 
 
 def replace(path: Path, data: bytes) -> int:

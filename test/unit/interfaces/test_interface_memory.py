@@ -20,7 +20,7 @@ ANSWER = ("_return(pickup,1,3)",)
 def _no_power_cut():
     """Nothing here outlives the machine: no disk is waited for."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rosoclingo.interfaces.memory.os.fsync", lambda descriptor: None)
+        patch.setattr("rosoclingo.interfaces.memory.os.fdatasync", lambda descriptor: None)
         yield
 
 
@@ -142,7 +142,7 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path):
 
 def test_each_line_is_on_the_disk_before_the_action_goes_on(tmp_path, monkeypatch):
     one, synced = memory(tmp_path), []
-    monkeypatch.setattr("rosoclingo.interfaces.memory.os.fsync", lambda file: synced.append(os.fstat(file).st_size))
+    monkeypatch.setattr("rosoclingo.interfaces.memory.os.fdatasync", lambda file: synced.append(os.fstat(file).st_size))
     for number in range(3):
         one.note_begun(PICKUP, f"goal-{number}")
         assert one.path.stat().st_size in synced

@@ -250,6 +250,7 @@ class CoreNode:
         self._tick()
         improvable = self._go_on()
         self._send()
+        self._keeper.settle()
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()
@@ -305,6 +306,7 @@ class CoreNode:
 
         def look() -> Optional[Halt]:
             """Return why the search is to end now, None while it may go on."""
+            self._keeper.settle()
             self._tick()
             if self._server.has_arrivals:
                 self._take_arrivals()

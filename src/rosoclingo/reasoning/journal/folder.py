@@ -84,13 +84,21 @@ class JournalFolder:
         self._drop_file()
         self._file, self._size, self._first_size, self._number = file, len(data), len(data), 2
 
-    def append(self, change: State, time: Optional[float] = None) -> None:
-        """Write one more record; raises OSError, and then nobody will take for the last state what stands there."""
+    def append(self, change: State, time: Optional[float] = None, wait: bool = True) -> None:
+        """Write one more record; raises OSError, and then nobody will take for the last state what stands there.
+
+        The disk need not have it on return where it does not ``wait``: that is for :meth:`sync`.
+        """
         assert self._file is not None
         data = line_of(self._number, change, time)
-        durable.write(self._file, data)
+        durable.write(self._file, data, wait)
         self._size += len(data)
         self._number += 1
+
+    def sync(self) -> None:
+        """Wait until the disk has all records; raises OSError."""
+        assert self._file is not None
+        durable.sync(self._file)
 
     @property
     def is_long(self) -> bool:
@@ -171,17 +179,18 @@ class Journal:
         self._folder, self._header, self._retry = folder, header, retry
         self._written: Optional[State] = None
         self._tried = float("-inf")
+        self._unsynced = False  # whether something was written that the disk may not have
         self.fault = ""
 
-    def write(self, state: State, now: float, time: Optional[float] = None) -> None:
-        """Have the ``state`` on disk.
+    def write(self, state: State, now: float, time: Optional[float] = None, wait: bool = True) -> None:
+        """Write the ``state``, and ``wait`` until the disk has it; else it outlives the process, not yet the machine.
 
         ``now`` is in seconds of a clock that only goes forward, ``time``, which is written too, of the run's clock.
         """
         if self.fault and not self.is_due(now):
             return
         try:
-            self._write(state, time)
+            self._write(state, time, wait)
             self.fault = ""
         except OSError as error:
             self._written, self._tried = None, now
@@ -189,17 +198,27 @@ class Journal:
             with contextlib.suppress(OSError):
                 self._folder.set_aside("stale")
 
+    def settle(self, now: float) -> None:
+        """Have on disk what was written without waiting for that."""
+        if self._unsynced and self._written is not None:
+            self.write(self._written, now)
+
     def is_due(self, now: float) -> bool:
         """Whether it is time to try again, where something could not be written."""
         return bool(self.fault) and now - self._tried >= self._retry
 
-    def _write(self, state: State, time: Optional[float]) -> None:
+    def _write(self, state: State, time: Optional[float], wait: bool) -> None:
         if self._written is None or self._folder.is_long:
             self._folder.begin(self._header, state, time)
+            self._unsynced = False
         else:
             change = changes(self._written, state)
             if change:
-                self._folder.append(change, time)
+                self._folder.append(change, time, wait)
+                self._unsynced = not wait
+            elif wait and self._unsynced:
+                self._folder.sync()
+                self._unsynced = False
         self._written = state
 
     def close(self) -> None:
@@ -212,8 +231,11 @@ class NoJournal(NamedTuple):
 
     fault: str
 
-    def write(self, state: State, now: float, time: Optional[float] = None) -> None:
+    def write(self, state: State, now: float, time: Optional[float] = None, wait: bool = True) -> None:
         """Write nothing."""
+
+    def settle(self, now: float) -> None:
+        """There is nothing to wait for."""
 
     def is_due(self, now: float) -> bool:
         """It is not tried again."""

@@ -115,6 +115,7 @@ class Keeper:
     def send(self, keep_ends: bool = False) -> None:
         """Write down the state after a step of the core, and let out what it told; also while nothing happens.
 
+        The disk has it before anything goes out that the outside acts on.
         With ``keep_ends`` goals that have ended stay written down until :meth:`forget`: their clients may not hear yet.
         """
         if not self._events:
@@ -126,11 +127,16 @@ class Keeper:
         ends = [key for key in map(self._note, events) if key is not None]
         if self._journal is not None:
             self._look()
-            self._write()
+            self._write(wait=any(event.is_news for event in events))
         for event in events:
             self._tell(event)
         if not keep_ends:
             self.forget(ends)
+
+    def settle(self) -> None:
+        """Have on disk what was written down without waiting for that, while there is nothing else to do."""
+        if self._journal is not None:
+            self._journal.settle(self._now())
 
     def close(self) -> None:
         """Write no more, and leave the journal to others."""
@@ -142,11 +148,11 @@ class Keeper:
         assert self._core is not None
         self._state = self._core.record()
 
-    def _write(self) -> None:
+    def _write(self, wait: bool = True) -> None:
         assert self._journal is not None
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
         time = None if self._time is None else self._time()
-        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time)
+        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time, wait)
 
     def _note(self, event: Event) -> Optional[str]:
         """Note the end of a client's goal, and return its key; note a goal that is given up."""

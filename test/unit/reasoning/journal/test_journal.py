@@ -200,7 +200,7 @@ def test_a_damaged_journal_tells_its_place_and_what_to_do(folder):
 
 
 class Disk:
-    """Stands for os.write and os.fsync of a disk that fails from some time on."""
+    """Stands for os.write and os.fdatasync of a disk that fails from some time on."""
 
     def __init__(self, monkeypatch, call, number, partly=0):
         self.broken, self._number, self._partly, self._real = False, number, partly, getattr(os, call)
@@ -217,7 +217,7 @@ class Disk:
 
 @pytest.mark.parametrize(
     ("call", "number", "partly"),
-    [("write", errno.ENOSPC, 0), ("write", errno.ENOSPC, 9), ("write", errno.EIO, 0), ("fsync", errno.EIO, 0)],
+    [("write", errno.ENOSPC, 0), ("write", errno.ENOSPC, 9), ("write", errno.EIO, 0), ("fdatasync", errno.EIO, 0)],
 )
 def test_a_disk_that_fails_is_told_and_tried_again(folder, monkeypatch, call, number, partly):
     disk, journal = Disk(monkeypatch, call, number, partly), Journal(folder, HEADER, retry=10.0)
@@ -236,6 +236,24 @@ def test_a_disk_that_fails_is_told_and_tried_again(folder, monkeypatch, call, nu
     assert folder.read().state == {"core": 4}
     journal.write({"core": 5}, 11.1)
     assert folder.read().state == {"core": 5}
+
+
+def test_a_disk_that_fails_later_is_told_as_well(folder, monkeypatch):
+    disk, journal = Disk(monkeypatch, "fdatasync", errno.EIO), Journal(folder, HEADER, retry=10.0)
+    journal.write({"core": 1}, 0.0)
+    journal.settle(0.5)
+    disk.broken = True
+    journal.write({"core": 2}, 1.0, wait=False)
+    assert journal.fault == ""
+    journal.settle(1.5)
+    assert journal.fault == f"the journal {folder.path} cannot be written: {os.strerror(errno.EIO)}"
+    assert folder.read() is None
+    disk.broken = False
+    journal.settle(20.0)
+    assert journal.fault, "there is nothing that is not on the disk; the next state is tried"
+    journal.write({"core": 3}, 20.0)
+    assert journal.fault == ""
+    assert folder.read().state == {"core": 3}
 
 
 def test_a_disk_that_cannot_even_forget(folder, monkeypatch):

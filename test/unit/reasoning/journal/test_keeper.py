@@ -8,7 +8,15 @@ import pytest
 from core_driver import ERRANDS, FORGETFUL, shortest
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState, Outcome
+from rosoclingo.reasoning import (
+    ActionsDispatched,
+    CoreSettings,
+    GoalChanged,
+    GoalRefused,
+    GoalState,
+    Outcome,
+    ReturnTaken,
+)
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
@@ -100,6 +108,47 @@ def test_whatever_goes_out_is_on_disk_before(start):
     node.goal("a", "do(walk,1)").goal("b", "do(").succeed()
     assert [type(event) for event in node.told].count(GoalRefused) == 1
     assert not node.keeper.clients
+
+
+class Disk:
+    """Stands for os.fdatasync: how long the file was each time that somebody waited for the disk."""
+
+    def __init__(self, monkeypatch):
+        self.lengths = []
+        monkeypatch.setattr(os, "fdatasync", lambda file: self.lengths.append(os.fstat(file).st_size))
+
+
+def test_the_disk_is_waited_for_once_between_a_return_and_the_next_action(start, monkeypatch):
+    node, disk = start(), Disk(monkeypatch)
+    node.goal("a", "do(walk,1)").goal("b", "do(walk,2)")
+
+    def look(event):
+        if event.is_news:
+            assert disk.lengths[-1:] == [node.folder.path.stat().st_size]
+
+    node.at_event = look
+    disk.lengths.clear()
+    node.told.clear()
+    node.succeed()
+    kinds = [type(event) for event in node.told]
+    assert kinds.index(ReturnTaken) < kinds.index(ActionsDispatched)
+    assert len(disk.lengths) == 1
+
+
+def test_a_return_outlives_the_core_at_once_and_the_machine_where_nothing_follows(start, monkeypatch):
+    node, disk = start(), Disk(monkeypatch)
+    node.goal("a", "do(walk,1)")
+    (action,) = node.core.awaited
+    disk.lengths.clear()
+    node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+    node.keeper.send()
+    assert [type(event) for event in node.told][-1] is ReturnTaken
+    length = node.folder.path.stat().st_size
+    assert disk.lengths == []
+    node.keeper.settle()
+    node.keeper.settle()
+    assert disk.lengths == [length]
+    assert start().core.awaited == ()
 
 
 def test_a_goal_that_was_kept_but_not_taken_is_there_after_a_kill(start):
