@@ -28,21 +28,23 @@ class KilledError(BaseException):
 class Fate:
     """Says at which instants the core is killed: after so many more of them, in the midst of a line if in one.
 
-    ``kills`` are triples: how many instants later, how many thousandths of a line are written by then, and whether a
-    goal is cancelled before the next core does anything. Of all ``instants`` those in ``writes`` are in the midst of a
-    line.
+    ``kills`` are triples: how many instants later, how many thousandths of a line are written by then (and stay of what
+    nobody has waited for the disk to have), and whether a goal is cancelled before the next core does anything. Of all
+    ``instants`` those in ``writes`` are in the midst of a line.
     """
 
     def __init__(self, kills=()):
         self._kills, self.instants, self.writes = list(kills), 0, set()
         self._left = self._kills[0][0] if self._kills else 0
         self.file, self.upset = None, False
+        self._on_disk = 0  # so much of the file outlives the machine
 
     @contextlib.contextmanager
     def rules(self):
         """The disk and its files are in the hands of fate; no real disk is waited for."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(durable, "write", self._write)
+            patch.setattr(durable, "sync", self._sync)
             patch.setattr(durable, "sync_folder", lambda folder: self.pass_instant())
             patch.setattr(folder, "LONG", 3000)
             yield
@@ -57,13 +59,19 @@ class Fate:
         self._left -= 1
         return self._left == 0
 
-    def _write(self, file, data):
+    def _write(self, file, data, wait=True):
         self.file = file
         self.writes.add(self.instants + 1)
         if self._is_now():
             os.write(file, data[: len(data) * self._kills[0][1] // 1000])
             raise KilledError
         os.write(file, data)
+        if wait:
+            self._on_disk = os.fstat(file).st_size
+
+    def _sync(self, file):
+        self.pass_instant()
+        self._on_disk = os.fstat(file).st_size
 
     @contextlib.contextmanager
     def other_process(self):
@@ -75,12 +83,14 @@ class Fate:
             self.file = file
 
     def let_go(self):
-        """What the system does after a kill: the file is closed."""
-        self.upset = self._kills[0][2]
+        """What the system does after a kill, or a power cut: the file is closed, with what is left of it."""
+        _, share, self.upset = self._kills[0]
         self._kills = self._kills[1:]
         self._left = self._kills[0][0] if self._kills else 0
         if self.file is not None:
             with contextlib.suppress(OSError):
+                waiting = max(0, os.fstat(self.file).st_size - self._on_disk)
+                os.ftruncate(self.file, self._on_disk + waiting * share // 1000)
                 os.close(self.file)
             self.file = None
 
@@ -188,6 +198,7 @@ class Node:
         else:
             raise AssertionError("the core does not come to rest")
         self.keeper.send()
+        self.keeper.settle()
 
     def goal(self, key, text):
         """A goal arrives."""
