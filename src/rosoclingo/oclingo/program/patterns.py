@@ -97,8 +97,9 @@ class Patterns:
 
     def may_match(self, atom: clingo.Symbol, first: int, last: int, base: bool = True) -> bool:
         """Tell whether an instance at some step first..last, or of ``base``, could be ``atom``; never wrongly False."""
-        if base and any(one.may_match(atom, first, last) for one in self._all if not one.parameter):
-            return True
+        for one in self._all:
+            if base and not one.parameter and one.may_match(atom, first, last):
+                return True
         if self._range is not None:
             # most atoms of a long stream are too old for all of them
             position, least, greatest = self._range
@@ -106,7 +107,10 @@ class Patterns:
             if value.type != clingo.SymbolType.Number:
                 return False
             first, last = max(first, value.number - greatest), min(last, value.number - least)
-        return first <= last and any(one.may_match(atom, first, last) for one in self._all if one.parameter)
+        for one in self._all if first <= last else ():
+            if one.parameter and one.first_match(atom, first, last) is not None:
+                return True
+        return False
 
     @cached_property
     def _range(self) -> Optional[Tuple[int, int, int]]:

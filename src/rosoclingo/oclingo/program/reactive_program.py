@@ -202,7 +202,10 @@ class ReactiveProgram:
 
         Heads count for open externals alone.
         """
-        return any(self._patterns.get(signature_of(atom), _NONE).may_match(atom, first, last) for atom in atoms)
+        for atom in atoms:
+            if self._patterns.get(signature_of(atom), _NONE).may_match(atom, first, last):
+                return True
+        return False
 
     def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
