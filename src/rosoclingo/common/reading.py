@@ -5,6 +5,7 @@ import sys
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
+from reprlib import Repr
 from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union
 
 import yaml
@@ -214,5 +215,10 @@ def _range(kind: str, low: float, high: float, above: float = -INF) -> str:
 
 
 def _shown(value: Any) -> str:
-    text = repr(value)
+    """Return the value as text or how that begins, without writing all of it: by its aliases a YAML may be endless."""
+    short = Repr()
+    short.maxlist = short.maxtuple = short.maxdict = 12
+    short.maxstring = short.maxlong = short.maxother = 3 * _LONGEST
+    short.maxlevel = 3
+    text = short.repr(value)
     return text if len(text) <= _LONGEST else text[:_LONGEST] + " ..."

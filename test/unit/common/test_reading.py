@@ -1,6 +1,7 @@
 """Values at their places: read, or refused with place and mend, all faults at once."""
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,17 @@ def test_a_fault_names_place_mend_and_value(kind, value, wanted):
     READ[kind](reader.at("arm").items()[1].at("speed"))
     shown = repr(value) if len(repr(value)) < 200 else repr(value)[:200] + " ..."
     assert reader.faults == [f"map.yaml: arm[1].speed: must be {wanted}, not {shown}"]
+
+
+def test_a_value_that_has_no_end_is_told_by_its_beginning():
+    value = ["x"] * 9
+    for _ in range(30):
+        value = [value] * 9
+    value.append(value)
+    reader = Reader({"speed": value})
+    reader.at("speed").number()
+    (fault,) = reader.faults
+    assert re.fullmatch(r"speed: must be a finite number, not \[{4}[\]\[., ]{196} \.\.\.", fault)
 
 
 def test_what_is_read():
