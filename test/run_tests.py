@@ -73,7 +73,7 @@ WAITING = (
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
-NOT_ONCE = ("-m", "not once")
+AGAIN = ("-m", "not once and (not slow or again)")
 GIVING_WAY = ("nice", "-n", "10")  # to rostests, which have time limits
 PYTEST_REPORT = "unit.xml"
 BRIEF = {"HYPOTHESIS_PROFILE": "brief"}
@@ -145,8 +145,8 @@ class Tests:
         if not environment:
             print("none   python38: what is above says why", flush=True)
             return Outcome()
-        print("(on Python 3.8 with few random examples, and without what is marked once)", flush=True)
-        return self._unit(ON_PYTHON38, {**environment, **BRIEF}, [*IN_PARALLEL, *NOT_ONCE])
+        print("(on Python 3.8 with few random examples, and without what is slow or marked once)", flush=True)
+        return self._unit(ON_PYTHON38, {**environment, **BRIEF}, [*IN_PARALLEL, *AGAIN])
 
     def _rostests_again(self, environment: Mapping[str, str]) -> Outcome:
         again = [path for path in ROSTESTS if path.stem not in ONCE] if environment else []

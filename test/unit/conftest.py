@@ -1,6 +1,10 @@
-"""Profiles for hypothesis, and a browser: the standing run looks at the same examples each time, others at new ones."""
+"""Profiles for hypothesis, which tests are slow, and a browser.
+
+The standing run looks at the same random examples each time, others at new ones.
+"""
 
 import os
+from collections import defaultdict
 
 import browser
 import pytest
@@ -9,9 +13,27 @@ from hypothesis import HealthCheck, settings
 _slow = [HealthCheck.too_slow, HealthCheck.data_too_large]  # no test depends on the machine's speed
 settings.register_profile("random", deadline=None, suppress_health_check=_slow)
 settings.register_profile("thorough", parent=settings.get_profile("random"), max_examples=5000)
-settings.register_profile("standing", parent=settings.get_profile("random"), derandomize=True, max_examples=60)
+settings.register_profile("standing", parent=settings.get_profile("random"), derandomize=True, max_examples=40)
 settings.register_profile("brief", parent=settings.get_profile("standing"), max_examples=20)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "standing"))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark as slow what is mostly_slow, but its first case; with again what is slow as all of its file is."""
+    begun, files = set(), defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("mostly_slow"):
+            name = item.nodeid.partition("[")[0]
+            if name in begun:
+                item.add_marker("slow")
+            begun.add(name)
+        files[item.path].append(item)
+    for ours in files.values():
+        again = [one for one in ours if not one.get_closest_marker("once")]
+        if all(one.get_closest_marker("slow") for one in again):
+            for one in again:
+                one.add_marker("again")
 
 
 @pytest.fixture(scope="module")

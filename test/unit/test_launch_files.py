@@ -131,6 +131,7 @@ def test_the_core_goes_on_or_everything_ends_with_it(file, given, again, journal
         assert node(config, "pickup_interface").respawn
 
 
+@pytest.mark.slow
 @pytest.mark.once
 def test_the_floor_of_a_map():
     found = parameters(
@@ -141,6 +142,7 @@ def test_the_floor_of_a_map():
     assert "places" not in parameters(load("mailbot.launch"), "/rosoclingo/")
 
 
+@pytest.mark.slow
 @pytest.mark.once
 def test_a_floor_that_cannot_be_made():
     with pytest.raises(RLException, match="places"):

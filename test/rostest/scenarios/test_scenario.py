@@ -39,11 +39,11 @@ SPEED = 10.0  # simulated seconds per second
 GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
 
 
-def wait_for(condition):
+def wait_for(condition, pause=0.05):
     """Wait until ``condition`` holds, at most PATIENCE seconds of wall time; tell whether it does."""
     end = time.monotonic() + PATIENCE
     while not condition() and time.monotonic() < end:
-        time.sleep(0.05)
+        time.sleep(pause)
     return condition()
 
 
@@ -115,7 +115,7 @@ class ScenarioTest(unittest.TestCase):
     def read_bag(self, goals):
         """The bag of the recorder that has taken the end of so many goals; what else is on its way comes before."""
         bag = Growing(Path(OPTIONS.bag))
-        self.assertTrue(wait_for(lambda: bag.count_ends() == goals), "the bag lacks ends of goals")
+        self.assertTrue(wait_for(lambda: bag.count_ends() == goals, pause=1.0), "the bag lacks ends of goals")
         rosnode.kill_nodes(["/record"])
         self.assertTrue(wait_for(lambda: os.path.exists(OPTIONS.bag)), "the bag was not closed")
         self.addCleanup(os.remove, OPTIONS.bag)

@@ -11,6 +11,7 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 import golog  # noqa: E402
 
 
+@pytest.mark.slow
 @pytest.mark.once
 def test_control_knowledge_leaves_a_shortest_plan():
     dice = random.Random(3)

@@ -71,6 +71,7 @@ def test_nearest_within_tolerance():
     assert LabelTable().nearest(0.0, 0.0, 9.0) is None
 
 
+@pytest.mark.slow
 @given(st.floats(-10, 10))
 def test_quaternions_are_unit_and_turn_by_yaw(yaw):
     x, y, z, w = Label("a", 0.0, 0.0, yaw).quaternion

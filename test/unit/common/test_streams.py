@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from rosoclingo.common.streams import LenientStream
 
 SPEAKER = """
@@ -22,6 +24,7 @@ for number in range(3):
 """
 
 
+@pytest.mark.slow
 def test_rospys_log_on_a_full_disk_raises_nothing():
     with open("/dev/full", "w") as full:
         assert subprocess.run([sys.executable, "-c", SPEAKER], stdout=full, stderr=full, timeout=60).returncode == 0

@@ -42,6 +42,7 @@ def listed(file):
     return {Signature(name, len(arguments.split(","))) for name, arguments in forms}
 
 
+@pytest.mark.slow
 def test_what_fails_is_joined_to_the_other_rules_by_the_hooks_that_are_listed():
     rules = [ENCODINGS / "delivery" / name for name in ("rules.lp", "statuses.lp")]
     others = [file for file in FILES if file not in rules]
@@ -51,6 +52,7 @@ def test_what_fails_is_joined_to_the_other_rules_by_the_hooks_that_are_listed():
     assert len(hooks) <= 8
 
 
+@pytest.mark.slow
 def test_every_name_is_listed_or_begins_with_an_underscore():
     known = listed(ENCODINGS / "delivery.lp") | listed(ENCODINGS / "delivery" / "rules.lp")
     assert Signature("place", 1) in known
@@ -66,6 +68,7 @@ def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_m
     assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period", "_late"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "thing",
     [
@@ -81,6 +84,7 @@ def test_a_thing_may_have_any_name(thing):
     assert house.states("first")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_a_domain_may_use_the_names_of_helpers():
     own = "#program cumulative(t). closed(shop,t). line(1). valid(1,t). check(t). idle(t). shut(office1,t). way(a,b)."
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]

@@ -82,6 +82,7 @@ def given_up(identity=1):
     return driver
 
 
+@pytest.mark.slow
 def test_an_identifier_is_used_again_while_its_old_program_is_undone():
     driver = given_up().goal("new", "run(short,1)").succeed()
     assert driver.states("new")[-1] == "active"
@@ -90,6 +91,7 @@ def test_an_identifier_is_used_again_while_its_old_program_is_undone():
     assert not driver.problems
 
 
+@pytest.mark.slow
 def test_a_second_program_of_an_identifier_is_undone_beside_the_first_one():
     driver = given_up().goal("new", "run(tidied,1)").succeed()
     done = []
@@ -102,6 +104,7 @@ def test_a_second_program_of_an_identifier_is_undone_beside_the_first_one():
     assert not driver.problems
 
 
+@pytest.mark.slow
 def test_what_waits_to_be_undone_is_undone_for_each_program_of_an_identifier():
     driver = failing(core().goal("old", "run(patient,1)").succeed(), 3)
     driver.goal("new", "run(patient,1)").succeed().cancel("new").fail("stuck")
@@ -111,6 +114,7 @@ def test_what_waits_to_be_undone_is_undone_for_each_program_of_an_identifier():
     assert driver.states("new")[-1] == "preempted"
 
 
+@pytest.mark.slow
 def test_who_is_rejected_does_not_end_what_is_done_for_an_earlier_one():
     driver = given_up().goal("new", "run(othr,1)").succeed()
     assert driver.states("new")[-1] == "rejected"
@@ -119,6 +123,7 @@ def test_who_is_rejected_does_not_end_what_is_done_for_an_earlier_one():
     assert driver.states("last")[-1] == "succeeded"
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("ended", [True, False])
 def test_what_cannot_be_undone_is_left(ended):
     driver = given_up() if ended else core().goal("old", "run(tidied,1)").succeed().cancel("old").fail("stuck")
@@ -157,6 +162,7 @@ def test_runs_of_the_same_program_do_not_touch_each_other():
     assert not driver.problems
 
 
+@pytest.mark.slow
 def test_identifiers_are_any_terms():
     driver = core()
     for key, text in {"g": "undo(1)", "h": "1", "i": "run(1)", "j": "run(1,1)", "k": '"x"', "l": "-2"}.items():
@@ -172,6 +178,7 @@ def test_identifiers_are_any_terms():
 # ---- withdrawn -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_program_that_has_not_begun_is_withdrawn_and_comes_again():
     driver = BusyDriver(program=program(), most=2).goal("g", "run(waiting,1)").succeed().goal("h", "run(late,2)")
     driver.most = 1
@@ -182,6 +189,7 @@ def test_a_program_that_has_not_begun_is_withdrawn_and_comes_again():
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
+@pytest.mark.slow
 def test_programs_that_have_begun_are_not_withdrawn():
     driver = BusyDriver(program=program(), most=2)
     for key in "gh":

@@ -85,6 +85,7 @@ def test_the_reactive_elevator_serves_alarm_temperature_and_calls_in_this_order(
     assert run.tell("_set(stopped)").end == "succeeded"
 
 
+@pytest.mark.slow
 def test_the_tower_is_reversed_in_the_one_way_there_is():
     assert plans("blocks", "reverse") == ["put(3) put(2) move(2,3) move(1,2)"]
 
@@ -98,6 +99,7 @@ def test_each_tower_of_three_blocks_is_built():
     assert plans("blocks", "any_tower") == []
 
 
+@pytest.mark.slow
 def test_the_gate_is_seen_at_the_airport_and_a_paper_bought_while_there_is_time():
     run = Played("airport", "catch_plane")
     assert run.done() == "go(airport) look"
@@ -118,12 +120,14 @@ def test_coffee_that_cannot_be_bought_is_done_without():
 WANTED = ("_set(wants(lab),now)", "_set(wants(office),now)")
 
 
+@pytest.mark.slow
 def test_coffee_goes_to_all_who_want_some():
     found = Played("coffee", "round", *WANTED).done()
     served = ["go(kitchen) fetch go({}) serve({})".format(*[one] * 2) for one in ("lab", "office")]
     assert found in (" ".join(served), " ".join(reversed(served)))
 
 
+@pytest.mark.slow
 def test_a_delivery_that_fails_is_tried_once_more_and_then_told():
     run = Played("coffee", "round", WANTED[0])
     assert [run.step(), run.step(), run.step()] == ["go(kitchen)", "fetch", "go(lab)"]

@@ -1,5 +1,6 @@
 """The examples of the literature: their programs do what the papers say."""
 
+import pytest
 from core_driver import Driver
 from golog_programs import ENCODINGS
 
@@ -38,11 +39,13 @@ def test_the_elevator_has_the_two_plans_of_the_paper():
     assert sorted(plans(program_of("elevator", "calls(3). calls(5)."), "control")) == wanted
 
 
+@pytest.mark.slow
 def test_the_elevator_is_parked_where_nobody_has_called():
     assert plans(program_of("elevator", ""), "control") == ["down(0) door(open)"]
     assert plans(ReactiveProgram([*program_of("elevator", "").sources], {"first": "0"}), "control") == ["door(open)"]
 
 
+@pytest.mark.slow
 def test_the_elevator_may_go_to_a_floor_that_is_nearest():
     third, fifth = SERVE.format(3), SERVE.format(5)
     assert sorted(plans(program_of("elevator", "calls(2). calls(3). calls(5)."), "nearest")) == [
@@ -51,6 +54,7 @@ def test_the_elevator_may_go_to_a_floor_that_is_nearest():
     ]
 
 
+@pytest.mark.slow
 def test_the_elevator_serves_who_calls_while_it_runs():
     driver = Driver(settings=CoreSettings(), program=program_of("elevator", "calls(3).")).goal("g", "run(control,1)")
     assert driver.awaited == ["_action_lib(down,3,1)"]
@@ -68,6 +72,7 @@ def doing(driver):
     return [f"{action.interface} {action.parameter}" for action in driver.core.awaited]
 
 
+@pytest.mark.slow
 def test_mail_is_acknowledged_first_and_goes_on_when_the_service_is_resumed():
     driver = Driver(settings=CoreSettings(), program=program_of("mail", "customer(a;b;c). start(a)."))
     assert doing(driver.goal("g", "run(control)")) == []

@@ -159,6 +159,7 @@ def done(driver, **reasons):
     return " ".join(found)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
 def test_what_is_done_when_actions_fail(text, reasons, actions, end):
     """Each of these actions fails so many times; what is done is told in alphabetic order."""
@@ -171,11 +172,13 @@ def test_what_is_done_when_actions_fail(text, reasons, actions, end):
         assert " ".join(sorted(found.split())) == actions
 
 
+@pytest.mark.slow
 def test_who_is_preempted_tries_on():
     driver = core("a; b;")
     assert done(driver, a=["preempted"] * 5) == "a a a a a a b"
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "before", "after"), CANCELLED)
 def test_what_is_done_when_it_is_cancelled(text, before, after):
     """So many actions are done, a cancel comes while the next one is under way, and that fails."""
@@ -199,6 +202,7 @@ def test_what_is_done_stays_done_when_it_is_cancelled_and_asked_for_anew():
     assert driver.states("h")[-1] == "succeeded"
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "facts", "actions"), HAPPENING)
 def test_what_is_done_when_something_happens_meanwhile(text, facts, actions):
     """The facts come while a is under way; what never has a plan is given up."""
@@ -214,6 +218,7 @@ def test_what_is_done_when_something_happens_meanwhile(text, facts, actions):
     assert driver.states("g")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_an_interrupt_goes_before_what_is_under_way():
     driver = core("interrupts { when f { c; await not f; } when not g { a; b; } } until g;")
     assert driver.states("g")[-1] == "aborted"  # it has no end that could be planned
@@ -263,6 +268,7 @@ def test_nobody_acts_while_a_search_waits(before):
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("text", OTHERS[8:11])
 def test_a_search_that_waits_within_others_holds_all_of_them_off(text):
     driver = core(text)
@@ -272,6 +278,7 @@ def test_a_search_that_waits_within_others_holds_all_of_them_off(text):
     assert driver.states("g")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_failures_are_counted_anew_once_the_action_has_worked():
     driver = core(OTHERS[-5])
     for action, works in zip("aaabaaac", [False, False, True, True] * 2):
@@ -280,6 +287,7 @@ def test_failures_are_counted_anew_once_the_action_has_worked():
     assert driver.states("g")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_failures_are_counted_anew_when_a_program_is_asked_for_or_cancelled():
     driver = core("a; b;").fail("stuck").fail("stuck").goal("h", goal("await g; d;", 2))
     driver.fail("stuck").fail("stuck").cancel("h").fail("stuck").fail("stuck")
@@ -287,6 +295,7 @@ def test_failures_are_counted_anew_when_a_program_is_asked_for_or_cancelled():
     assert done(driver) == "a b"
 
 
+@pytest.mark.slow
 def test_in_the_midst_of_a_search_an_action_was_its_own_though_others_may_act():
     driver = core(OTHERS[-3]).facts("_set(shared,now)").succeed()
     assert driver.awaited == ["_action_lib(act,a,2)"]
@@ -312,6 +321,7 @@ def test_a_program_that_there_is_not_is_rejected():
     assert driver.message("h") == "the program rejects run(other(1,2),2): there is no program other(1,2)"
 
 
+@pytest.mark.slow
 def test_it_is_told_why_a_program_is_given_up():
     driver = Driver(program=program()).facts("_set(no(b),now)").goal("g", goal("a; b;", 1))
     assert driver.states("g")[-1] == "aborted"
@@ -321,6 +331,7 @@ def test_it_is_told_why_a_program_is_given_up():
     assert "a has failed 3 times in a row" in driver.message("g")
 
 
+@pytest.mark.slow
 def test_requests_of_the_domain_are_served_beside_programs():
     files = [ENCODINGS / name for name in ("mailbot.lp", "office.lp", "golog/mailbot_day.golog")]
     driver = Driver(program=ReactiveProgram.from_files(files))

@@ -28,10 +28,12 @@ def after_stream(program):
     return solver, result
 
 
+@pytest.mark.slow
 def test_advice_that_misleads_makes_no_plan_many_times_too_long(program):
     assert after_stream(program)[1].horizon <= 2 * SHORTEST
 
 
+@pytest.mark.slow
 def test_a_plan_that_is_too_long_is_shortened(program, monkeypatch):
     monkeypatch.setattr(plan_search, "EFFORT", 0)
     solver, result = after_stream(program)

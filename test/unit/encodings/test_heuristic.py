@@ -124,9 +124,9 @@ def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, num
     assert sum(one.arguments[0].name == "deliver" for one in found) == number
 
 
-@pytest.mark.parametrize(
-    ("offices", "number"), [(4, 20), pytest.param(20, 8, marks=[pytest.mark.slow, pytest.mark.once])]
-)
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize(("offices", "number"), [(4, 20), (20, 8)])
 def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, number):
     requests = errands(number, offices)
     fewest = nearest_first(ROW[: offices - 1], requests)
@@ -200,7 +200,6 @@ def test_the_rules_of_a_step_are_no_more_than_places_and_requests(corridors):
     assert large[-1] == large[-2]
 
 
-@pytest.mark.slow
 def test_what_a_domain_adds_is_heeded_in_the_house_too():
     house = shipped("house.lp", "home.lp")
     kinds = {str(one.ast_type) for part in house.parts for one in part.statements}

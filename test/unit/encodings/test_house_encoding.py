@@ -13,6 +13,7 @@ def moves(driver):
     return [action.split(",")[1] for action in driver.journal.actions if "move_base" in action]
 
 
+@pytest.mark.slow
 def test_things_are_brought_and_their_new_place_is_known(house):
     house.goal("first", "bring(bedroom,cup)").finish()
     assert moves(house) == ["kitchen", "hallway", "bedroom"]
@@ -21,6 +22,7 @@ def test_things_are_brought_and_their_new_place_is_known(house):
     assert house.states("second") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_a_detour_round_a_closed_door(house):
     house.goal("first", "bring(bedroom,newspaper)")
     assert house.awaited == ["_action_lib(move_base,living_room,1)"]
@@ -29,6 +31,7 @@ def test_a_detour_round_a_closed_door(house):
     assert house.states("first") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_the_way_is_tried_again_later(house):
     house.goal("first", "bring(bedroom,newspaper)").facts("_return(move_base,blocked,1)").finish()
     house.goal("second", "bring(living_room,newspaper)").finish()
@@ -54,6 +57,7 @@ def test_a_thing_that_there_is_not_is_rejected(house):
     assert house.message("bad").endswith("there is no lamp")
 
 
+@pytest.mark.slow
 def test_a_missing_thing_is_looked_for_by_nobody_until_somebody_sees_it(house):
     house.goal("first", "bring(bedroom,cup)").goal("other", "bring(bedroom,tray)").succeed()
     while "pickup,cup" not in house.awaited[0]:
@@ -70,6 +74,7 @@ def test_a_missing_thing_is_looked_for_by_nobody_until_somebody_sees_it(house):
     assert house.states("third") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_cancelled_after_the_pickup_it_goes_back(house):
     house.goal("first", "bring(bedroom,cup)").succeed().succeed()
     house.cancel("first").finish()
@@ -79,6 +84,7 @@ def test_cancelled_after_the_pickup_it_goes_back(house):
     assert house.states("second") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_what_could_not_be_put_down_is_asked_for_again(house):
     house.goal("first", "bring(bedroom,cup)").until("deliver")
     for _ in range(3):
@@ -91,6 +97,7 @@ def test_what_could_not_be_put_down_is_asked_for_again(house):
     assert house.states("third") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_what_is_on_the_robot_goes_nowhere_that_there_is_not(house):
     house.goal("first", "bring(bedroom,cup)").until("deliver")
     for _ in range(3):
@@ -100,6 +107,7 @@ def test_what_is_on_the_robot_goes_nowhere_that_there_is_not(house):
     assert house.goal("third", "bring(bedroom,cup)").finish().states("third") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_what_was_brought_is_where_it_was_brought_to_whatever_was_seen_meanwhile(house):
     house.goal("first", "bring(bedroom,cup)").until("deliver")
     house.facts(f"_seen(cup,study,{house.core.cycle})").finish()
@@ -108,6 +116,7 @@ def test_what_was_brought_is_where_it_was_brought_to_whatever_was_seen_meanwhile
     assert house.states("second") == ["active", "succeeded"]
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("fact", ["_seen(cup,study,1)", "_seen(cup,study,2)", "_seen(tray,bathroom,1)"])
 def test_a_thing_that_was_seen_elsewhere_before_it_was_found(house, fact):
     house.goal("first", "bring(bedroom,cup)").succeed().succeed()
@@ -123,6 +132,7 @@ def missed(house):
     return house.goal("first", "bring(bedroom,cup)").succeed().fail("not_here").finish()
 
 
+@pytest.mark.slow
 def test_what_was_rejected_stays_so_whatever_is_told_late(house):
     missed(house).goal("second", "bring(bedroom,cup)")
     assert house.message("second").endswith("nobody knows where the cup is")
@@ -136,6 +146,7 @@ def test_what_was_rejected_stays_so_whatever_is_told_late(house):
     assert house.problems == []
 
 
+@pytest.mark.slow
 def test_what_was_rejected_is_asked_for_again_with_the_late_news(house):
     missed(house).goal("second", "bring(bedroom,cup)")
     house.core.receive("eyes", ["_seen(cup,study,2)"])
@@ -143,6 +154,7 @@ def test_what_was_rejected_is_asked_for_again_with_the_late_news(house):
     assert (house.states("third"), moves(house)[-1]) == (["active", "succeeded"], "hallway")
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("cycle", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (2, 3, 4))])
 @pytest.mark.parametrize("fact", ["_blocked(hallway,kitchen,{})", "_blocked(hallway,living_room,{})"])
 def test_a_way_that_was_seen_blocked_after_it_was_driven(house, fact, cycle):

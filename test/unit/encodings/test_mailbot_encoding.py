@@ -218,6 +218,7 @@ def test_who_is_driven_by_somebody_else_gives_up_until_somebody_asks(first):
     assert ends(robot) == {1: "canceled", 2: "succeeded"}
 
 
+@pytest.mark.slow
 def test_what_is_on_the_robot_of_one_that_somebody_else_drives_is_brought_on_later():
     robot = Mailbot(6, ROW)
     robot.request(1, 1, 3)
@@ -233,6 +234,7 @@ def test_what_is_on_the_robot_of_one_that_somebody_else_drives_is_brought_on_lat
     assert ends(robot) == {1: "succeeded"}
 
 
+@pytest.mark.slow
 def test_what_the_core_has_ended_itself_is_no_failure():
     robot = Mailbot(6, ROW)
     robot.request(1, 2, 1)
@@ -243,6 +245,7 @@ def test_what_the_core_has_ended_itself_is_no_failure():
     assert ends(robot) == {1: "succeeded"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reason", ["o4", *(pytest.param(one, marks=RARE) for one in ("1", '"o2"', "77"))])
 def test_the_name_of_something_else_is_a_failure(reason):
     robot = Mailbot(6, ROW)
@@ -257,6 +260,7 @@ def test_the_name_of_something_else_is_a_failure(reason):
     assert all("could not be picked up" in end for end in ends(robot).values()), "three times, then it is given up"
 
 
+@pytest.mark.slow
 def test_what_could_not_be_put_down_is_asked_for_again():
     robot = Mailbot(6, ROW)
     robot.request(1, 1, 2)
@@ -301,6 +305,7 @@ def test_what_is_being_brought_back_is_asked_for_again(moves, then):
     assert [text[len("_action_lib(") :].rpartition(",")[0] for text in done] == then
 
 
+@pytest.mark.slow
 def test_what_is_lost_on_the_way_can_be_asked_for_where_it_is():
     robot = Mailbot(6, ROW)
     robot.request(1, 1, 2)
@@ -315,6 +320,7 @@ def test_what_is_lost_on_the_way_can_be_asked_for_where_it_is():
     assert ends(robot) == {1: "succeeded"}
 
 
+@pytest.mark.slow
 def test_cancel_and_failure_together():
     robot = Mailbot(6, ROW)
     robot.request(1, 1, 3)
@@ -386,6 +392,7 @@ def test_a_string_is_no_constant():
     assert texts == ['there is no place "office1": this is a string, write it without quotes']
 
 
+@pytest.mark.slow
 def test_an_office_without_a_way_to_it_is_rejected(tmp_path: Path):
     island = tmp_path / "island.lp"
     island.write_text("office(attic).", encoding="utf-8")
@@ -395,6 +402,7 @@ def test_an_office_without_a_way_to_it_is_rejected(tmp_path: Path):
     assert [str(one) for one in found] == ['_status(1,rejected(("no way leads to ",attic)),1)']
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "absent",
     [

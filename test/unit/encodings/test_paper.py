@@ -62,6 +62,7 @@ def test_nothing_to_do_at_first(mailbot):
     assert mailbot.journal.updates == []
 
 
+@pytest.mark.mostly_slow
 def test_the_case_study(mailbot):
     mailbot.goal("first", "goal(office3,office2,1)")
     assert plan(mailbot) == PLAN_1

@@ -42,6 +42,7 @@ def test_a_robot_that_is_carried_away_under_way_plans_from_there(mailbot):
     assert done(mailbot, 1) == ["move_base,office3", "pickup,1", "move_base,office4", "deliver,1"]
 
 
+@pytest.mark.slow
 def test_a_robot_that_was_not_where_it_should_be_may_act_where_it_is_said_to_be(mailbot):
     mailbot.goal("key", "goal(office1,office2,1)").fail("not_at_label")
     mailbot.fail("failed").facts("_at(office1,now)")
@@ -82,6 +83,7 @@ def test_what_nobody_asked_for_stays_aboard_until_it_is_asked_for(mailbot):
     assert done(mailbot) == ["move_base,office3", "deliver,1"]
 
 
+@pytest.mark.slow
 def test_it_takes_its_room(mailbot):
     mailbot.facts("_aboard(1,now)", "_aboard(2,now)", "_aboard(3,now)").goal("key", "goal(office1,office2,4)")
     assert "the robot is full of what it could not put down since _aboard(1,1) was told" in mailbot.message("key")
@@ -108,6 +110,7 @@ def test_what_waits_elsewhere_is_fetched_there(mailbot):
     assert done(mailbot) == ["move_base,office2", "pickup,1", "move_base,office3", "move_base,office4", "deliver,1"]
 
 
+@pytest.mark.slow
 def test_what_was_taken_off_and_is_nowhere_is_given_up(mailbot):
     mailbot.goal("key", "goal(office1,office4,1)").goal("other", "goal(office2,office3,2)").succeed()
     mailbot.facts("_off(1,now)").finish()
@@ -149,6 +152,7 @@ def test_a_place_that_there_is_not_is_refused(mailbot, fact, why):
     assert f"'{fact}' from 'interface' is ignored: {why}" in problem
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     "facts",
     [
@@ -165,6 +169,7 @@ def test_who_is_said_to_be_in_two_places_at_once_has_been_told_nothing(mailbot, 
     assert done(mailbot) == ["move_base,office2", "move_base,office3", "pickup,1", "move_base,office4", "deliver,1"]
 
 
+@pytest.mark.slow
 def test_things_of_the_house(house):
     house.facts("_lies(cup,study,now)", "_at(bedroom,now)").goal("key", "bring(hallway,cup)").finish()
     assert done(house) == ["move_base,study", "pickup,cup", "move_base,hallway", "deliver,cup"]
@@ -175,6 +180,7 @@ def test_things_of_the_house(house):
     assert house.finish().states("third") == ["active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_a_thing_that_was_taken_off_by_hand(house):
     house.goal("key", "bring(bedroom,cup)").until("deliver")
     house.facts(f"_return(deliver,not_carried,{house.core.cycle})", "_lies(cup,bathroom,now)").finish()

@@ -90,6 +90,7 @@ def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
     assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
 
 
+@pytest.mark.slow
 def test_the_solver_is_told_how_long_it_takes_at_least():
     """Nearly: what is told grows by a quarter at first, beyond the look back by a sixteenth."""
     requests = [(1, 2)] * 7 + [(2, 1)] * 7

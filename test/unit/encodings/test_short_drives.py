@@ -54,6 +54,7 @@ def test_no_shortest_plan_drives_less(distances, requests):
     assert driven(chosen, distances) == min(driven(places, distances) for places, _ in every)
 
 
+@pytest.mark.slow
 def test_it_is_so_where_plans_are_to_come_soon():
     for short in ("ab", "ac"):
         distances = dict.fromkeys([(a, b) for a, b in WAYS], 50)

@@ -179,6 +179,7 @@ def test_with_a_token_only_who_knows_it_is_let_in():
         play(served.connect(Cookie=mine))
 
 
+@pytest.mark.slow
 def test_who_speaks_or_says_too_much_is_let_go(served):
     async def scene():
         for text in ("hello", "x" * (MOST_BYTES + 1)):
@@ -193,6 +194,7 @@ def test_who_speaks_or_says_too_much_is_let_go(served):
     assert served.get()[0] == 200
 
 
+@pytest.mark.slow
 def test_there_are_so_many_viewers_and_no_more(served):
     async def scene():
         clients = [await served.connect() for _ in range(MOST_VIEWERS)]
@@ -207,6 +209,7 @@ def test_there_are_so_many_viewers_and_no_more(served):
     play(scene())
 
 
+@pytest.mark.slow
 def test_viewers_are_told_of_its_end_and_nothing_is_left_over(served, capfd):
     async def scene():
         clients = [await served.connect() for _ in range(3)]
@@ -226,6 +229,7 @@ def test_viewers_are_told_of_its_end_and_nothing_is_left_over(served, capfd):
 # ---- what is sent ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_viewer_gets_all_and_then_what_is_new(served):
     async def scene():
         client = await served.connect()
@@ -254,6 +258,7 @@ def test_who_comes_late_and_who_was_there_know_the_same(served):
     play(scene())
 
 
+@pytest.mark.slow
 def test_that_the_core_is_gone_is_told(served):
     async def scene():
         client = await served.connect()

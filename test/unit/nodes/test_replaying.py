@@ -82,12 +82,14 @@ def test_a_recorded_run_replays(replay, write):
     assert "UNEXPLAINED" not in text
 
 
+@pytest.mark.slow
 def test_each_cycle_has_a_line_where_that_is_asked_for(replay, write, driver):
     _, text = replay(write(), "--all")
     cycles = len(driver.journal.of(UpdateSent))
     assert sum(line.startswith("cycle ") for line in text.splitlines()) == cycles >= 10
 
 
+@pytest.mark.slow
 def test_a_cycle_s_answer_is_a_table(replay, write):
     code, text = replay(write(), "--to", 3, "--all")
     assert code == 0
@@ -99,6 +101,7 @@ def test_a_cycle_s_answer_is_a_table(replay, write):
         replay(write(), "--to", "0")
 
 
+@pytest.mark.slow
 def test_a_cycle_beyond_the_run(replay, write, capsys):
     assert replay(write(), "--to", 999)[0] == 2
     assert "--to 999 is beyond" in capsys.readouterr().err
@@ -131,6 +134,7 @@ def test_stream_and_program_are_written(replay, write, driver, tmp_path):
     assert text == f"rosrun rosoclingo oclingo {files} --shortest --stream {tmp_path}/stream"
 
 
+@pytest.mark.slow
 def test_a_bag_of_an_earlier_version_lacks_the_program(replay, write, capsys):
     path = write(left_out=["rosoclingo/program"])
     assert replay(path)[0] == 2
@@ -163,6 +167,7 @@ def test_what_a_bag_lacks_is_told(replay, write, capsys, left_out, spaces, why):
     assert why in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_one_of_several_cores(replay, write, capsys):
     path = write(spaces=("/a/", "/b/"))
     assert replay(path, "--core", "b/rosoclingo")[0] == 0

@@ -55,6 +55,7 @@ def test_before_it_was_fed(preempt):
     assert office.preempted == []
 
 
+@pytest.mark.mostly_slow
 @PREEMPT
 def test_fed_but_not_started(preempt):
     office = Office(preempt).ask(3, 2, 1).ask(4, 1, 2).succeed().cancel("2").finish()
@@ -155,6 +156,7 @@ def test_an_action_that_serves_another_goal_as_well_goes_on(preempt):
     assert office.finish().states("2")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_a_goal_that_cannot_be_met_is_told_in_the_programs_words():
     office = Office().ask(3, 4, 1).until("move_base,office4").refuse("blocked").finish()
     assert office.message("1") == (
@@ -166,6 +168,7 @@ def test_a_goal_that_cannot_be_met_is_told_in_the_programs_words():
     assert office.ask(3, 4, 2).finish().states("2")[-1] == "succeeded", "asked again, it is tried again"
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("tries", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
 def test_somebody_else_drives_the_robot(tries):
     office = Office().ask(3, 2, 1)
@@ -195,6 +198,7 @@ def test_what_the_core_ended_itself_is_counted_for_nobody():
     assert office.problems == []
 
 
+@pytest.mark.slow
 def test_put_down_failed_and_asked_for_again():
     office = Office().ask(2, 3, 4).until("deliver")
     for _ in range(3):

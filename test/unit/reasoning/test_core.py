@@ -282,6 +282,7 @@ def test_actions_of_a_cycle_go_out_together_and_are_awaited_together():
     assert ":- not _action_lib(left,1,1).\n:- not _action_lib(right,1,1).\n" in driver.journal.updates[1]
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("fact", "reason"),
     [
@@ -453,6 +454,7 @@ def test_a_return_that_the_program_does_not_know_ends_the_action():
     assert "declares no external _return/3" in driver.journal.problems[0]
 
 
+@pytest.mark.slow
 def test_of_what_is_done_the_last_actions_are_told():
     driver = Driver()
     for number in range(1, 2 * DONE + 1):

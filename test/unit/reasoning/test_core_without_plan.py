@@ -1,5 +1,6 @@
 """What the core does when the solver finds no plan: it ends goals with the reason, as few as possible, and goes on."""
 
+import pytest
 from core_driver import ERRANDS, Driver
 
 from rosoclingo.reasoning import Halt
@@ -55,6 +56,7 @@ def test_goal_that_cannot_be_met_while_another_is_under_way():
     assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_what_is_said_of_a_goal_in_the_cycle_in_which_another_cannot_be_met_is_heard():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("a", "goal(office2,office2,3)")
     driver.facts("_blocked(office1,office2,now)")
@@ -64,6 +66,7 @@ def test_what_is_said_of_a_goal_in_the_cycle_in_which_another_cannot_be_met_is_h
     assert driver.message("bad") == "the program rejects goal(office1,7,6): there is no place 7"
 
 
+@pytest.mark.slow
 def test_a_rejection_that_nobody_heard_is_not_taken_for_the_end_of_an_older_goal_with_its_id():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("old", "goal(office3,office1,6)")
     driver.until("pickup").succeed().facts("_blocked(office1,office2,now)")

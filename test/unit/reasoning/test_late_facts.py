@@ -194,6 +194,7 @@ def test_facts_of_cycles_long_over_are_taken_for_the_present():
     assert driver.finish().states("b")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "fact",
     [pytest.param("_blocked(hallway,living_room,1)", marks=pytest.mark.slow), "_blocked(hallway,living_room,now)"],

@@ -103,6 +103,7 @@ def process():
             yield one
 
 
+@pytest.mark.slow
 def test_a_goal_that_comes_while_an_action_runs_has_its_plan_as_that_returns(process):
     run = PreparedRun(process)
     run.ask(1, 3)

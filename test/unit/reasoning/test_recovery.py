@@ -135,6 +135,7 @@ def test_what_was_withheld_is_no_reason_either_where_time_is_over():
     assert driver.message("a") == "reach(hall,1) cannot be met since _shut(d) was told in cycle 1"
 
 
+@pytest.mark.slow
 def test_the_same_in_a_solver_process():
     program = ReactiveProgram.from_text(rooms(words=WORDS))
     with SolverProcess(program, shortest=True, oclingo_strings=False) as process:
@@ -167,6 +168,7 @@ def parts_of(things):
     return [some for size in range(len(things)) for some in combinations(things, size)]
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 8)
 @given(INSTANCES)
 def test_against_every_subset(instance):

@@ -1,5 +1,6 @@
 """What a core tells of goals that it gives up: the stream that has no plan, from which the reasons follow."""
 
+import pytest
 from core_driver import Driver
 
 from rosoclingo.oclingo.explaining.explainer import explain
@@ -25,6 +26,7 @@ shut(P,t) :- shut(P,t-1).
 """
 
 
+@pytest.mark.slow
 def test_a_goal_that_is_given_up_comes_with_its_stream():
     driver = Driver(WALK)
     driver.core.receive("sensor", ["_shut(c,now)"])

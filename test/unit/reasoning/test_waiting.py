@@ -183,6 +183,7 @@ def stream(limit, plan_time=None):
     return driver
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("plan_time", [None, 0.0, 1.0])
 @pytest.mark.parametrize("limit", [3, pytest.param(10, marks=[pytest.mark.slow, pytest.mark.once])])
 def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
@@ -204,6 +205,7 @@ def test_without_a_limit_it_is(plan_time):
     assert "far" not in stream(0, plan_time).order()
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("goals", "plan_time"),
     [pytest.param(MANY, None, marks=[pytest.mark.slow, pytest.mark.once]), (40, None), (40, 0.0)],

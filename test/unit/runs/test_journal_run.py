@@ -47,6 +47,7 @@ def test_it_has_what_was_told_and_what_went_out(whole):
     assert {one.cycle: one.dispatched for one in run.cycles if one.dispatched} == dispatched(told)
 
 
+@pytest.mark.slow
 def test_it_is_solved_again(whole):
     run = journal_run(whole[0])
     reports = list(Replay(run, run.program.load(), run.program.plan_time).reports())

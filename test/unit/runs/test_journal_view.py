@@ -37,6 +37,7 @@ def test_goals_have_their_times_states_and_reasons(whole):
     assert goals["b"]["states"][-1][2]
 
 
+@pytest.mark.slow
 def test_cycles_have_the_updates_and_plans_that_were_told(whole):
     data, told = whole
     cycles = {one["cycle"]: one for one in records(journal_view(data), "cycles")}
@@ -50,6 +51,7 @@ def test_cycles_have_the_updates_and_plans_that_were_told(whole):
         assert (plan["horizon"], plan["ground"], plan["solve"]) == (event.horizon, None, None)
 
 
+@pytest.mark.slow
 def test_actions_begin_and_end_as_they_did(whole):
     data, told = whole
     view = journal_view(data)
@@ -72,6 +74,7 @@ def test_the_log_tells_it_in_words(whole):
     assert ("goal", f"{GOALS[0][1]}: succeeded") in lines
 
 
+@pytest.mark.slow
 def test_it_says_what_the_program_believed_and_where_labels_are(whole):
     view = journal_view(whole[0])
     assert view.about["labels"] == {"office1": [1.0, 2.0, 0.0], "office2": [5.0, 2.0, 1.5]}
@@ -89,6 +92,7 @@ def test_it_says_what_is_lacking(whole):
     assert view.about["run"] == 1
 
 
+@pytest.mark.slow
 def test_a_goal_that_waits_for_its_turn(tmp_path):
     program, settings = shipped("mailbot.lp", "office.lp"), CoreSettings(goals_at_once=1)
     data, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
@@ -96,6 +100,7 @@ def test_a_goal_that_waits_for_its_turn(tmp_path):
     assert [word for _, word, _ in waiting["states"]] == ["pending", "waiting", "pending", "active", "succeeded"]
 
 
+@pytest.mark.slow
 def test_a_journal_without_times_counts_records(tmp_path):
     data, _ = play(tmp_path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None, timed=False)
     view = journal_view(data)
@@ -119,6 +124,7 @@ def test_one_that_was_begun_anew_begins_with_what_is_open(tmp_path, monkeypatch)
     assert all(goal["ended"] is not None for goal in records(view, "goals"))
 
 
+@pytest.mark.slow
 def test_time_that_went_back_goes_on(whole):
     lines = whole[0].splitlines(keepends=True)
     late = [one["begun"] for one in records(journal_view(whole[0]), "actions")]

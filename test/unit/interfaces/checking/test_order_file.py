@@ -31,6 +31,7 @@ def ask(tmp_path, capsys):
     return run
 
 
+@pytest.mark.slow
 def test_what_people_may_order_is_tried(ask):
     _, told = ask(ORDERS, "--plan", "--verify", "1")
     assert "goals: visit(hall) visit(den)\n" in told, "and no other"

@@ -205,6 +205,7 @@ YAML = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(YAML, YAML, st.text(max_size=30))
 def test_whatever_the_files_hold(tmp_path_factory, labels, interfaces, text):
     folder = tmp_path_factory.mktemp("files")

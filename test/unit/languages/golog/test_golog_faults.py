@@ -74,6 +74,7 @@ def test_recursion_behind_an_action_is_no_fault():
     translate("proc p { a; p; }\nproc q { choose { } or { a; q; b; } }\nproc r { while f { a; r; } }", "x.golog")
 
 
+@pytest.mark.slow
 def test_programs_of_any_length_are_read():
     text = "proc p(X) { choose { a; }" + " or { b(X); }" * 300 + "a; " * 1500 + "}\n"
     text += "".join(f"proc p{number}(X) {{ while f(X) {{ a; p{number + 1}(X); }} }}\n" for number in range(300))

@@ -56,12 +56,14 @@ DAY = {
 }
 
 
+@pytest.mark.slow
 def test_procedures_of_included_files_are_called(tmp_path):
     program = ReactiveProgram.from_files([files(tmp_path, **DAY)])
     assert done(program, "run(day)") == "a c b"
     assert done(program, "run(round(3),1)") == "a a c"
 
 
+@pytest.mark.slow
 def test_a_file_that_is_named_as_well_is_read_once(tmp_path):
     path = files(tmp_path, **DAY)
     more = [tmp_path / "more.golog", tmp_path / "round.golog"]
@@ -69,6 +71,7 @@ def test_a_file_that_is_named_as_well_is_read_once(tmp_path):
     assert done(ReactiveProgram.from_files([*more, path]), "run(day)") == "a c b"
 
 
+@pytest.mark.slow
 def test_files_of_one_name_in_two_folders_keep_their_conditions_apart(tmp_path):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "day.golog").write_text("proc other { if act(d) { a; } else { b; } }")
@@ -76,6 +79,7 @@ def test_files_of_one_name_in_two_folders_keep_their_conditions_apart(tmp_path):
     assert done(ReactiveProgram.from_files([path]), "run(day)") == "b c"
 
 
+@pytest.mark.slow
 def test_a_recorded_program_is_the_same(tmp_path):
     program = ReactiveProgram.from_files([files(tmp_path, **DAY)])
     kept = RunProgram.parse(RunProgram.of("run", program, {}).text())
@@ -118,6 +122,7 @@ def test_what_is_wrong_has_its_file_line_and_column(tmp_path, texts, place, mess
     assert message in found[3]
 
 
+@pytest.mark.slow
 def test_procedures_of_files_that_are_not_included_are_no_procedures(tmp_path):
     """What is no procedure is an action, and procedures of one name are told wherever they are."""
     path = files(tmp_path, x='include "domain.lp"; proc p { q; }', y="proc q { }", z="proc p { }")

@@ -175,6 +175,7 @@ def test_a_constraint_is_named_with_the_fact_that_it_needs():
     assert found.rules[0].steps == (1, 2, 3)
 
 
+@pytest.mark.slow
 def test_a_fact_of_the_stream_is_named_like_one_of_the_program():
     found = check(Case(FACTS[:4], TOLD, CHOICES[0], CONSTRAINTS[:2], VOLATILE[:1]))
     assert names(found) == [CONSTRAINTS[1], VOLATILE[0]]
@@ -186,6 +187,7 @@ def test_a_bound_of_a_choice_may_be_to_blame():
     assert names(found) == [CHOICES[0], VOLATILE[0], ":- not at(2,t)."]
 
 
+@pytest.mark.slow
 def test_what_would_forbid_it_as_well_is_told():
     found = check(Case([*FACTS[:4], "shut(2)."], ["closed(2)"], CHOICES[0], CONSTRAINTS[:2], VOLATILE[:1]))
     besides = {one.rule.text: [other.text for other in one.besides] for one in found.rules}

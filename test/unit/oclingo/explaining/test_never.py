@@ -97,6 +97,7 @@ def test_what_is_said_to_be_never_so_never_is(world):
     check(world)
 
 
+@pytest.mark.slow
 def test_an_effect_that_nothing_has_is_found_to_its_beginning():
     found = check(World("a", [("a", "b", None), ("c", "d", None)], [], "d"))
     assert found.never
@@ -112,12 +113,14 @@ def test_what_only_takes_long_is_not_said_to_be_never():
     assert found.lacking == ()
 
 
+@pytest.mark.slow
 def test_what_two_constraints_keep_apart_is_not_known():
     found = check(World("a", [("a", "b", None), ("b", "c", None), ("bc", "d", None)], [("a", "b")], "d"))
     assert found.lacking == ()
     assert not found.never
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("goal", "atom", "last"),
     [
@@ -145,6 +148,7 @@ late(t) :- late(t-1).
 """
 
 
+@pytest.mark.slow
 def test_a_program_without_an_end_or_with_a_clock_is_not_judged():
     program = ReactiveProgram.from_text(COUNTING, "count.lp")
     found = explain(program, Stream(StreamLog(), parse_update("#step 1. #endstep."), STEPS))

@@ -40,6 +40,7 @@ def why_not(facts, steps=4, text=PROGRAM, log=None, halt=lambda: False):
     return explain(program, Stream(log or StreamLog(), parse_update(f"#step 1. {facts} #endstep."), steps), halt)
 
 
+@pytest.mark.slow
 def test_reasons_come_in_the_words_of_the_program():
     found = why_not("_request(go(c),2). shut(c,2). shut(c,1). shut(c,3). shut(c,4). shut(c,5).")
     assert (
@@ -156,6 +157,7 @@ not s(X,t) :- go(X,t).  fine(t) :- p("%").
     assert [one.variables for one in relaxed.constraints] == [("X", "Y"), (), (), ("X",), ()]
 
 
+@pytest.mark.slow
 def test_where_no_rule_stands_in_the_way_something_may_be_missing():
     found = why_not("_request(go(e),2).")
     assert found.never

@@ -41,6 +41,7 @@ RECOGNISED = (
 )
 
 
+@pytest.mark.slow
 def test_writes_into_a_folder(files):
     (files / "new").mkdir()
     assert run("one.lp", "two.lp", "-o", "new", folder=files) == (0, "", "")
@@ -56,6 +57,7 @@ def test_faults_go_to_standard_error_and_nothing_is_printed(files):
     assert [line.split(": ")[0] for line in err.splitlines()] == ["bad.lp:2:3", "bad.lp:3:6"]
 
 
+@pytest.mark.slow
 def test_files_that_cannot_be_read(files):
     code, out, err = run("no.lp", folder=files)
     assert (code, out, err) == (1, "", "no.lp: cannot be read: No such file or directory\n")

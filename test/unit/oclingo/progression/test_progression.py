@@ -63,6 +63,7 @@ def test_printing_and_reading_are_inverse(update):
     assert parse_update(str(update)) == update
 
 
+@pytest.mark.slow
 @given(st.lists(UPDATES, max_size=3))
 def test_several_updates_in_a_text(updates):
     assert parse_updates("".join(map(str, updates))) == updates

@@ -71,6 +71,7 @@ def test_anew(solver):
     ]
 
 
+@pytest.mark.mostly_slow
 def test_what_is_over(solver):
     for step in range(1, 140):
         solver.update(parse_update(f"#step {step} : 5. #closed {step - 1}. #over {max(0, step - 10)}. #endstep."))

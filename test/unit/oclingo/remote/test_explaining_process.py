@@ -22,6 +22,7 @@ def stream(text, steps, *before):
     return Stream(log, parse_update(text), steps)
 
 
+@pytest.mark.slow
 def test_a_process_finds_the_same_reasons():
     program = ReactiveProgram.from_text(PROGRAM, "lift.lp")
     asked = stream("#step 2. on(2). #end step.", 1, "#step 1. on(1). #end step.")

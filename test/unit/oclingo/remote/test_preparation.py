@@ -70,6 +70,7 @@ def wait(process):
         time.sleep(0.002)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("waits", [True, False])
 def test_the_answer_that_was_prepared_is_the_one_that_is_searched_for(here, process, solver, waits):
     """The child that has it goes on; whether it is there or under way."""
@@ -129,6 +130,7 @@ def test_the_child_that_prepares_takes_the_place_of_one_that_is_lost(here, proce
     assert process.pid == spare
 
 
+@pytest.mark.slow
 def test_it_is_replaced_once_it_has_grown(monkeypatch):
     monkeypatch.setattr(child_module, "GROWTH", 0)
     monkeypatch.setattr(preparation, "PAUSE", 0.0)
@@ -145,6 +147,7 @@ def test_it_is_replaced_once_it_has_grown(monkeypatch):
     assert (len(set(pids[:2])), pids[2]) == (1, None)
 
 
+@pytest.mark.slow
 def test_a_plan_that_has_become_better_is_prepared_for(here):
     """The robot goes on from it where the failure leaves it one."""
     with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **{**OPTIONS, "plan_time": 0.0}) as one:
@@ -162,6 +165,7 @@ def test_a_plan_that_has_become_better_is_prepared_for(here):
         assert solver.update(after_first("no")).horizon == best.horizon + 1
 
 
+@pytest.mark.slow
 def test_an_update_that_is_refused_is_refused_though_it_was_prepared():
     limited = {**OPTIONS, "horizon_limit": 3}
     with SolverProcess(ReactiveProgram.from_text(WALK), spare=True, **limited) as one:

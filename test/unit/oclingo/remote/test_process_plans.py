@@ -13,6 +13,7 @@ from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 
+@pytest.mark.slow
 def test_plans_are_shortened_in_a_process_as_well():
     """A child that has read the log anew shortens the plan that the caller goes by; a stop ends that."""
     program = ReactiveProgram.from_text(program_text())
@@ -60,6 +61,7 @@ def test_a_stop_of_what_shortens_a_plan_is_not_waited_for():
         assert solver.improve().plan.horizon == worse.horizon - 1
 
 
+@pytest.mark.slow
 def test_plans_soon_come_from_a_process_as_well():
     """A time for plans goes to the child, what is proven comes back, and a new child is told the last plan."""
     program = ReactiveProgram.from_text(program_text())

@@ -91,6 +91,7 @@ def test_answers_are_those_of_a_solver_in_this_process(case):
             assert (there.horizon, there.step) == (here.horizon, here.step)
 
 
+@pytest.mark.slow
 def test_a_solver_that_is_killed_starts_again_where_it_was(echo):
     solver = echo.solver()
     solver.update(parse_update("#step 1. e(1). #endstep."))
@@ -100,6 +101,7 @@ def test_a_solver_that_is_killed_starts_again_where_it_was(echo):
     assert atoms(result) == [["c(1)", "c(2)", "e(1)", "e(2)"]]
 
 
+@pytest.mark.slow
 def test_what_is_asked_for_when_the_process_dies_is_dropped():
     with process_of(ENDLESS) as process:
         solver = process.solver()
@@ -114,6 +116,7 @@ def test_what_is_asked_for_when_the_process_dies_is_dropped():
         assert atoms(solver.update(parse_update("#step 1 : 0. #endstep."))) == [["c(1)", "e(1)"]]
 
 
+@pytest.mark.slow
 def test_a_stop_ends_a_search_and_leaves_the_update_in_force():
     with process_of(ENDLESS, patience=600.0, grace=600.0) as process:
         solver = process.solver()
@@ -127,6 +130,7 @@ def test_a_stop_ends_a_search_and_leaves_the_update_in_force():
         assert late.outcome is SolveOutcome.SATISFIABLE
 
 
+@pytest.mark.slow
 def test_how_far_a_search_is_can_be_seen_in_its_midst():
     with process_of(ENDLESS) as process:
         for solver in (process.solver(), ReactiveSolver(ReactiveProgram.from_text(ENDLESS))):
@@ -137,6 +141,7 @@ def test_how_far_a_search_is_can_be_seen_in_its_midst():
             assert solver.reached == solver.horizon
 
 
+@pytest.mark.slow
 def test_a_stop_ends_grounding_and_drops_the_update():
     with process_of(EXPLODING, patience=0.1) as process:
         solver = process.solver()
@@ -149,6 +154,7 @@ def test_a_stop_ends_grounding_and_drops_the_update():
         assert atoms(solver.update(parse_update("#step 1. #endstep."))) == [["e(1)"]]
 
 
+@pytest.mark.slow
 def test_the_work_of_all_children_is_counted():
     with process_of(EXPLODING, patience=0.1) as process:
         solver, elapsed = process.solver(), process.stopwatch()
@@ -205,6 +211,7 @@ def test_a_process_that_is_lost_is_replaced_by_one_kept_ready():
     assert ended(spare)
 
 
+@pytest.mark.slow
 def test_the_process_kept_ready_may_be_lost_as_well():
     with process_of(ECHO, spare=True) as process:
         solver = process.solver()
@@ -317,6 +324,7 @@ def test_going_back(echo):
 LATER = "#external _until/1.\n#program volatile(t).\n:- _until(T), t < T.\n"
 
 
+@pytest.mark.slow
 def test_what_was_answered_beyond_its_bound_is_taken_again():
     with process_of(LATER, shortest=True) as process:
         solver = process.solver()
@@ -361,6 +369,7 @@ def test_a_stop_at_the_start():
         assert process.solver().solve().outcome is SolveOutcome.SATISFIABLE
 
 
+@pytest.mark.slow
 def test_a_child_ends_with_its_parent_even_while_it_grounds():
     code = (
         "import sys\nfrom rosoclingo.oclingo import *\n"
@@ -430,6 +439,7 @@ def test_states_that_come_with_searches_lead_back_whatever_ends_the_child():
         assert len(before.entries) <= 4
 
 
+@pytest.mark.slow
 def test_the_state_of_a_search_that_was_ended_has_its_update():
     options = {"shortest": True, "oclingo_strings": False, "horizon_limit": 100_000, "log_limit": 0}
     with process_of(ENDLESS, patience=600.0, grace=600.0, **options) as process:
@@ -446,6 +456,7 @@ def test_the_state_of_a_search_that_was_ended_has_its_update():
         assert parse_atom("e(1)") in late.answers[0]
 
 
+@pytest.mark.slow
 def test_a_child_that_has_grown_is_replaced_between_two_searches(monkeypatch):
     """clingo's terms are never freed: only an end of the process gives the memory back."""
     monkeypatch.setattr(child_module, "GROWTH", 100)

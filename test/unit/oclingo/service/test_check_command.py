@@ -143,6 +143,7 @@ def test_oclingo_checks_no_prompt(folder):
     assert ended.value.code == 2
 
 
+@pytest.mark.slow
 def test_the_script_reads_standard_input():
     script = lint_programs.ROOT / "scripts" / "check"
     done = subprocess.run(

@@ -129,6 +129,7 @@ def test_a_stream_as_json(files, capsys):
     assert (third["outcome"], third["answers"], third["permanent"], third["horizon"]) == ("unsatisfiable", [], True, 3)
 
 
+@pytest.mark.slow
 def test_options_of_the_solver(files, capsys):
     _, output, _ = play(capsys, "program.lp", "-c", "n=3", "0", "--stream", "updates.str", "--json")
     assert len(json.loads(output.splitlines()[0])["answers"]) == 3
@@ -139,6 +140,7 @@ def test_options_of_the_solver(files, capsys):
     assert "beyond the horizon limit 1" in json.loads(output.splitlines()[1])["error"]
 
 
+@pytest.mark.slow
 def test_time_limit(files, capsys):
     (files / "updates.str").write_text("#step 1. #endstep. #step 1. e(1). :- not c(1). #endstep.", encoding="utf-8")
     code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
@@ -146,6 +148,7 @@ def test_time_limit(files, capsys):
     assert "Interrupted at horizon " in output
 
 
+@pytest.mark.slow
 def test_updates_without_a_bound_have_one(files, capsys):
     text = "#endstep. #step 1. #endstep. #step 2 : 1. #endstep. #step 3. #endstep. #endstep."
     (files / "updates.str").write_text(text, encoding="utf-8")
@@ -188,6 +191,7 @@ def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, cap
     assert output.count("Answer 1, horizon 1") == 2
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -259,6 +263,7 @@ def test_words_of_rosrun_are_no_files(files, capsys):
     assert play(capsys, "program.lp", "__name:=oclingo", "--stream", "updates.str", "_x:=1")[0] == 20
 
 
+@pytest.mark.slow
 def test_interactive(files):
     text = "#step 1.\ngo(1). go(X).\n#endstep.\n#step 1. go(1).\n#endstep.\n#stop.\n#step 2. #endstep.\n"
     code, output, error = run("program.lp", "0", "--interactive", text=text)
@@ -292,6 +297,7 @@ def test_a_signal_ends_the_service_whatever_it_does(files, program, number, mess
     assert client.socket.recv(4096) == b"" or program == "program.lp"
 
 
+@pytest.mark.slow
 def test_a_signal_ends_the_playing_of_a_stream(files):
     with start("endless.lp", "--stream", "updates.str") as process:
         assert process.stdout.readline() == "#step 1.\n"
@@ -299,6 +305,7 @@ def test_a_signal_ends_the_playing_of_a_stream(files):
         assert process.wait(60) == 0
 
 
+@pytest.mark.slow
 def test_ctrl_c_at_the_prompt_ends_a_search_only(files):
     with start("endless.lp", "--interactive", stdin=subprocess.PIPE) as process:
         process.stdin.write("#step 1. #endstep.\n")
@@ -312,6 +319,7 @@ def test_ctrl_c_at_the_prompt_ends_a_search_only(files):
     assert (process.returncode, error) == (0, "")
 
 
+@pytest.mark.slow
 def test_who_reads_the_output_may_go(files):
     (files / "updates.str").write_text("#step 1. go(1). #endstep.\n" * 2000, encoding="utf-8")
     with start("program.lp", "0", "--stream", "updates.str") as process:
@@ -330,6 +338,7 @@ def test_the_script_is_this_command():
         assert word in output
 
 
+@pytest.mark.slow
 def test_plans_soon(files, capsys):
     (files / "walk.lp").write_text(program_text(), encoding="utf-8")
     (files / "walk.str").write_text("#step 1. _request(3,1). _request(-2,1). #endstep.\n", encoding="utf-8")

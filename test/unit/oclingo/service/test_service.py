@@ -208,6 +208,7 @@ def test_more_clients_than_are_served_at_a_time_wait(monkeypatch):
         third.close()
 
 
+@pytest.mark.slow
 def test_a_client_that_does_not_read_holds_nobody_up(monkeypatch):
     monkeypatch.setattr(service_client, "OUTBOX_LIMIT", 10_000)
     with running("#cumulative t. { p(1..6,t) }.") as found:
@@ -280,6 +281,7 @@ def test_stop_ends_a_search_without_end():
         found.join()
 
 
+@pytest.mark.slow
 def test_a_time_limit():
     with running(GOAL, time_limit=0.2) as found:
         client = found.client()
@@ -335,6 +337,7 @@ def test_time_does_not_count_while_the_solver_is_made_ready():
     assert data.endswith(b"End of Step.\n\0")
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("bounded", "waiting", "orphaned", "expected"),
     [

@@ -61,6 +61,7 @@ def test_a_plan_is_a_table_over_time(run):
     assert out.replace(" ", "").endswith(TABLE.replace(" ", ""))
 
 
+@pytest.mark.slow
 def test_where_there_is_none_the_rules_and_facts_are_told(run):
     code, out, _ = run("--plan", "go(b).", "--plan", "go(c)", "--stream", "shut.str")
     assert code == 1
@@ -70,6 +71,7 @@ def test_where_there_is_none_the_rules_and_facts_are_told(run):
     assert "  told: shut(c,1).\n" in out
 
 
+@pytest.mark.slow
 def test_a_sample_of_each_kind_of_request_is_tried(run, tmp_path):
     code, out, _ = run("--plan")
     assert code == 0
@@ -88,6 +90,7 @@ def test_steps_bound_plans(run):
     assert "go(a): No plan of at most 1 step; there may be a longer one.\n" in out
 
 
+@pytest.mark.slow
 def test_facts_of_the_program_come_as_they_are(run):
     code, out, _ = run("--plan", "shut(b,1). go(c)", "--plan", "go(c). cancel(c)")
     assert code == 1
@@ -95,6 +98,7 @@ def test_facts_of_the_program_come_as_they_are(run):
     assert "go(c). cancel(c): " in out
 
 
+@pytest.mark.slow
 def test_updates_of_the_stream_without_an_answer_are_explained(run, tmp_path):
     (tmp_path / "wrong.str").write_text("#step 1. _request(go(d),2). #end step.\n")
     code, out, _ = run("--stream", "wrong.str", "--plan", "go(b)")
@@ -119,6 +123,7 @@ def test_a_program_without_requests_takes_facts_of_its_externals(run, tmp_path):
     assert "the program takes no requests" in error
 
 
+@pytest.mark.slow
 def test_plans_and_reasons_as_json(run):
     code, out, _ = run("--plan", "go(c)", "--plan", "go(d)", "--json")
     first, second = json.loads(out)["plans"]

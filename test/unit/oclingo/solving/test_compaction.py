@@ -111,6 +111,7 @@ def test_nothing_accumulates_wherever_the_actions_of_a_step_lie(offset, name):
     assert name == "T" or len(solver.state.closed_cycles) <= 6
 
 
+@pytest.mark.slow
 def test_cycles_in_which_nothing_can_be_done_are_retired(monkeypatch):
     monkeypatch.setattr(grounding, "BLOCK", 64)
     monkeypatch.setattr(solver_module, "BLOCK", 8)

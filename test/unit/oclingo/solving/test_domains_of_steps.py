@@ -38,6 +38,7 @@ def play(updates):
     return [(one.outcome, one.horizon, texts(one), one.warnings) for one in results]
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 3), ITEMS), min_size=1, max_size=5))
 def test_answers_are_those_of_a_solver_that_grounds_anew_step_by_step(items):
     updates = [f"#step {step} : 2. {text} #endstep." for step, text in items]

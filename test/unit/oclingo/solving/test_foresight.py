@@ -305,6 +305,7 @@ def test_what_can_not_be_told_is_not_foreseen():
     assert foreseen([], told=None) == Foreseen()
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("rule", "returns", "certain"),
     [

@@ -46,6 +46,7 @@ def worse(plan, step, idle):
     return Plan(later.actions | at(plan, 0, step), plan.horizon + idle)
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples * 2 // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=1, max_size=4), st.integers(0, 3), st.none() | st.integers(0, 30))
 def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news, idle, looks):

@@ -62,6 +62,7 @@ def test_every_answer_is_one_and_the_shortest_where_it_says_so(advice, plan_time
             assert walk.least(walk.step, result.horizon) == result.horizon
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=1, max_size=5))
 def test_with_time_enough_plans_are_shortest(advice, news):
@@ -92,6 +93,7 @@ def test_what_is_refused_is_refuted_up_to_the_bound(advice, plan_time, bound, ne
             assert walk.allows(result.horizon, actions_from(result, walk.step))
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 5)
 @given(st.booleans(), st.lists(NEWS, min_size=2, max_size=5))
 def test_a_solver_that_reads_the_log_gives_answers_as_well(advice, news):

@@ -197,6 +197,7 @@ def test_steps_that_are_over_with_the_present_update_are_retired_along_with_anot
     assert first(retiring) == 6
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("step", "rules", "reached"),
     [
@@ -221,6 +222,7 @@ def test_what_constraints_have_made_of_rules_that_stay_is_not_lost(step, rules, 
     assert first(retire("{ x }. #external door. #external sees/1. " + text, *rules, steps=8)) == reached
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     "rules",
     [

@@ -217,6 +217,7 @@ def test_whoever_reads_a_log_answers_as_its_writer_and_as_one_from_scratch(lent,
             assert result.horizon == horizon
 
 
+@pytest.mark.slow
 @given(PARTS, st.lists(UPDATES, min_size=2, max_size=4), st.data())
 def test_going_back_is_going_on_from_an_earlier_log(parts, updates, data):
     """Closed cycles, what is over and what is withdrawn included; each log leads on as it did at first."""

@@ -66,6 +66,7 @@ def told(core, name):
     return explain(PROGRAM, found.stream)
 
 
+@pytest.mark.slow
 def test_a_core_that_goes_on_tells_what_the_one_before_would_have_told(live):
     first = live()
     first.goals(a="do(walk,1)", b="do(never,2)")

@@ -77,6 +77,7 @@ def found(name):
     return program, verify(program, Wanted(goals, facts, most=1), Limits(events=max(cost, 1), steps=8), seconds=300)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", SEEDS)
 def test_a_fault_is_found_on_the_shortest_way(name):
     _, kind, cost, updates = SEEDS[name]
@@ -103,6 +104,7 @@ def shows(kind, driver, finding):
     return not core.live_goals or bool(core.plan.remaining(core.cycle))
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", SEEDS)
 def test_what_is_found_shows_on_the_real_core(name):
     kind = SEEDS[name][1]
@@ -111,6 +113,7 @@ def test_what_is_found_shows_on_the_real_core(name):
     assert shows(kind, play(program, fault.finding.way, 8), fault.finding)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO], ids=["visits", "carries", "echo"])
 def test_sound_programs_are_clean(text):
     verdict = verify(ReactiveProgram.from_text(text), limits=Limits(events=2, steps=8), seconds=300)

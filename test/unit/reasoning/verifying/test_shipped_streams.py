@@ -19,7 +19,7 @@ FIRST = ROOT / "test" / "data" / "first_delivery"
 THREE_OFFICES = """#program base.
 office(office1). office(office2). office(office3). start(office1).
 corridor(office1,office2). corridor(office2,office3)."""
-GOAL = (parse_term("goal(office3,office1,1)"),)
+TWO_OFFICES = "#program base. office(office1). office(office2). start(office1). corridor(office1,office2)."
 
 
 def tutorial():
@@ -52,12 +52,13 @@ def test_programs_on_the_rules_of_delivery_are_clean(files):
     assert verdict.clean, verdict.text()
 
 
-def on_three_offices(folder, facts, events, skipped=frozenset()):
-    """A mailbot on a small floor, and what is found where one thing happens at a time."""
-    sources = [Source.from_file(folder / "mailbot.lp"), Source("floor", THREE_OFFICES)]
+def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFFICES, steps=12):
+    """A mailbot there, asked to fetch from its end, and what is found where one thing happens at a time."""
+    sources = [Source.from_file(folder / "mailbot.lp"), Source("floor", floor)]
     program = ReactiveProgram(sources, {} if folder == FIRST else {"_told": "1"})
-    limits = Limits(events=events, together=1, steps=12, early=0)
-    return program, verify(program, Wanted(GOAL, facts, most=1), limits, 300, skipped)
+    goal = parse_term(f"goal(office{3 if floor == THREE_OFFICES else 2},office1,1)")
+    limits = Limits(events=events, together=1, steps=steps, early=0)
+    return program, verify(program, Wanted((goal,), facts, most=1), limits, 300, skipped)
 
 
 @pytest.mark.slow
@@ -65,23 +66,23 @@ def on_three_offices(folder, facts, events, skipped=frozenset()):
 @pytest.mark.parametrize("fact", ["_aboard", "_off"])
 def test_a_late_correction_leaves_the_mailbot_an_answer(fact):
     """As where a package is told late to have been aboard, after it was picked up."""
-    _, verdict = on_three_offices(ENCODINGS, (fact,), 2)
+    _, verdict = on_a_small_floor(ENCODINGS, (fact,), 2)
     assert verdict.clean, verdict.text()
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(
-    ("kind", "facts", "events", "word"),
+    ("kind", "facts", "events", "word", "floor"),
     [
-        (Kind.NO_ANSWER, ("_blocked",), 2, "_blocked(office1,office2,"),
-        (Kind.FAILURE_AS_SUCCESS, ("none",), 2, "_return("),
-        (Kind.REPEATED, ("none",), 3, "_action_lib(pickup,1,"),
+        (Kind.NO_ANSWER, ("_blocked",), 2, "_blocked(office1,office2,", TWO_OFFICES),
+        (Kind.FAILURE_AS_SUCCESS, ("none",), 2, "_return(", TWO_OFFICES),
+        (Kind.REPEATED, ("none",), 3, "_action_lib(pickup,1,", THREE_OFFICES),
     ],
     ids=["late_blocked", "failure_taken_for_success", "sent_again"],
 )
-def test_what_was_wrong_with_the_first_rules_of_delivery(kind, facts, events, word):
-    program, verdict = on_three_offices(FIRST, facts, events, frozenset(Kind) - {kind})
+def test_what_was_wrong_with_the_first_rules_of_delivery(kind, facts, events, word, floor):
+    program, verdict = on_a_small_floor(FIRST, facts, events, frozenset(Kind) - {kind}, floor, steps=8)
     (fault,) = verdict.faults
     assert fault.finding.kind is kind
     assert fault.finding.cost == events

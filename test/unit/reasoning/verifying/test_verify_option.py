@@ -23,6 +23,7 @@ def ask(tmp_path, capsys):
     return run
 
 
+@pytest.mark.slow
 def test_what_is_clean(ask):
     code, told = ask(VISITS, "--verify", "1")
     assert code == 0
@@ -30,6 +31,7 @@ def test_what_is_clean(ask):
     assert "facts: _closed(den,1) _closed(hall,1); up to 2 cycles late, 1 early" in told.out
 
 
+@pytest.mark.slow
 def test_what_is_found_is_ready_for_oclingo(ask, tmp_path, capsys):
     code, told = ask(LATE, "--verify")
     assert code == 1
@@ -41,6 +43,7 @@ def test_what_is_found_is_ready_for_oclingo(ask, tmp_path, capsys):
     assert "Answer 1, horizon 1" in capsys.readouterr().out, "the first update had one"
 
 
+@pytest.mark.slow
 def test_json(ask):
     code, told = ask(LATE, "--verify", "--json")
     found = json.loads(told.out)["verify"]
@@ -57,6 +60,7 @@ def test_what_must_never_be_from_the_command_line(ask):
     assert "forbidden: what must never be: _action_lib(go,den,t), at(home,t-1)" in told.out
 
 
+@pytest.mark.slow
 def test_goals_facts_and_kinds_are_chosen(ask):
     code, told = ask(LATE, "--verify", "--goal", "visit(den)", "--fact", "none")
     assert code == 0
@@ -65,6 +69,7 @@ def test_goals_facts_and_kinds_are_chosen(ask):
     assert ask(LATE, "--verify", "--late", "0", "--early", "0", "--one-plan", "--together", "1", "--each", "1")[0] == 0
 
 
+@pytest.mark.slow
 def test_oclingo_s_check_verifies_as_well(ask, tmp_path, capsys):
     code, told = ask(LATE, "--verify", "--json")
     assert oclingo(["--check", str(tmp_path / "program.lp"), "--steps", "8", "--verify", "--json"]) == code
@@ -72,6 +77,7 @@ def test_oclingo_s_check_verifies_as_well(ask, tmp_path, capsys):
     assert again["faults"] == first["faults"]
 
 
+@pytest.mark.slow
 def test_it_ends_with_what_is_true_when_time_is_over(ask):
     code, told = ask(VISITS, "--verify", "5", "--verify-seconds", "0.3")
     assert code == 1

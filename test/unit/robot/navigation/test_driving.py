@@ -45,6 +45,7 @@ def test_the_labels_of_the_office():
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in range(1, 4))]
 )
@@ -98,6 +99,7 @@ def test_a_goal_off_the_map_ends_at_once():
     assert "outside of the map" in drive.to(Pose2D(50.0, 1.0)).message
 
 
+@pytest.mark.slow
 def test_a_goal_that_something_unmapped_stands_on():
     crate = ObstacleSpec("crate", (5.0, 1.0), radius=0.3)
     drive = Drive(simulation(room(), Pose2D(1.0, 1.0), obstacles=(crate,)))
@@ -139,6 +141,7 @@ def test_a_door_closed_for_good_ends_with_the_reason():
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 def test_a_door_that_opens_again_lets_the_robot_through():
     drive = Drive(door_world((2.9, 4.9, 3.1, 6.0)))
     drive.world.set_door("door", False)
@@ -164,6 +167,7 @@ def test_a_robot_that_is_carried_away_drives_on_from_there():
     assert carried
 
 
+@pytest.mark.slow
 def test_a_rectangular_robot():
     world = simulation(
         room(8.0, 8.0, 0.05, walls=[(3.9, 0.0, 4.1, 3.4), (3.9, 4.6, 4.1, 8.0)]),
@@ -176,6 +180,7 @@ def test_a_rectangular_robot():
     assert drive.collisions == []
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("footprint", [(), LONG])
 def test_past_a_patch_that_the_map_does_not_know(footprint):
     """The way keeps off it, as the planner of move_base does; the robot's sides may be over it."""

@@ -113,6 +113,7 @@ class Late:
         self.result = tick.result
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(("left", "right"), [(0.0, 0.0), (0.1, -0.1), (-0.3, -0.2)])
 def test_two_robots_pass_each_other_though_their_control_is_late(left, right):
     laser = LaserSpec(beams=135, noise=0.01)

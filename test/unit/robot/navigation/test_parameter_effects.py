@@ -293,6 +293,7 @@ def test_accelerations(key, axis, most):
     assert most * 0.08 < np.diff(speeds).max() <= most * 0.1 + 1e-6
 
 
+@pytest.mark.slow
 def test_goal_tolerances():
     assert drive(xy_goal_tolerance=0.05)[1] <= 0.05
     assert 0.1 < drive(xy_goal_tolerance=0.5)[1] <= 0.5

@@ -173,6 +173,7 @@ def test_a_line_is_clear_if_each_of_its_points_is(occupied, ends, radius):
         assert clear == (min(away) > radius)
 
 
+@pytest.mark.slow
 @given(GRIDS, st.tuples(*[st.floats(0.0, 20.0)] * 4))
 def test_a_line_is_not_clear_where_nobody_knows_what_is_there(unknown, ends):
     x0, y0, x1, y1 = (min(end, size - 0.01) for end, size in zip(ends, unknown.shape[::-1] * 2))

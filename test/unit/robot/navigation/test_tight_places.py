@@ -64,6 +64,7 @@ def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 def test_a_footprint_goes_round_what_it_does_not_fit_through():
     """The circle within the robot fits through the near gap, the robot does not; through the far one it does."""
     walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.3, 3.1, 4.0), (2.9, 4.7, 3.1, 6.0)]
@@ -129,6 +130,7 @@ def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side
     assert drive.recoveries == []
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("yaw", [np.pi, 0.5 * np.pi, -0.5 * np.pi])
 def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_goal(yaw):
     """The goal is 0.3 m behind a gap of 0.5 m; a tolerance of 0.1 m before it, corners of the robot touch the gap's."""

@@ -100,6 +100,7 @@ def stage(tmp_path):
     return start
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no xvfb-run")
 def test_it_has_a_screen_of_its_own_and_its_exit_code_is_handed_on(stage):
     process = stage("--speed", "4")
@@ -113,6 +114,7 @@ def test_it_has_a_screen_of_its_own_and_its_exit_code_is_handed_on(stage):
     assert not os.path.exists(words.split()[0]), "its own world file is removed"
 
 
+@pytest.mark.slow
 def test_free_running_needs_no_screen(stage):
     process = stage("--speed", "0", "-u")
     said, _ = process.communicate(timeout=120)
@@ -120,6 +122,7 @@ def test_free_running_needs_no_screen(stage):
     assert said.splitlines()[1] == "display "
 
 
+@pytest.mark.slow
 def test_what_ends_it_ends_stage(stage):
     process = stage("--speed", "0", then="echo ready; while :; do sleep 0.05; done")
     while process.stdout.readline() != "ready\n":

@@ -77,6 +77,7 @@ def check(found, atoms):
         assert found.misfit(atom) is None, atom
 
 
+@pytest.mark.slow
 def test_values_hold_what_comes_in_a_run():
     program = ReactiveProgram(lint_programs.program("mailbot"), whole=True)
     found, solver = ArgumentValues(program.survey), ReactiveSolver(program, shortest=True)
@@ -109,6 +110,7 @@ def rule(head, body, choice):
 RULES = st.lists(st.builds(rule, ATOM, BODY, st.booleans()), min_size=1, max_size=6)
 
 
+@pytest.mark.slow
 @given(RULES)
 def test_no_value_is_missed(rules):
     text = "d((a;b;c;1;2;f(a);f(b);(b,a);g(a,b))).\n" + "\n".join(rules)
