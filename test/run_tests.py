@@ -45,11 +45,17 @@ ONCE = (
     "core_interrupted",
     "core_launch",
     "crowd",
+    "exactly_once",
     "explain",
+    "interface_respawn",
+    "late_facts",
     "late_world",
     "recorder",
     "replay",
     "request_lost",
+    "servers_absent",
+    "simulated_time_interfaces",
+    "verified_stream",
 )
 # in these next to nothing is computed: they go beside the others, of which there is one for each core. With more at a
 # time all take longer than one after the other, since simulated time, and what it costs, goes on while they wait.
