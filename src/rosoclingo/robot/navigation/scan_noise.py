@@ -29,6 +29,13 @@ class ScanNoise:
         bends = bends[~np.isnan(bends)]
         if not len(bends):
             return
-        found = float(np.median(bends)) / (MEDIAN * SECOND)
+        found = _median(bends) / (MEDIAN * SECOND)
         self.deviation += (SLOWLY if self._known else 1.0) * (found - self.deviation)
         self._known = True
+
+
+def _median(values: np.ndarray) -> float:
+    """Return the median of some numbers (float64 n): ``np.median`` takes ten times as long for so few."""
+    half = len(values) // 2
+    ordered = np.sort(values)
+    return float(ordered[half] if len(values) % 2 else 0.5 * (ordered[half - 1] + ordered[half]))
