@@ -86,7 +86,8 @@ def test_who_has_gone_is_told(full):
         for number in range(200):
             connection.write_data(message(number))
     far.close()
-    with pytest.raises((tcpros_base.TransportTerminated, OSError)):
+    # the last where the thread that relays what was left over is the first to meet a socket that rospy has let go
+    with pytest.raises((tcpros_base.TransportTerminated, OSError, tcpros_base.TransportInitError)):
         publish_for_ever(connection)
     connection.close()
     with pytest.raises(tcpros_base.TransportTerminated):
