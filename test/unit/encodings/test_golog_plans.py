@@ -8,6 +8,7 @@ from golog_programs import ENCODINGS
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.oclingo.progression.parser import parse_updates
 from rosoclingo.oclingo.solving import plan_search
+from rosoclingo.oclingo.solving.assumptions import Search
 
 LOW_BATTERY = Path(__file__).resolve().parents[2] / "data" / "mailbot_day_low_battery.txt"
 SHORTEST = 17
@@ -36,6 +37,7 @@ def test_advice_that_misleads_makes_no_plan_many_times_too_long(program):
 @pytest.mark.slow
 def test_a_plan_that_is_too_long_is_shortened(program, monkeypatch):
     monkeypatch.setattr(plan_search, "EFFORT", 0)
+    monkeypatch.setattr(plan_search.PlanSearch, "_unadvised", lambda *_: Search(None))
     solver, result = after_stream(program)
     assert result.horizon > SHORTEST, "there is nothing to shorten"
     looks = iter(range(2000))

@@ -271,6 +271,7 @@ class Grounding:
         proven: bool = True,
         untold: FrozenSet[clingo.Symbol] = frozenset(),
         kept: Sequence[clingo.Symbol] = (),
+        advised: bool = True,
     ) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
@@ -278,14 +279,13 @@ class Grounding:
         answers' horizons are free within the range. Only answers are looked for in which the atoms ``given`` are as
         they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
         ``best``, or else any; where that need not be ``proven``, the best that is found until the search is stopped.
-        Of the facts in doubt all were told but those ``untold``. What is ``kept`` is true.
+        Facts in doubt were told but those ``untold``. What is ``kept`` is true. ``#heuristic`` counts if ``advised``.
         """
         self._complete()
         assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
-        told = assumed.literals if assumed else []
         self._session.close()
         answers, horizons, foreseen = [], [last], [Foreseen()]
-        self._configure(models, conflicts, best)
+        self._configure(models, conflicts, best, advised)
 
         this = proxy(self)  # since the control keeps the function, which must not keep the control
 
@@ -298,7 +298,7 @@ class Grounding:
                 if this._return_rules is not None:
                     foreseen.append(this._foresee(model, this._return_rules))
 
-        assumptions: List[Any] = [*told, *horizon, *given]  # clasp blames the first ones first
+        assumptions: List[Any] = [*(assumed.literals if assumed else ()), *horizon, *given]  # clasp blames the first
         with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
             result = _awaited(handle, stopped)
             refuted = Search(False, timeless=not horizon)
@@ -335,15 +335,17 @@ class Grounding:
 
         return foresee(self._actions.among(self.shown), rules, may_be_told, is_true)
 
-    def _configure(self, models: int, conflicts: Optional[int], best: bool) -> None:
+    def _configure(self, models: int, conflicts: Optional[int], best: bool, advised: bool) -> None:
         """Set clasp's options that differ from those of the last search: to set one takes long."""
-        limit = "umax,umax" if conflicts is None else f"{conflicts},umax"
-        options = {"models": str(models), "solve_limit": limit}
+        options = {"models": str(models), "solve_limit": "umax,umax" if conflicts is None else f"{conflicts},umax"}
         if self.program.optimizes:
             options["opt_mode"] = "optN" if best else "ignore"
+        if self.program.advises:
+            options["heuristic"] = "Domain" if advised else "Vsids,92"  # clingo's own, where nothing is said
+        configuration = self._control.configuration
         for name, value in options.items():
             if self._options.get(name) != value:
-                setattr(self._control.configuration.solve, name, value)
+                setattr(configuration.solver if name == "heuristic" else configuration.solve, name, value)
         self._options = options
 
 

@@ -6,10 +6,12 @@ steps anything is done but this action, and all is free from there on (a wide fo
 discrepancy search, 1995); with ``#heuristic`` the rest is then what these statements advise. Which kinds of actions are
 put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). A plan may
 also be far too long, where it was found among many steps only: each round over a long one begins with the question for
-any plan of a quarter and of half the steps. Where a round brings nothing, the next has larger windows and more
-conflicts. What is found is pushed together: no step is left at which nothing is done, where that is a plan.
+any plan of a quarter and of half the steps, with what ``#heuristic`` advises and without. Where a round brings nothing,
+the next has larger windows and more conflicts. What is found is pushed together: no step is left at which nothing is
+done, where that is a plan.
 """
 
+from itertools import product
 from random import Random
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
@@ -34,6 +36,9 @@ FEWER = 4
 SHARES = (4, 2)
 """A plan of so many times fewer steps is asked for, with so many times more conflicts, which are cheaper there."""
 
+FEW_STEPS = 100
+"""Without advice no plan of more steps is asked for: that leads to one only among few steps."""
+
 SPANS = (1, 4, 8, 16, 32, 64)
 """For so many steps an action is put off, one as likely as the other."""
 
@@ -52,6 +57,7 @@ class Part(NamedTuple):
         put_off: an action at the first step, not to be done there.
         span: nor within so many steps.
         share: so many times fewer steps are left to the plan.
+        advised: whether what ``#heuristic`` says counts.
 
     """
 
@@ -60,6 +66,7 @@ class Part(NamedTuple):
     put_off: Optional[clingo.Symbol] = None
     span: int = 1
     share: int = 1
+    advised: bool = True
 
     def given(self, plan: Plan) -> Given:
         """Return what is assumed of the actions of ``plan``: those behind the part are done one step earlier."""
@@ -103,13 +110,15 @@ class Improvement:
             part = next(self._parts, None)
             if part is None:
                 break
+            if not part.advised and not (grounding.program.advises and self._length // part.share <= FEW_STEPS):
+                continue
             given = [*present, *part.given(self._plan.since(self._step + 1))]
             conflicts = self._conflicts * part.share // (1 if part.put_off is None else FEWER)
             last = min(self._plan.horizon - 1, grounding.horizon, self._begin + self._length // part.share)
-            found = self._ask(grounding, halt, last, given, conflicts)
+            found = self._ask(grounding, halt, last, given, conflicts, part.advised)
             if found.satisfiable:
                 return self._take(grounding, halt, present, found)
-            if found.satisfiable is False and part._replace(share=1) == Part(self._step + 1):
+            if found.satisfiable is False and part._replace(share=1, advised=True) == Part(self._step + 1):
                 self._first = last + 1  # there is none up to it
         return None
 
@@ -119,8 +128,16 @@ class Improvement:
         open_actions = grounding.actions(min(cycles), self._step)
         return [(action, action in self._plan.actions) for action in open_actions]
 
-    def _ask(self, grounding: Grounding, halt: Callable[[], bool], last: int, given: Given, conflicts: int) -> Search:
-        return grounding.search(1, halt, self._first, last, given, conflicts, best=False)
+    def _ask(
+        self,
+        grounding: Grounding,
+        halt: Callable[[], bool],
+        last: int,
+        given: Given,
+        conflicts: int,
+        advised: bool = True,
+    ) -> Search:
+        return grounding.search(1, halt, self._first, last, given, conflicts, best=False, advised=advised)
 
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
         """Take ``found`` for the plan; where it idles, the same without these steps if that is one and no stop came."""
@@ -149,7 +166,9 @@ class Improvement:
     def _round(self) -> Iterator[Part]:
         """Yield windows from the present to the end, which overlap by half; after each some actions are put off."""
         first = self._step + 1
-        yield from (Part(first, share=share) for share in SHARES if self._length >= 2 * SIZE)
+        for share, advised in product(SHARES, (True, False)):
+            if self._length >= 2 * SIZE:
+                yield Part(first, share=share, advised=advised)
         while first <= self._plan.horizon and self._length > 0:
             last = first + self._size - 1
             yield Part(first, last if last < self._plan.horizon else None)

@@ -14,6 +14,7 @@ import clingo
 
 from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon
+from rosoclingo.oclingo.solving.improvement import FEW_STEPS
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
 
@@ -32,13 +33,14 @@ CONFLICTS = 100
 """Conflicts that a question may take, at first.
 
 Where one was not enough the next may take twice as many; but while there is no plan and ``#heuristic`` guides the
-search, only more steps help: with enough of them there are next to no conflicts.
+search, only more steps help: with enough of them there are next to no conflicts. Unless it misleads: so the least steps
+that are not refuted are tried without it, too, ever harder.
 """
 
 EFFORT = 20_000
 """Conflicts times steps that a question for any plan may take, at first, if that is more.
 
-A conflict among few steps is cheap, more steps make all that follows dearer, and what ``#heuristic`` says may mislead.
+A conflict among few steps is cheap, and more steps make all that follows dearer.
 """
 
 PROOF_AGAIN = 0.1
@@ -84,6 +86,7 @@ class PlanSearch(HorizonSearch):
         self._claimed: Optional[int] = None  # nor below this one, if it is true what the program claims
         self._best: Optional[Search] = None
         self._old: List[Plan] = []  # what may be left of the last plan
+        self._ends: List[int] = []  # horizons up to which was looked for a plan, before there were more
 
     def run(self, transaction: Transaction) -> Search:
         """Search until there is a plan, and for a shorter one in the time that is left."""
@@ -135,27 +138,46 @@ class PlanSearch(HorizonSearch):
         """Let the horizon grow until there is a plan or no more may be grounded."""
         harder = 1
         while True:
-            more, steps = transaction.may_grow(), transaction.state.horizon - transaction.state.step + 1
-            conflicts = harder * max(CONFLICTS, EFFORT // max(1, steps))
-            found = self._any(transaction, conflicts if more and self._block > 1 else None)
+            found = self._any(transaction, harder)
+            if found.satisfiable is None and transaction.program.advises and self._block > 1:
+                found = self._unadvised(transaction, harder)
             if found.satisfiable:
                 self._take(transaction, found)
                 return found
-            if self.permanent or not more:
+            more, refuted = transaction.may_grow(), self._least > transaction.state.horizon
+            if self.permanent or (not more and (refuted or self._caller_halts())):
                 return found
-            harder *= 1 if found.satisfiable is False or transaction.program.advises else 2
-            for _ in self._grow(transaction, refuted=found.satisfiable is False):
+            harder *= 1 if refuted else 2
+            for _ in self._grow(transaction, refuted) if more else ():
                 if self._caller_halts():
                     return Search(None)
 
-    def _any(self, transaction: Transaction, conflicts: Optional[int]) -> Search:
+    def _any(self, transaction: Transaction, harder: int) -> Search:
         """Ask for a plan within what is grounded: first one that goes on from an old one."""
-        last = transaction.state.horizon
+        last, more, advises = transaction.state.horizon, transaction.may_grow(), transaction.program.advises
         for plan in self._old:
             found = self._look(transaction, self._least, last, CONFLICTS, [(one, True) for one in plan.actions])
             if found.satisfiable or self.permanent:
                 return found
+        if self._block == 1 or not (more or advises):
+            return self._look(transaction, self._least, last, None)
+        conflicts = self._few(transaction, last) * (1 if advises and more else harder)
         return self._look(transaction, self._least, last, conflicts)
+
+    def _unadvised(self, transaction: Transaction, harder: int) -> Search:
+        """Ask for a plan of the least steps, if few, that are not refuted, without advice, which may mislead."""
+        found = Search(None)
+        for last in [*self._ends, transaction.state.horizon]:
+            if last >= self._least and last - transaction.state.step < FEW_STEPS:
+                conflicts = harder * self._few(transaction, last)
+                found = self._look(transaction, self._least, last, conflicts, advised=False)
+                if found.satisfiable is not False or self.permanent:
+                    break
+        return found
+
+    def _few(self, transaction: Transaction, last: int) -> int:
+        """Return how many conflicts are few for steps up to ``last``."""
+        return max(CONFLICTS, EFFORT // max(1, last - transaction.state.step + 1))
 
     def _grow(self, transaction: Transaction, refuted: bool) -> Iterator[None]:
         """Ground a quarter more of the steps to come, half as many more where all are ``refuted``, piece by piece.
@@ -163,6 +185,7 @@ class PlanSearch(HorizonSearch):
         At first, as many as the program claims that a plan takes, and a quarter more, if these are more.
         """
         state = transaction.state
+        self._ends.append(state.horizon)
         more = (state.horizon - state.step) // (2 if refuted else 4)
         last = state.horizon + (max(self._block, more) if self._block > 1 else 1)
         if self._claimed is None:
@@ -186,14 +209,17 @@ class PlanSearch(HorizonSearch):
                 self._try(transaction, self._least, claimed - 1, conflicts)
         while self._best is not None and self._least < self._best.horizon and not self._is_over():
             first, last = self._least, self._best.horizon - 1
-            self._try(transaction, first, last, conflicts)
+            few = last - transaction.state.step < FEW_STEPS
+            for advised in (True, False) if transaction.program.advises and few else (True,):
+                if self._best.horizon > last >= self._least:
+                    self._try(transaction, first, last, conflicts, advised)
             if first < last and self._least == first and self._best.horizon > first:
                 self._try(transaction, first, first, conflicts)
             if self._least == first and self._best.horizon > last:
                 conflicts *= 2
 
-    def _try(self, transaction: Transaction, first: int, last: int, conflicts: int) -> None:
-        found = self._look(transaction, first, last, conflicts)
+    def _try(self, transaction: Transaction, first: int, last: int, conflicts: int, advised: bool = True) -> None:
+        found = self._look(transaction, first, last, conflicts, advised=advised)
         if found.satisfiable:
             self._take(transaction, found)
 
@@ -225,9 +251,11 @@ class PlanSearch(HorizonSearch):
         last: int,
         conflicts: Optional[int],
         given: Optional[List[Tuple[clingo.Symbol, bool]]] = None,
+        advised: bool = True,
     ) -> Search:
         """Ask for any answer; what is refuted without anything ``given`` need never be asked again."""
-        found = self._ask(transaction, first, last, models=1, conflicts=conflicts, best=False, given=given or ())
+        limits = {"conflicts": conflicts, "given": given or (), "advised": advised}
+        found = self._ask(transaction, first, last, models=1, best=False, **limits)
         if found.satisfiable is False and given is None and first <= self._least:
             self._least = max(self._least, last + 1)
         return found

@@ -122,7 +122,7 @@ class Universe(Grounding):
     ) -> None:
         self._session.close()
         assumptions = [*assumed, *self._range(first, last)]
-        self._configure(most, CONFLICTS, best=False)
+        self._configure(most, CONFLICTS, best=False, advised=True)
         found = 0
 
         def count(model: clingo.Model) -> None:

@@ -1,5 +1,7 @@
 """Which parts of a plan are free in which question, and when nothing is left to try."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from rosoclingo.oclingo import parse_atom
@@ -28,21 +30,23 @@ class Asked:
     """A grounding that gives the ``replies`` to what it is asked, then leaves all open.
 
     What was asked is noted as text: 2..5/100 +1 -3 for these horizons, so many conflicts, and the cycles whose actions
-    are given as true and as false.
+    are given as true and as false; "alone" where the program's advice does not count.
     """
 
-    def __init__(self, *replies, horizon=99, cycles=()):
+    def __init__(self, *replies, horizon=99, cycles=(), advises=False):
+        self.program = SimpleNamespace(advises=advises)
         self.replies, self.horizon, self.cycles, self.asked, self.looked = list(replies), horizon, cycles, [], []
 
     def actions(self, first, last):
         self.looked.append((first, last))
         return sorted(actions(*(one for one in self.cycles if first <= one <= last)))
 
-    def search(self, models, halt, first, last, given=(), conflicts=None, best=True):
+    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, advised=True):
         assert (models, best) == (1, False)
         marks = sorted((cycle_of(one), "-+"[value]) for one, value in given)
         assert len({cycle for cycle, _ in marks}) == len(marks)
-        self.asked.append(" ".join([f"{first}..{last}/{conflicts}", *(f"{sign}{cycle}" for cycle, sign in marks)]))
+        signs = [f"{sign}{cycle}" for cycle, sign in marks]
+        self.asked.append(" ".join([f"{first}..{last}/{conflicts}", *signs, *([] if advised else ["alone"])]))
         return self.replies.pop(0) if self.replies else OPEN
 
     def halt_after(self, questions):
@@ -94,6 +98,21 @@ def test_of_a_long_plan_first_any_far_shorter_one_is_asked_for(monkeypatch, hori
     solver = Asked(*replies)
     assert Improvement(plan(horizon, 2, 5, 20, 41), 1, 1).run(solver, solver.halt_after(len(asked))) is None
     assert solver.asked == asked
+
+
+def test_a_far_shorter_plan_is_asked_for_without_advice_too(monkeypatch):
+    monkeypatch.undo()
+    asked = Asked(advises=True)
+    assert Improvement(plan(41, 2, 5, 20, 41), 1, 1).run(asked, asked.halt_after(4)) is None
+    assert asked.asked == ["1..11/400", "1..11/400 alone", "1..21/200", "1..21/200 alone"]
+
+
+def test_without_advice_many_steps_are_not_asked_for(monkeypatch):
+    monkeypatch.undo()
+    asked = Asked(advises=True, horizon=999)
+    assert Improvement(plan(301, 2, 5, 20, 301), 1, 1).run(asked, asked.halt_after(4)) is None
+    assert asked.asked[:3] == ["1..76/400", "1..76/400 alone", "1..151/200"]
+    assert "alone" not in asked.asked[3]
 
 
 def test_a_far_shorter_plan_is_taken(monkeypatch):

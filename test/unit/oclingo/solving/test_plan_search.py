@@ -34,8 +34,8 @@ class World:
     horizon where nothing is given; from horizon ``dead`` on nothing makes the program satisfiable any more. After
     ``halts`` questions it is to end; where they are ``cut`` the last one is left without an answer. What was asked is
     noted as text: 2..5/100 all 0 for these horizons, so many conflicts and all answers, with + and - for the cycles
-    whose actions are given as true and as false; and >7 for the steps that were grounded. The program ``claims`` that
-    so many steps are needed, and has so many ``atoms`` per step.
+    whose actions are given as true and as false, a ? where the program's advice does not count; and >7 for the steps
+    that were grounded. The program ``claims`` that so many steps are needed, and has so many ``atoms`` per step.
     """
 
     def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **others):
@@ -76,11 +76,13 @@ class World:
         assert first == self.state.step
         return sorted(actions(*range(first, min(last, self.state.horizon) + 1)))
 
-    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, proven=True):
+    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, proven=True, advised=True):
         assert self.state.settled <= first <= last <= self.state.horizon
         assert best or models == 1
         marks = "".join(sorted("-+"[value] + str(cycle_of(one)) for one, value in given))
+        assert advised or self.program.advises
         limits = ("" if conflicts is None else f"/{conflicts}") + (f" all {models}" if best else "")
+        limits += "" if advised else "?"
         self.asked.append(f"{first}..{last}{marks}{limits}")
         self.questions += 1
         if self.cut and halt():
@@ -116,7 +118,11 @@ def run(world, last=None, seconds=FOREVER, block=8, models=1, foreseen=False):
         (World({12: [12]}, most=12), 12, "1..1/100 >9 2..9/100 >12 10..12"),
         (World({20: [20]}, hard={9: 150}), 20, "1..1/100 >9 2..9/100 >17 2..17/200 >25 18..25/200"),
         (World({3: []}, horizon=3), 3, "1..3/100 1..1/100"),
-        (World({20: [20]}, hard={9: 150}, advises=True, most=20), 20, "1..1/100 >9 2..9/100 >17 2..17/100 >20 2..20"),
+        (
+            World({20: [20]}, hard={9: 150}, advises=True, most=20),
+            20,
+            "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200",
+        ),
         (World({9: [1, 3]}), 9, "1..1/100 >9 2..9/100 3..3+1+3/100"),
         (World({9: [1, 3], 3: [1, 3]}), 3, "1..1/100 >9 2..9/100 3..3+1+3/100"),
         (World({9: [], 2: []}), 2, "1..1/100 >9 2..9/100 2..2/100"),
@@ -132,11 +138,13 @@ def test_any_plan_is_found_by_more_steps(world, horizon, asked):
     [
         (20, 999, True, "1..20/1000 >29 21..29/689"),
         (39, 480, False, "1..39/512 >58 40..58/344"),
-        (20, 9999, True, "1..20/1000 >28 1..28/714 >36 1..36/555"),
+        (20, 9999, True, "1..20/1000 1..20/1000? >28 1..28/714 1..20/2000? >36 1..36/555 1..20/4000?"),
         (20, 9999, False, "1..20/1000 >28 1..28/1428 >36 1..36/2220"),
+        (100, 9999, True, "1..100/200 1..100/200? >124 1..124/161 1..100/400?"),
+        (101, 9999, True, "1..101/198 >126 1..126/158"),
         (300, 99, True, "1..300/100"),
     ],
-    ids=["few", "more", "too hard", "the harder", "many"],
+    ids=["few", "more", "too hard", "the harder", "few without advice", "too many for that", "many"],
 )
 def test_the_fewer_the_steps_the_more_conflicts_a_first_plan_may_take(monkeypatch, steps, needed, advises, asked):
     monkeypatch.setattr(plan_search, "EFFORT", 20_000)
@@ -181,6 +189,12 @@ def test_where_steps_are_grounded_one_by_one_a_claim_is_passed_over():
     [
         (World({}, most=12), {}, "1..1/100 >9 2..9/100 >12 10..12"),
         (World({}, most=9, hard={9: 150}), {}, "1..1/100 >9 2..9"),
+        (World({}, most=9, hard={9: 150}, advises=True), {}, "1..1/100 >9 2..9/100 2..9/100? 2..9/200"),
+        (
+            World({}, horizon=9, most=9, hard={9: 250}, advises=True),
+            {},
+            "1..9/100 1..9/100? 1..9/200 1..9/200? 1..9/400",
+        ),
         (World({50: [50]}, dead=9), {}, "1..1/100 >9 2..9/100"),
         (World({50: [50]}, horizon=2, dead=2), {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
     ],
@@ -216,6 +230,12 @@ LONG = {9: [9], 7: [7], 3: [3]}
 )
 def test_shorter_ones_are_looked_for_while_time_lasts(seconds, horizon, shortest, asked):
     assert run(World(LONG, horizon=9), seconds=seconds) == (horizon, shortest, asked)
+
+
+def test_shorter_ones_are_looked_for_without_advice_too():
+    world = World({9: [9], 5: [5]}, hard={1: 150}, advises=True)
+    asked = "1..1/100 1..1/100? >9 1..9/100 1..8/100 1..1/100 1..4/100 1..4/100? 1..1/100 1..4/200"
+    assert run(world) == (5, True, asked)
 
 
 def test_what_is_looked_for_ends_with_the_time():
