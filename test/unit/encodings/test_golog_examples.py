@@ -145,3 +145,34 @@ def test_coffee_that_is_cancelled_goes_back():
     assert run.step() == "go(office)"
     assert run.done() == "go(kitchen) pour_back"
     assert run.end == "preempted"
+
+
+def test_a_suitcase_opens_once_both_latches_are_up():
+    both = ["flip(left) flip(right)", "flip(right) flip(left)"]
+    assert plans("suitcase", "open_it") == plans("suitcase", "by_latches") == both
+    run = Played("suitcase", "by_latches", "_set(up(left),now)")
+    assert run.step("stuck") == "flip(right)"
+    assert run.done() == "flip(right)"
+    assert run.end == "succeeded"
+
+
+def test_the_barber_sleeps_while_nobody_is_there():
+    run = Played("barber", "shop")
+    assert run.done() == "sleep"
+    run.tell("_set(here(1))")
+    assert [run.step(), run.step()] == ["wake", "call(1)"]
+    run.tell("_set(here(2))", "_set(here(3))", "_set(here(4))")
+    assert run.done() == "cut(1) turn_away(4) call(2) cut(2) call(3) cut(3) sleep"
+    assert run.tell("_set(closed)").done() == "wake"
+    assert run.end == "succeeded"
+
+
+def test_stacks_are_cleared_before_a_block_is_moved():
+    assert plans("blocks", "move_stack(1,3)") == ["put(3) put(2) move(1,3)"]
+    assert plans("blocks", "move_stack(3,1)") == ["put(3) put(2) move(3,1)"]
+
+
+def test_a_tower_of_hanoi_is_moved_in_the_one_way_there_is():
+    assert plans("hanoi", "tower(3,a,c,b)") == [
+        "move(1,a,c) move(2,a,b) move(1,c,b) move(3,a,c) move(1,b,a) move(2,b,c) move(1,a,c)"
+    ]

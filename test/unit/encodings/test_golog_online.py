@@ -8,6 +8,7 @@ from golog_programs import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.reasoning import CoreSettings
 
 #: Actions named act, of which one is not possible while ``no(Action)`` holds; fluents are what somebody tells.
 DOMAIN = """
@@ -331,10 +332,43 @@ def test_it_is_told_why_a_program_is_given_up():
     assert "a has failed 3 times in a row" in driver.message("g")
 
 
+#: A search that waits for the evening, and one that is asked for where it would wait at once.
+HOLDING = """
+proc hold { alone { go(office2); await hour(evening); go(office1); } }
+proc wait { alone { go(office2); if hour(morning) { await hour(evening); } go(office1); } }
+"""
+
+
+@lru_cache(maxsize=None)
+def mailbot():
+    """The mailbot's program with its day, and what is above."""
+    files = [ENCODINGS / name for name in ("mailbot.lp", "office.lp", "golog/mailbot_day.golog")]
+    more = Source("more.golog", f'include "mailbot_day.golog";{HOLDING}', ENCODINGS / "golog")
+    return ReactiveProgram([*map(Source.from_file, files), more])
+
+
 @pytest.mark.slow
 def test_requests_of_the_domain_are_served_beside_programs():
-    files = [ENCODINGS / name for name in ("mailbot.lp", "office.lp", "golog/mailbot_day.golog")]
-    driver = Driver(program=ReactiveProgram.from_files(files))
+    driver = Driver(program=mailbot())
     driver.goal("round", "run(morning_round)").goal("mail", "goal(office2,office4,1)").finish()
     assert [driver.states(key)[-1] for key in ("round", "mail")] == ["succeeded", "succeeded"]
     assert driver.core.cycle <= 8
+
+
+@pytest.mark.parametrize("first, ends", [("hold", True), ("wait", False)])
+def test_a_request_of_the_domain_waits_while_a_search_does(first, ends):
+    driver = Driver(settings=CoreSettings(), program=mailbot()).facts("_hour(morning,now)").goal("g", f"run({first})")
+    driver.goal("early", "goal(office4,office1,1)").succeed()
+    assert driver.awaited == []
+    driver.goal("late", "goal(office3,office1,2)")
+    assert [driver.states(key)[-1] for key in ("early", "late")] == ["active", "active"]
+    driver.goal("called off", "goal(office3,office1,3)").cancel("called off")
+    assert driver.states("called off")[-1] == "preempted"
+    (driver.facts("_hour(evening,now)") if ends else driver.cancel("g")).finish()
+    assert [driver.states(key)[-1] for key in ("early", "late")] == ["succeeded", "succeeded"]
+
+
+def test_no_search_is_begun_to_put_a_request_off():
+    driver = Driver(settings=CoreSettings(), program=mailbot()).goal("g", "goal(office4,office3,1)")
+    driver.goal("h", "run(hold)").finish()
+    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "active"]

@@ -2,6 +2,7 @@
 
 from typing import AbstractSet, Dict, Iterator, List, Mapping, NamedTuple, Set, Tuple
 
+from rosoclingo.languages.golog.descent import ways_of_calls
 from rosoclingo.languages.golog.scanner import Token
 from rosoclingo.languages.golog.tree import (
     AnyAction,
@@ -18,6 +19,9 @@ from rosoclingo.languages.golog.tree import (
 )
 
 Signature = Tuple[str, int]
+
+COUNTING = "if N > 0 { p(N - 1); }"
+"""A call that comes to an end, whatever has been done."""
 
 
 class _Begin(NamedTuple):
@@ -41,13 +45,23 @@ def endless_calls(
         before = len(idle)
         begins = {signature: _begin(one.body, procedures, idle) for signature, one in procedures.items()}
         idle |= {signature for signature, begin in begins.items() if begin.idle}
+    begins = {signature: _without_ends(begin, signature, procedures[signature]) for signature, begin in begins.items()}
     for signature, begin in begins.items():
         for called, token in begin.calls if signature in own else ():
             if signature in _reached(called, begins):
                 name = signature[0]
-                mend = "let an action come before the call, or write a loop (while, star)"
+                mend = f"let an action come before the call, count down ({COUNTING}), or write a loop (while, star)"
                 yield token, f"{name} may come to call itself again before it has done anything, without end", mend
                 break
+
+
+def _without_ends(begin: _Begin, signature: Signature, procedure: Procedure) -> _Begin:
+    """Leave out the calls of a procedure of itself if an argument goes to a bound in all of them."""
+    own = {token for called, token in begin.calls if called == signature}
+    ways = [ways for token, ways in ways_of_calls(procedure) if token in own]
+    if not own or not frozenset.intersection(*ways):
+        return begin
+    return begin._replace(calls=[(called, token) for called, token in begin.calls if called != signature])
 
 
 def _reached(signature: Signature, begins: Mapping[Signature, _Begin]) -> Set[Signature]:

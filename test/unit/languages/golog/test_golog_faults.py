@@ -74,6 +74,48 @@ def test_recursion_behind_an_action_is_no_fault():
     translate("proc p { a; p; }\nproc q { choose { } or { a; q; b; } }\nproc r { while f { a; r; } }", "x.golog")
 
 
+def counting(head, body):
+    """A procedure that calls itself."""
+    return translate(f"proc {head} {{ {body} }}", "x.golog")
+
+
+@pytest.mark.parametrize(
+    ("head", "body"),
+    [
+        ("p(N)", "if N > 0 { p(N - 1); a; p(N - 2); }"),
+        ("p(N)", "while 1 <= N and (f or g) { p(N - 1); }"),
+        ("p(I, N)", "test I < N; p(I + 1, N);"),
+        ("p(X, N)", "pick Y: f(Y, X) and N > 0 { choose { p(Y, N - 1); } or { try { p(X, N - 1); } else { } } }"),
+        ("p(N, M)", "if N > 0 { if M > 0 { p(N - 1, M + 1); a; p(N - 1, 7); } }"),
+    ],
+)
+def test_recursion_that_counts_to_a_bound_is_no_fault(head, body):
+    counting(head, body)
+
+
+@pytest.mark.parametrize(
+    ("head", "body"),
+    [
+        ("p(N)", "if N > 0 { p(N); }"),
+        ("p(N)", "if N > 0 { p(N + 1); }"),
+        ("p(N)", "if N > 0 { p(N - 0); }"),
+        ("p(N)", "if N > 0 or f { p(N - 1); }"),
+        ("p(N)", "if N > 0 { a; } else { p(N - 1); }"),
+        ("p(N)", "if N != 0 { p(N - 1); }"),
+        ("p(N)", "if N > 0 { a; } p(N - 1);"),
+        ("p(I, N)", "if I < N { p(I + 1, N + 1); }"),
+        ("p(I, N)", "if I < 3 { p(N + 1, I); }"),
+        ("p(N)", "pick N: f(N) and N > 0 { p(N - 1); }"),
+        ("p(N)", "if N > 0 { pick N: f(N) { p(N - 1); } }"),
+        ("p(N, M)", "if N > 0 and M > 0 { choose { p(N - 1, M + 1); } or { p(N + 1, M - 1); } }"),
+        ("p(N)", "if N > 0 { p(N - 1); } p(N);"),
+    ],
+)
+def test_recursion_that_may_pass_its_bound_is_a_fault(head, body):
+    with pytest.raises(ProgramError, match="may come to call itself again"):
+        counting(head, body)
+
+
 @pytest.mark.slow
 def test_programs_of_any_length_are_read():
     text = "proc p(X) { choose { a; }" + " or { b(X); }" * 300 + "a; " * 1500 + "}\n"

@@ -26,14 +26,18 @@ class _Word(NamedTuple):
 
 
 def odd_words(survey: Survey) -> List[Fault]:
-    """Return the constants and variables that stand once in the program and are a letter away from others."""
+    """Return the constants and variables that stand once in the program and are a letter away from others.
+
+    A constant that is the name of a predicate, too, as in golog_holds(asleep,t) :- asleep(t), is none of them.
+    """
     constants, variables = _Words(), _Words()
+    known = {*survey.constants} | {one.signature.name for _, _, found in survey.statements for one in found}
     for part, _, found in survey.statements:
         for one in found:
             for word in _words(one.term, one.signature):
                 if word.node.ast_type == ASTType.Variable:
                     variables.add(word)
-                elif word.text not in survey.constants and word.text != part.parameter:
+                elif word.text not in known and word.text != part.parameter:
                     constants.add(word)
     return [*_constants(constants), *_variables(variables)]
 
