@@ -355,7 +355,7 @@ def test_requests_of_the_domain_are_served_beside_programs():
     assert driver.core.cycle <= 8
 
 
-@pytest.mark.parametrize("first, ends", [("hold", True), ("wait", False)])
+@pytest.mark.parametrize(("first", "ends"), [("hold", True), ("wait", False)])
 def test_a_request_of_the_domain_waits_while_a_search_does(first, ends):
     driver = Driver(settings=CoreSettings(), program=mailbot()).facts("_hour(morning,now)").goal("g", f"run({first})")
     driver.goal("early", "goal(office4,office1,1)").succeed()

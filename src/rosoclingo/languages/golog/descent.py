@@ -63,26 +63,33 @@ def _calls(
     if isinstance(one, Step):
         if one.what.token.text == procedure.name.text and len(one.what.arguments) == len(procedure.parameters):
             yield one.what, bounds
-    elif isinstance(one, Sequence):
-        for part in one.statements:
-            yield from _calls(part, procedure, known, bounds)
-            bounds |= _bounds(part.condition, known) if isinstance(part, Check) else frozenset()
-    elif isinstance(one, Branch):
-        yield from _calls(one.yes, procedure, known, bounds | _bounds(one.condition, known))
-        yield from _calls(one.no, procedure, known, bounds)
-    elif isinstance(one, Loop):
-        yield from _calls(one.body, procedure, known, bounds | _bounds(one.condition, known))
     elif isinstance(one, Choosing):
         known -= {variable.token.text for variable in one.variables}
         bounds = frozenset(bound for bound in bounds if {bound.name, bound.other or bound.name} <= known)
         yield from _calls(one.body, procedure, known, bounds | _bounds(one.condition, known))
+    else:
+        for part, more in _parts(one, known):
+            yield from _calls(part, procedure, known, bounds | more)
+
+
+def _parts(one: Statement, known: FrozenSet[str]) -> Iterator[Tuple[Statement, _Bounds]]:
+    """Yield the statements in another one, each with the bounds that conditions before it have."""
+    bounds: _Bounds = frozenset()
+    if isinstance(one, Sequence):
+        for part in one.statements:
+            yield part, bounds
+            bounds |= _bounds(part.condition, known) if isinstance(part, Check) else bounds
+    elif isinstance(one, Branch):
+        yield one.yes, _bounds(one.condition, known)
+        yield one.no, bounds
+    elif isinstance(one, Loop):
+        yield one.body, _bounds(one.condition, known)
     elif isinstance(one, Several):
-        for part in one.parts:
-            yield from _calls(part, procedure, known, bounds)
+        yield from ((part, bounds) for part in one.parts)
     elif isinstance(one, Around):
-        for inner in (one.body, one.other):
-            if inner is not None:
-                yield from _calls(inner, procedure, known, bounds)
+        yield one.body, bounds
+        if one.other is not None:
+            yield one.other, bounds
 
 
 def _bounds(condition: Condition, known: FrozenSet[str]) -> _Bounds:
