@@ -13,10 +13,10 @@ from clingo.ast import AST, ASTType
 from rosoclingo.oclingo.explaining.named_rules import RuleKind
 from rosoclingo.oclingo.explaining.reach import Reach
 from rosoclingo.oclingo.explaining.relaxed_program import BROKEN, WHOLE, RelaxedProgram
-from rosoclingo.oclingo.program.domains import nodes_of
 from rosoclingo.oclingo.program.lint.argument_values import parted
 from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import nodes_of
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import signature_of

@@ -12,9 +12,10 @@ import clingo
 from clingo.ast import AST, ASTType, Sign
 from clingo.backend import Observer
 
-from rosoclingo.oclingo.program.domains import names_in, nodes_of
+from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.argument_values import head_literals, parted
 from rosoclingo.oclingo.program.lint.survey import OWN
+from rosoclingo.oclingo.program.nodes import nodes_of
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms

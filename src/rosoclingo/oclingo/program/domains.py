@@ -9,9 +9,10 @@ from math import prod
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTSequence, ASTType, Sign
+from clingo.ast import AST, ASTType, Sign
 
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import nodes_of
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
@@ -146,16 +147,6 @@ def binds(literal: AST, parameter: str, fixed: Set[Signature]) -> bool:
 
 def _is_simple(term: AST) -> bool:
     return term.ast_type in (ASTType.Variable, ASTType.SymbolicTerm)
-
-
-def nodes_of(term: AST) -> Iterator[AST]:
-    """Yield a term or literal and all below it."""
-    yield term
-    for key in term.child_keys:
-        child = getattr(term, key)
-        for one in child if isinstance(child, ASTSequence) else [child]:
-            if isinstance(one, AST):
-                yield from nodes_of(one)
 
 
 def names_in(term: AST) -> List[str]:

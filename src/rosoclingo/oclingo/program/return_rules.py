@@ -15,8 +15,9 @@ import clingo
 from clingo.ast import AST, ASTType, Sign
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.domains import names_in, nodes_of
+from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import nodes_of
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
 from rosoclingo.oclingo.progression.terms import Signature

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
-from clingo.ast import AST, ASTSequence, ASTType, Location, Position, parse_string
+from clingo.ast import AST, Location, Position, parse_string
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
@@ -15,6 +15,7 @@ from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
 from rosoclingo.oclingo.program.endings import ended_before
 from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of, translate_documents
+from rosoclingo.oclingo.program.nodes import children_of
 from rosoclingo.oclingo.progression.terms import parse_term
 
 _CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
@@ -205,10 +206,6 @@ def _named(fault: Fault, name: str) -> Fault:
     return replace(fault, file=name if fault.file == "<string>" else fault.file, message=message)
 
 
-#: What nodes of a kind have below them; clingo works it out anew for each node.
-_CHILD_KEYS: Dict[ASTType, List[str]] = {}
-
-
 def _relocate(node: AST, name: str, translation: Optional[Translation] = None) -> None:
     """Let ``node`` and all below it say that they stand in file ``name``, where it has been translated at its place."""
     location = getattr(node, "location", None)
@@ -218,14 +215,8 @@ def _relocate(node: AST, name: str, translation: Optional[Translation] = None) -
             for one in (location.begin, location.end)
         )
         node.location = Location(Position(name, *begin), Position(name, *end))
-    kind = node.ast_type
-    if kind not in _CHILD_KEYS:
-        _CHILD_KEYS[kind] = node.child_keys
-    for key in _CHILD_KEYS[kind]:
-        child = getattr(node, key)
-        for one in child if isinstance(child, ASTSequence) else [child]:
-            if isinstance(one, AST):
-                _relocate(one, name, translation)
+    for one in children_of(node):
+        _relocate(one, name, translation)
 
 
 def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:

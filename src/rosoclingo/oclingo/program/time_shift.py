@@ -10,8 +10,9 @@ from typing import Dict, FrozenSet, Iterator, List, Mapping, NamedTuple, Optiona
 import clingo
 from clingo.ast import AST, ASTType, BinaryOperator, UnaryOperator
 
-from rosoclingo.oclingo.program.domains import names_in, nodes_of
+from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import children_of, nodes_of
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
@@ -129,7 +130,7 @@ class TimeShift:
             return degrees.get(term.name, 0)
         if term.ast_type == ASTType.SymbolicTerm:
             return 1 if str(term) == rule.parameter else 0
-        inner = [self._degree(one, rule, degrees) for one in _children(term)]
+        inner = [self._degree(one, rule, degrees) for one in children_of(term)]
         if all(one == 0 for one in inner):
             return 0
         if None in inner:
@@ -239,11 +240,3 @@ def _bodies(statement: AST) -> Iterator[AST]:
     if hasattr(statement, "head") and isinstance(statement.head, AST):
         yield statement.head
     yield from (statement.body if hasattr(statement, "body") else ())
-
-
-def _children(term: AST) -> List[AST]:
-    found: List[AST] = []
-    for key in term.child_keys:
-        child = getattr(term, key)
-        found += [child] if isinstance(child, AST) else list(child) if child is not None else []
-    return found

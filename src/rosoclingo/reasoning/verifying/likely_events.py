@@ -7,8 +7,9 @@ from clingo import Symbol
 from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.program.action_rules import ACTION, is_action
-from rosoclingo.oclingo.program.domains import binds, fixed_signatures, names_in, nodes_of, plain_literals
+from rosoclingo.oclingo.program.domains import binds, fixed_signatures, names_in, plain_literals
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import nodes_of
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, parse_term

@@ -7,11 +7,11 @@ from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
-from rosoclingo.oclingo.program.domains import nodes_of
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
 from rosoclingo.oclingo.program.lint.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
 from rosoclingo.oclingo.program.lint.term_shapes import is_open
+from rosoclingo.oclingo.program.nodes import nodes_of
 
 Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
 """Returns of which terms an action asks for the label, by its parameter."""

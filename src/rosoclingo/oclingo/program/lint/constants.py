@@ -1,15 +1,17 @@
 """Constants that are not there, and values that those of a program cannot have."""
 
-from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Set
+from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, UnaryOperator
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.domains import nodes_of
 from rosoclingo.oclingo.program.lint.likeness import likely_word
 from rosoclingo.oclingo.program.lint.survey import Survey, fault_at
 from rosoclingo.oclingo.program.signatures import evaluate
+
+Nodes = Sequence[Tuple[ASTType, AST]]
+"""A statement's nodes, each with its kind."""
 
 
 class _Constant(NamedTuple):
@@ -62,13 +64,9 @@ def _own(survey: Survey) -> Dict[str, _Constant]:
 
 def _mentioned(survey: Survey) -> Set[str]:
     """Return the names of all constants in the statements."""
-    nodes = (node for _, statement, _ in survey.statements for node in nodes_of(statement))
-    return {node.symbol.name for node in nodes if _is_constant(node)}
-
-
-def _is_constant(node: AST) -> bool:
-    kind = clingo.SymbolType.Function
-    return node.ast_type == ASTType.SymbolicTerm and node.symbol.type is kind and not node.symbol.arguments
+    nodes = (pair for _, statement, _ in survey.statements for pair in survey.nodes_of(statement))
+    symbols = (node.symbol for kind, node in nodes if kind == ASTType.SymbolicTerm)
+    return {one.name for one in symbols if one.type is clingo.SymbolType.Function and not one.arguments}
 
 
 # ---- in rules -------------------------------------------------------------------------------------------------------
@@ -81,7 +79,7 @@ def words_for_numbers(survey: Survey) -> List[Fault]:
     for part, statement, _ in survey.statements:
         # a step's parameter and constants are numbers; those of part headers are the parameters of these
         known = {*own, *survey.constants, part.parameter}
-        for term in _counted(statement):
+        for term in _counted(survey.nodes_of(statement)):
             name = _word(term)
             if name and name not in known:
                 message = f"{name} stands for a number, but no #const gives it one"
@@ -102,34 +100,33 @@ def _word(term: AST) -> str:
     return str(symbol.name) if plain and symbol is not None else ""
 
 
-def _counted(statement: AST) -> Iterator[AST]:
+def _counted(nodes: Nodes) -> Iterator[AST]:
     """Yield the terms of a statement that have to be numbers."""
-    for node in nodes_of(statement):
-        kind = node.ast_type
+    for kind, node in nodes:
         if kind in (ASTType.BinaryOperation, ASTType.Interval):
             yield from (node.left, node.right)
         elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
             yield node.argument
         elif kind == ASTType.Comparison:
-            yield from _ordered(node, statement)
+            yield from _ordered(node, nodes)
         elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
             kind == ASTType.BodyAggregate and node.function in _COUNTING
         ):
             yield from _guards(node)
 
 
-def _ordered(node: AST, statement: AST) -> Iterator[AST]:
+def _ordered(node: AST, nodes: Nodes) -> Iterator[AST]:
     """Yield what is compared as less or more with what is counted with: a variable that is calculated with, a sum."""
     sides = [node.term, *(guard.term for guard in node.guards)]
     if len(sides) == 2 and node.guards[0].comparison in _ORDERS:
         for one, other in (sides, sides[::-1]):
-            if other.ast_type == ASTType.BinaryOperation or str(other) in _calculated(statement):
+            if other.ast_type == ASTType.BinaryOperation or str(other) in _calculated(nodes):
                 yield one
 
 
-def _calculated(statement: AST) -> Set[str]:
+def _calculated(nodes: Nodes) -> Set[str]:
     """Return the variables with which a statement calculates."""
-    sums = (one for one in nodes_of(statement) if one.ast_type == ASTType.BinaryOperation)
+    sums = (one for kind, one in nodes if kind == ASTType.BinaryOperation)
     return {str(side) for one in sums for side in (one.left, one.right) if side.ast_type == ASTType.Variable}
 
 

@@ -51,6 +51,7 @@ _ALL = {
     "no-match": (WARNING, "an atom with a value that no rule and no #external gives the predicate"),
     "contradiction": (WARNING, "a body that holds an atom and its negation, or a comparison that never holds"),
     "tautology": (WARNING, "a rule that needs its own head, as where t stands for t-1: it gives nothing"),
+    "same-variables": (WARNING, "X = Y for two variables that atoms bind: != may be meant, or one of them is enough"),
     "exchanged": (WARNING, "an argument that stands in the place of another"),
     "lower-case": (WARNING, "a name that is that of a variable of its rule but for its case, and stands nowhere else"),
     # steps

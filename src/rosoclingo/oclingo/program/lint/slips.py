@@ -4,11 +4,11 @@ from collections import Counter
 from typing import Dict, FrozenSet, Iterator, List, Optional, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.domains import names_in, nodes_of
+from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.actions import Actions
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
 from rosoclingo.oclingo.program.lint.likeness import asked, likely_value, likeness
@@ -23,6 +23,11 @@ _READ = (ACTION, Signature("_status", 3), Signature("_explain", 3))
 _REQUEST, _SAYS = Signature("_request", 2), Signature("_says", 2)
 _CANCEL = "cancel"
 
+#: In conditions of control programs there is no other way to say it of a parameter.
+_CONTROL = ".golog"
+
+_EQUAL = ComparisonOperator.Equal
+
 #: How like "cancel" the name of a request is that stands for it, of 1.
 _ALIKE = 0.8
 
@@ -31,7 +36,7 @@ def slips(survey: Survey) -> List[Fault]:
     """Return the slips that have to do with no keyword."""
     steps = _Steps(survey)
     found = [*_tautologies(survey), *_looks_ahead(survey, steps), *_steps_elsewhere(survey, steps)]
-    return [*found, *_first_steps(survey, steps), *_lower_case(survey)]
+    return [*found, *_first_steps(survey, steps), *_lower_case(survey), *_same_variables(survey)]
 
 
 def slips_of_words(survey: Survey, values: ArgumentValues) -> List[Fault]:
@@ -56,7 +61,7 @@ def _is_plain(literal: AST) -> bool:
 
 def _lower_case(survey: Survey) -> Iterator[Fault]:
     """Yield the names that may be variables of their rules, written small."""
-    named = [(statement, list(_words(statement))) for _, statement, _ in survey.statements]
+    named = [(statement, list(_words(statement, survey))) for _, statement, _ in survey.statements]
     count = Counter(word for _, words in named for word, _ in words)
     for statement, words in named:
         own = Counter(word for word, _ in words)
@@ -67,11 +72,34 @@ def _lower_case(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(node, "lower-case", message, asked(variable))
 
 
-def _words(statement: AST) -> Iterator[Tuple[str, AST]]:
+def _words(statement: AST, survey: Survey) -> Iterator[Tuple[str, AST]]:
     """Yield the names in a rule that may be anything's."""
-    for node in nodes_of(statement) if statement.ast_type == ASTType.Rule else ():
-        if node.ast_type == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
+    for kind, node in survey.nodes_of(statement) if statement.ast_type == ASTType.Rule else ():
+        if kind == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
             yield str(node.symbol), node
+
+
+def _same_variables(survey: Survey) -> Iterator[Fault]:
+    """Yield the comparisons by which two variables are equal that atoms bind, each by itself."""
+    for _, statement, _ in survey.statements:
+        body = statement.body if statement.ast_type == ASTType.Rule else ()
+        for literal in body if not statement.location.begin.filename.endswith(_CONTROL) else ():
+            pair = _equal_variables(literal)
+            if pair is not None and set(pair) <= {name for one in body if _is_plain(one) for name in names_in(one)}:
+                message = f"{pair[0]} = {pair[1]} says of two variables of atoms that they are one"
+                mend = f"write {pair[0]} in the place of {pair[1]}, or {pair[0]} != {pair[1]}"
+                yield fault_at(literal, "same-variables", message, mend)
+
+
+def _equal_variables(literal: AST) -> Optional[Tuple[str, str]]:
+    """Return the two variables of X = Y, None for what says anything else."""
+    if literal.ast_type != ASTType.Literal or literal.sign != Sign.NoSign:
+        return None
+    atom = literal.atom
+    if atom.ast_type != ASTType.Comparison or len(atom.guards) != 1 or atom.guards[0].comparison != _EQUAL:
+        return None
+    sides = (atom.term, atom.guards[0].term)
+    return (sides[0].name, sides[1].name) if all(one.ast_type == ASTType.Variable for one in sides) else None
 
 
 # ---- steps ----------------------------------------------------------------------------------------------------------

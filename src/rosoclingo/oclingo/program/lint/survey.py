@@ -8,6 +8,7 @@ from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import Opened
+from rosoclingo.oclingo.program.nodes import kinds_of
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.program.sources import Source
@@ -113,6 +114,7 @@ class Survey:
         self.unvalued: Set[str] = set()
         self.shows = False
         self.values: object = None  # what argument_values finds of it
+        self._nodes: Dict[int, List[Tuple[ASTType, AST]]] = {}
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:
@@ -133,6 +135,13 @@ class Survey:
             if not one.signature.name.startswith(OWN):
                 where = self.defining if place.defines else self.declaring if place.declares else self.using
                 where.setdefault(one.signature, []).append(place)
+
+    def nodes_of(self, statement: AST) -> List[Tuple[ASTType, AST]]:
+        """Return a statement and all below it, each with its kind, found once for all who ask."""
+        key = id(statement)  # the survey keeps it
+        if key not in self._nodes:
+            self._nodes[key] = list(kinds_of(statement))
+        return self._nodes[key]
 
     @property
     def known(self) -> Set[Signature]:

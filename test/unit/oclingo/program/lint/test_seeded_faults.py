@@ -103,6 +103,8 @@ SEEDS = [
     ("back", "back.lp", "#volatile t.", "", "missing-part", "the program has no volatile part"),
     ("garden", "garden.lp", "at(L,t)      :- at(L,t-1)", "@at(L,t)      :- at(L,t)", "tautology", "another step meant"),
     ("house", "house.lp", "sighted(t) :- sighted(t-1).", "@sighted(t) :- sighted(t).", "tautology", "sighted(t)"),
+    ("paper", "paper.lp", "_return(A,V,t), V != P", "_return(A,V,t), @V = P", "same-variables", "or V != P"),
+    ("mailbot", "delivery/rules.lp", "L != From.", "@L = From.", "same-variables", "write L in the place of From"),
     ("garden", "garden.lp", "thirsty(P,t-1), not wat", "@thirsty(P,t+1), not wat", "look-ahead", "thirsty(P,t+1)"),
     ("template", "@NAME@.lp", "not moved(t).", "not @moved(t+1).", "look-ahead", "a later step"),
     ("paper", "paper.lp", "at(L,t)         :- done", "@at(t,L)         :- done", "exchanged", "as argument 2"),
