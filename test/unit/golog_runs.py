@@ -42,6 +42,10 @@ class Runs:
         for name in sorted(over):
             undo = {undoing(one) for one in over[name]}
             earlier = kept.get(("undo", name))
+            if not undo:  # nobody knows what is left of it
+                self.how[name] = "accepted" if earlier else STUCK
+                self.owed |= {name} if earlier and name not in asked else set()
+                continue
             self.left.pop(("undo", name), None)
             self.left["undo", name] = {("conc", one, new) for one in earlier for new in undo} if earlier else undo
             self.owed |= set() if name in asked else {name}
@@ -112,6 +116,7 @@ class Runs:
             if not mine or free:  # what is free may have been somebody else's, but in the middle of a search
                 kept = {one for one in programs if not action or not self.interpreter.locked(one)}
             passed = {one for one in programs if self.interpreter.passes(one, self.state)}
+            passed = passed if passed != set(programs) else set()  # nothing comes behind it
             kept -= passed
             if mine:
                 event = ("done" if worked else "bad", action)

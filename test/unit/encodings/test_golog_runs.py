@@ -116,3 +116,41 @@ class Play:
 def test_what_is_left_is_what_the_definitions_leave(data):
     play = Play(data)
     assert play.shown() == play.told
+
+
+class Script:
+    """Draws what is written down."""
+
+    def __init__(self, *values):
+        self._values = list(values)
+
+    def draw(self, strategy, label=None):
+        """The next value."""
+        return self._values.pop(0)
+
+
+ENDLESS = ("while", ("not", ("f",)), ("await", ("less", 0, 1)))
+QUIET = [None, False, False, False, None]  # nothing happens, h is not asked for, nothing is cancelled, free or done
+
+
+@pytest.mark.parametrize(
+    "later",
+    [
+        [*QUIET, *QUIET, (("f",), True), False, False, False, None],  # it ends once f holds
+        [None, False, True, False, None, *([None, False, False, False, False, None] * 2)],  # it is cancelled
+    ],
+)
+def test_a_loop_behind_which_nothing_comes_stays(later):
+    play = Play(Script(None, True, ENDLESS, False, False, False, None, *QUIET, *later))
+    assert play.shown() == play.told
+    assert any("succeeded" in one or "canceled" in one for one in play.told)
+    assert not any("could be undone" in one for one in play.told)
+
+
+def test_who_has_lost_the_search_that_he_was_in_is_cancelled_all_the_same():
+    search = ("search", ("seq", ("do", ("a",)), ("do", ("b",))))
+    acted = [("a",), True]
+    play = Play(Script(None, True, search, False, False, False, *acted, None, False, False, True, ("c",), True,
+                       None, False, True, True, None, *([None, False, False, False, False, None] * 2)))  # fmt: skip
+    assert play.shown() == play.told
+    assert 'status(g,canceled("not all that was begun could be undone"),3)' in play.told
