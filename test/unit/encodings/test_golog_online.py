@@ -120,10 +120,16 @@ OTHERS = [
     "prefer { a; if f { d; } else { } await g; } over { b; c; }",
 ]
 
+#: Programs that lead nowhere, and what is said of them.
+UNMET = [
+    ("test f;", "the test in line {} of test.golog does not hold"),
+    ("pick X: is(X) and f { a; }", "there is nothing to pick in line {} of test.golog"),
+]
+
 #: The number of each program.
 TEXTS = {
     text: number
-    for number, text in enumerate(dict.fromkeys([*(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING]), *OTHERS]))
+    for number, text in enumerate(dict.fromkeys([*(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING, *UNMET]), *OTHERS]))
 }
 
 
@@ -330,6 +336,11 @@ def test_it_is_told_why_a_program_is_given_up():
     driver = core("a; b;")
     assert done(driver, a=["stuck"] * 3) == "a a a"
     assert "a has failed 3 times in a row" in driver.message("g")
+
+
+@pytest.mark.parametrize(("text", "why"), UNMET)
+def test_it_is_told_where_a_program_leads_no_further(text, why):
+    assert why.format(TEXTS[text] + 4) in core(text).message("g")
 
 
 #: A search that waits for the evening, and one that is asked for where it would wait at once.

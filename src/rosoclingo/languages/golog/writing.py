@@ -1,6 +1,7 @@
 """Control programs for encodings/golog.lp: programs are terms, with rules for what is chosen or asked."""
 
 import re
+from pathlib import PurePath
 from typing import FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 from rosoclingo.languages.golog.clauses import (
@@ -119,7 +120,7 @@ class Writer:
         if isinstance(one, Statements):
             return self._row("seq", [self._statement(part, names) for part in one.statements]) or "nil"
         if isinstance(one, Check):
-            return f"{one.token.text}({self._condition(one.token, one.condition, names)})"
+            return self._check(one, names)
         if isinstance(one, Branch):
             asked = self._condition(one.token, one.condition, names)
             return f"if({asked},{self._statement(one.yes, names)},{self._statement(one.no, names)})"
@@ -130,6 +131,17 @@ class Writer:
         if isinstance(one, Several):
             return self._several(one, names)
         return self._around(one, names)
+
+    def _check(self, one: Check, names: Names) -> str:
+        asked = self._condition(one.token, one.condition, names)
+        if one.token.text == "test":
+            self._tell(asked, "the test in {} does not hold", one.token)
+        return f"{one.token.text}({asked})"
+
+    def _tell(self, name: str, text: str, token: Token) -> None:
+        """Write what is said where a test or a choice leads no further."""
+        place = re.sub(r'["\\\n]', "_", f"line {token.line} of {PurePath(self._file).name}")
+        self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', token)
 
     def _several(self, one: Several, names: Names) -> str:
         parts = [self._statement(part, names) for part in one.parts]
@@ -216,6 +228,8 @@ class Writer:
             self._check_bound(one.token, way, outer, wanted)
             asked = self._literals(way, f"golog_picks({name},{STEP})", outer)
             self._add(f"golog_option({name},{body},{STEP}) :- {asked}.", one.token)
+        if one.kind == "pick":
+            self._tell(name, "there is nothing to pick in {}", one.token)
         return name
 
     def _check_bound(self, token: Token, way: Sequence[Literal], known: Set[str], wanted: Sequence[str]) -> None:
