@@ -4,6 +4,7 @@ Works on :mod:`clingo.ast` statements.
 """
 
 import operator
+from functools import cached_property
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import clingo
@@ -13,13 +14,23 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 
 
-class Occurrence(NamedTuple):
-    """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
+class _Occurrence(NamedTuple):
+    """What an occurrence is made of."""
 
     term: AST
     signature: Signature
     head: bool
     positive: bool
+
+
+class Occurrence(_Occurrence):
+    """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
+
+    @cached_property
+    def arguments(self) -> List[AST]:
+        """The atom's arguments."""
+        bare = self.term.argument if self.term.ast_type == ASTType.UnaryOperation else self.term
+        return list(bare.arguments) if bare.ast_type == ASTType.Function else []
 
 
 def term_signature(term: AST) -> Signature:

@@ -8,7 +8,6 @@ from clingo.ast import AST, ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.lint.argument_values import parted
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
 
@@ -32,7 +31,7 @@ def exchanged_words(survey: Survey) -> Iterator[Fault]:
     actions = _actions(survey)
     for name, signature in KEYWORDS.items():
         for place in [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]:
-            arguments = parted(place.occurrence.term)[1]
+            arguments = place.occurrence.arguments
             if name != _TIMELESS and _has_its_cycle_elsewhere(place, arguments, survey):
                 message = f"{written(place.occurrence.term)} has its cycle elsewhere than as the last argument"
                 yield place.fault(_KIND, message, f"write the cycle as argument {signature.arity}")
@@ -52,7 +51,7 @@ def _actions(survey: Survey) -> List[Counter]:
     found: List[Counter] = [Counter(), Counter()]
     for signature in (ACTION, RETURN):
         for place in [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]:
-            for count, argument in zip(found, parted(place.occurrence.term)[1]):
+            for count, argument in zip(found, place.occurrence.arguments):
                 if argument.ast_type == ASTType.SymbolicTerm:
                     count[str(argument)] += 1
     return found
@@ -68,7 +67,7 @@ def _has_its_action_second(arguments: Sequence[AST], actions: Sequence[Counter])
 
 
 def _of_predicate(atoms: Sequence[Place]) -> Iterator[Fault]:
-    names = [[_variable(one) for one in parted(atom.occurrence.term)[1]] for atom in atoms]
+    names = [[_variable(one) for one in atom.occurrence.arguments] for atom in atoms]
     count: Dict[Tuple[int, Optional[str]], int] = Counter((n, name) for row in names for n, name in enumerate(row))
     for atom, row in zip(atoms, names):
         pair = _pair(row, count)
@@ -102,7 +101,7 @@ def _pair(row: Sequence[Optional[str]], count: Dict[Tuple[int, Optional[str]], i
 
 def _mirrors(atom: Place, row: Sequence[Optional[str]], pair: Tuple[int, int]) -> bool:
     """Tell whether the rule says of an atom that it holds the other way round as well."""
-    mine = list(map(str, parted(atom.occurrence.term)[1]))
+    mine = list(map(str, atom.occurrence.arguments))
     mine[pair[0]], mine[pair[1]] = mine[pair[1]], mine[pair[0]]
     atoms = [one for statement, one in atom.part.atoms if statement is atom.statement]
-    return any(one.signature == atom.signature and list(map(str, parted(one.term)[1])) == mine for one in atoms)
+    return any(one.signature == atom.signature and list(map(str, one.arguments)) == mine for one in atoms)

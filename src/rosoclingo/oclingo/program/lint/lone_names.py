@@ -1,7 +1,7 @@
 """Constants and variables that stand once and look like slips of others."""
 
 from collections import Counter
-from typing import Dict, Iterator, List, NamedTuple, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Set, Tuple
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -34,7 +34,7 @@ def odd_words(survey: Survey) -> List[Fault]:
     known = {*survey.constants} | {one.signature.name for _, _, found in survey.statements for one in found}
     for part, _, found in survey.statements:
         for one in found:
-            for word in _words(one.term, one.signature):
+            for word in _words(one.arguments, one.signature):
                 if word.node.ast_type == ASTType.Variable:
                     variables.add(word)
                 elif word.text not in known and word.text != part.parameter:
@@ -98,10 +98,9 @@ def _is_slip_of_variable(text: str, other: str) -> bool:
     return is_slip(text, other, shortest=2)
 
 
-def _words(term: AST, owner: object) -> Iterator[_Word]:
-    """Yield the constants and variables that are arguments in an atom, or in terms that are."""
-    bare = term.argument if term.ast_type == ASTType.UnaryOperation else term
-    for position, argument in enumerate(bare.arguments if bare.ast_type == ASTType.Function else ()):
+def _words(arguments: Iterable[AST], owner: object) -> Iterator[_Word]:
+    """Yield the constants and variables that are arguments of an atom, or in terms that are."""
+    for position, argument in enumerate(arguments):
         kind = argument.ast_type
         if kind == ASTType.Variable:
             if argument.name != "_":
@@ -111,7 +110,8 @@ def _words(term: AST, owner: object) -> Iterator[_Word]:
             if symbol.type is _PLAIN and not symbol.arguments and symbol.name:
                 yield _Word(symbol.name, argument, (owner, position))
         elif kind == ASTType.Function:
-            yield from _words(argument, (argument.name, len(argument.arguments)))
+            inner = list(argument.arguments)
+            yield from _words(inner, (argument.name, len(inner)))
         elif kind == ASTType.Pool:
             for one in argument.arguments:
-                yield from _words(one, (owner, position))
+                yield from _words(one.arguments if one.ast_type == ASTType.Function else (), (owner, position))

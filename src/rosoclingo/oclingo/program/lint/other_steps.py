@@ -6,7 +6,6 @@ from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.lint.argument_values import parted
 from rosoclingo.oclingo.program.lint.survey import OWN, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
@@ -28,7 +27,7 @@ def other_steps(survey: Survey) -> Iterator[Fault]:
 
 def _step(part: Part, atom: Occurrence, survey: Survey) -> Optional[int]:
     """Return how far an atom of a keyword is from the step, None where that is open."""
-    return time_offset(parted(atom.term)[1][-1], part.parameter, survey.constants)
+    return time_offset(atom.arguments[-1], part.parameter, survey.constants)
 
 
 def _planned(part: Part, act: Occurrence, survey: Survey) -> Fault:
@@ -38,8 +37,8 @@ def _planned(part: Part, act: Occurrence, survey: Survey) -> Fault:
 
 def _apart(part: Part, act: Occurrence, returns: Sequence[Occurrence], survey: Survey) -> Iterator[Fault]:
     """Yield a return of an action of the same rule that has another cycle."""
-    mine, name = _step(part, act, survey), str(parted(act.term)[1][0])
-    same = [one for one in returns if str(parted(one.term)[1][0]) == name]
+    mine, name = _step(part, act, survey), str(act.arguments[0])
+    same = [one for one in returns if str(one.arguments[0]) == name]
     steps = [_step(part, one, survey) for one in same]
     if mine is not None and None not in steps and same and mine not in steps:
         message = f"{written(same[0].term)} is no return of {written(act.term)}, which has another cycle"
@@ -61,5 +60,5 @@ def _is_constraint(statement: AST) -> bool:
 
 
 def _steps(part: Part, atom: Occurrence, survey: Survey) -> List[int]:
-    found = [time_offset(one, part.parameter, survey.constants) for one in parted(atom.term)[1]]
+    found = [time_offset(one, part.parameter, survey.constants) for one in atom.arguments]
     return [one for one in found if one is not None]

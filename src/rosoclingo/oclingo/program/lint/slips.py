@@ -10,7 +10,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.actions import Actions
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
@@ -122,7 +122,7 @@ class _Steps:
     def _find(self, place: Place) -> Dict[int, int]:
         if not place.part.parameter:
             return {}
-        arguments = parted(place.occurrence.term)[1]
+        arguments = place.occurrence.arguments
         found = {n: time_offset(one, place.part.parameter, self._constants) for n, one in enumerate(arguments)}
         return {position: offset for position, offset in found.items() if offset is not None}
 
@@ -173,7 +173,7 @@ def _first_steps(survey: Survey, steps: _Steps) -> Iterator[Fault]:
         for position in set.intersection(*map(set, heads)) if heads else ():
             least = 1 + min((one[position] for one in [*heads, *seen] if position in one), default=0)
             for place in places:
-                step = None if place.part.parameter else _number(parted(place.occurrence.term)[1][position], survey)
+                step = None if place.part.parameter else _number(place.occurrence.arguments[position], survey)
                 if step is not None and not least <= step < 1:
                     term = written(place.occurrence.term)
                     why = "whose own rules define it" if step > 0 else "at which no rule looks"
@@ -203,7 +203,7 @@ def _hidden(survey: Survey) -> Iterator[Fault]:
 def _like_cancel(survey: Survey) -> Iterator[Fault]:
     """Yield the requests that look like a cancellation misspelt."""
     for place in survey.using.get(_REQUEST, ()):
-        term = parted(place.occurrence.term)[1][0]
+        term = place.occurrence.arguments[0]
         size = len(term.arguments) if term.ast_type == ASTType.Function else 0
         name = term.name if size else ""
         if name == _CANCEL and size != 1:
@@ -218,7 +218,7 @@ def _idle_words(survey: Survey, values: ArgumentValues) -> Iterator[Fault]:
     """Yield the words for actions that the program does not have."""
     actions = Actions(survey, values) if _SAYS in survey.defining else None
     for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():
-        name = parted(place.occurrence.term)[1][0]
+        name = place.occurrence.arguments[0]
         value = evaluate(name, survey.constants)
         if value is not None and actions is not None and str(value) not in actions.parameters:
             message = f"the program has no action {value}"
@@ -228,10 +228,10 @@ def _idle_words(survey: Survey, values: ArgumentValues) -> Iterator[Fault]:
 def _returns_of_parameters(survey: Survey) -> Iterator[Fault]:
     """Yield the returns that a rule looks for by what an action is about rather than by its name."""
     for _, statement, atoms in survey.statements:
-        acts = [parted(one.term)[1] for one in atoms if one.signature == ACTION and len(parted(one.term)[1]) == 3]
+        acts = [one.arguments for one in atoms if one.signature == ACTION and len(one.arguments) == 3]
         names, parameters = {str(one[0]) for one in acts}, {str(one[1]) for one in acts}
         for one in atoms if statement.ast_type == ASTType.Rule else ():
-            first = parted(one.term)[1][0] if one.signature == RETURN else None
+            first = one.arguments[0] if one.signature == RETURN else None
             if first is not None and first.ast_type == ASTType.Variable and str(first) in parameters - names:
                 message = f"{written(one.term)} asks for an action by its parameter {first}"
                 yield fault_at(first, "exchanged", message, "a return names the action, _return(Action,Value,C)")

@@ -43,14 +43,14 @@ def _without_step(place: Place) -> Fault:
 
 def _offsets(place: Place, survey: Survey) -> Dict[int, int]:
     """Return the positions of arguments that are the step plus a number, each with this number."""
-    arguments = parted(place.occurrence.term)[1]
+    arguments = place.occurrence.arguments
     found = {n: time_offset(one, place.part.parameter, survey.constants) for n, one in enumerate(arguments)}
     return {position: offset for position, offset in found.items() if offset is not None}
 
 
 def _pinned(place: Place, survey: Survey) -> bool:
     """Tell whether an argument of the head is a term that steps tell apart, or a variable that is bound to the step."""
-    step, arguments = place.part.parameter, parted(place.occurrence.term)[1]
+    step, arguments = place.part.parameter, place.occurrence.arguments
     bounds = (place.statement, step, survey.constants)
     longest, shortest = longest_look_back(*bounds), shortest_look_back(*bounds)
     for one in arguments:
@@ -100,7 +100,7 @@ def _shift(step: str, offset: int) -> str:
 
 def _may_be_same(one: Place, other: Place, position: int) -> bool:
     """Tell whether two heads, the step aside, may be the same atom: constants of theirs do not differ."""
-    pairs = list(zip(parted(one.occurrence.term)[1], parted(other.occurrence.term)[1]))
+    pairs = list(zip(one.occurrence.arguments, other.occurrence.arguments))
     if str(pairs[position][0]) == str(pairs[position][1]):
         return False
     return all(_may_equal(*map(str, pair)) for number, pair in enumerate(pairs) if number != position)
@@ -138,7 +138,7 @@ def _time_of(signature: Signature, positions: Dict[Signature, int], survey: Surv
 
 def _compared_time(place: Place, survey: Survey) -> Optional[int]:
     """Return the last argument of an open external where the rule compares it with the step: it is a time then."""
-    arguments, step = parted(place.occurrence.term)[1], place.part.parameter
+    arguments, step = place.occurrence.arguments, place.part.parameter
     if place.signature not in survey.opened or not arguments or not step:
         return None
     last = str(arguments[-1])
@@ -152,7 +152,7 @@ def _compared_time(place: Place, survey: Survey) -> Optional[int]:
 
 
 def _endless(place: Place, position: Optional[int], survey: Survey) -> Optional[Fault]:
-    arguments = parted(place.occurrence.term)[1]
+    arguments = place.occurrence.arguments
     if position is None or position >= len(arguments) or arguments[position].ast_type != ASTType.Variable:
         return None
     step, name = place.part.parameter, arguments[position].name

@@ -7,7 +7,6 @@ from clingo.ast import ASTType
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.lint.argument_values import parted
 from rosoclingo.oclingo.program.lint.survey import places
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
@@ -44,9 +43,7 @@ def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol])
         if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
             signature, step = place.occurrence.signature, place.part.parameter
             found = (
-                {time_offset(one, step, constants) for one in parted(place.occurrence.term)[1]} - {None}
-                if step
-                else set()
+                {time_offset(one, step, constants) for one in place.occurrence.arguments} - {None} if step else set()
             )
             offsets.setdefault(signature, set()).update(found or {None})
             stepped.update({signature} if step else ())
