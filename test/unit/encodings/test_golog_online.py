@@ -129,7 +129,9 @@ UNMET = [
 #: The number of each program.
 TEXTS = {
     text: number
-    for number, text in enumerate(dict.fromkeys([*(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING, *UNMET]), *OTHERS]))
+    for number, text in enumerate(
+        dict.fromkeys([*(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING, *UNMET]), *OTHERS])
+    )
 }
 
 
