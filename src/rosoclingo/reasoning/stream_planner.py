@@ -37,7 +37,7 @@ SolverFactory = Callable[[], StreamSolver]
 RECENT = 10
 
 #: Cycles after which even what an open request saw is over.
-LONG_AGO = 50
+LONG_AGO = 150
 
 #: Cycles that a solver that begins anew takes at once.
 MANY_STEPS = 100
