@@ -368,6 +368,8 @@ def test_requests_of_the_domain_are_served_beside_programs():
     assert driver.core.cycle <= 8
 
 
+@pytest.mark.slow
+@pytest.mark.once
 @pytest.mark.parametrize(("first", "ends"), [("hold", True), ("wait", False)])
 def test_a_request_of_the_domain_waits_while_a_search_does(first, ends):
     driver = Driver(settings=CoreSettings(), program=mailbot()).facts("_hour(morning,now)").goal("g", f"run({first})")
@@ -381,6 +383,8 @@ def test_a_request_of_the_domain_waits_while_a_search_does(first, ends):
     assert [driver.states(key)[-1] for key in ("early", "late")] == ["succeeded", "succeeded"]
 
 
+@pytest.mark.slow
+@pytest.mark.once
 def test_no_search_is_begun_to_put_a_request_off():
     driver = Driver(settings=CoreSettings(), program=mailbot()).goal("g", "goal(office4,office3,1)")
     driver.goal("h", "run(hold)").finish()
