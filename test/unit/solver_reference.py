@@ -132,6 +132,8 @@ class Reference:
         is_open = head.split("(")[0] in self.parts.opens + self.parts.free
         if is_open:
             self.opened.add(head)
+        if any(one.positive and str(one.atom) == head for one in statement.body):
+            return 0  # it says nothing
         if head in fresh or ((is_open or head in self.declared()) and head not in self.closed | self.forgotten):
             self.held.append(Held(statement, lifetime))
             fresh |= {head} if lifetime == "ever" else set()

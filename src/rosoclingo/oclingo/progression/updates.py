@@ -42,6 +42,11 @@ class Statement:
         """Whether this is ``:- not A.``"""
         return self.head is None and len(self.body) == 1 and not self.body[0].positive
 
+    @property
+    def is_tautology(self) -> bool:
+        """Whether this is ``A :- A, ...``, which says nothing."""
+        return self.head is not None and Literal(self.head) in self.body
+
     def __str__(self) -> str:
         body = ", ".join(map(str, self.body))
         if self.head is None:

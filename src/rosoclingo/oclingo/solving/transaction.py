@@ -270,8 +270,8 @@ class Transaction:
                 self._retract(item.term)
 
     def _take_statement(self, statement: Statement, lifetime: Lifetime) -> None:
-        if isinstance(lifetime, int) and lifetime < self.state.horizon:
-            return  # its window has passed
+        if (isinstance(lifetime, int) and lifetime < self.state.horizon) or statement.is_tautology:
+            return  # its window has passed, or it says nothing, and does not define its head
         grounding, head = self._standing(), statement.head
         if head in self._given and not statement.body and lifetime == FOREVER:
             self.state.permanent.append(statement)

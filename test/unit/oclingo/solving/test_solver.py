@@ -80,6 +80,18 @@ def test_ignored_heads_are_warned_of_in_oclingos_words():
     assert play(solver, "#retract : z.").warnings == ("Term z has not been asserted. The retraction is ignored.",)
 
 
+@pytest.mark.parametrize("section", ["", "#volatile. ", "#assert : x. "])
+def test_what_says_nothing_defines_nothing(section):
+    """As in oClingo: a rule with its own head in its body leaves that open."""
+    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
+    result = play(solver, f"#step 1. {section}e(1) :- e(1). e(1) :- not e(1), e(1).")
+    assert (atoms(result), result.warnings) == ([], ())
+    result = play(solver, "#step 2. e(1).")
+    assert (atoms(result), result.warnings) == (["c(1)", "e(1)"], ())
+    result = play(solver, "#step 3. e(1) :- not e(2).")
+    assert list(result.warnings) == ["Head e(1) has not been declared external. The entire rule will be ignored."]
+
+
 def test_a_fact_told_before_its_step():
     solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
     assert atoms(play(solver, "#step 1. e(3). #volatile. e(2).")) == []
