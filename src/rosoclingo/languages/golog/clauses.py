@@ -57,7 +57,12 @@ class Scope:
 
     def __init__(self, file: str) -> None:
         self._file, self._count = file, 0
+        self._quantified: Set[str] = set()  # what is bound within the present condition
         self.first: Dict[str, Token] = {}  # where each variable stands first
+
+    def begin(self) -> None:
+        """A condition begins, whose rules have no variables in common with those before."""
+        self._quantified.clear()
 
     def fault(self, token: Token, message: str, mend: str) -> GologError:
         """Return an error at a word."""
@@ -65,10 +70,19 @@ class Scope:
 
     def inner(self, names: Names, variables: Iterable[Variable]) -> Dict[str, str]:
         """Return how variables are written where these are bound anew."""
+        return self._bind(names, variables, set(names))
+
+    def quantified(self, names: Names, variables: Iterable[Variable]) -> Dict[str, str]:
+        """Return the same for variables of ``some``, whose names others of the same condition may have as well."""
+        found = self._bind(names, variables, {*names, *self._quantified})
+        self._quantified.update(one.token.text for one in variables)
+        return found
+
+    def _bind(self, names: Names, variables: Iterable[Variable], taken: Set[str]) -> Dict[str, str]:
         found = dict(names)
-        for one in variables:
-            self._count += one.token.text in names
-            found[one.token.text] = one.token.text + (f"_{self._count}" if one.token.text in names else "")
+        for one in variables:  # no variable of a control program has a ' in it
+            self._count += one.token.text in taken
+            found[one.token.text] = one.token.text + (f"'{self._count}" if one.token.text in taken else "")
             self.first.setdefault(found[one.token.text], one.token)
         return found
 
@@ -108,7 +122,7 @@ def alternatives(condition: Condition, names: Names, scope: Scope, positive: boo
         return [*sides[0], *sides[1]]
     if isinstance(condition, Some):
         if positive:
-            return alternatives(condition.condition, scope.inner(names, condition.variables), scope)
+            return alternatives(condition.condition, scope.quantified(names, condition.variables), scope)
         known = frozenset(names[one] for one in free_variables(condition) if one in names)
         return [[Without(condition, names, known, condition.variables[0].token)]]
     if isinstance(condition, Truth):

@@ -115,7 +115,7 @@ def _closed(fluent: Compound) -> Condition:
         if isinstance(term, Compound):
             return replace(term, arguments=tuple(map(named, term.arguments)))
         if isinstance(term, Variable) and term.token.text == "_":
-            found.append(Variable(term.token._replace(text=f"Any_{term.token.line}_{term.token.column}")))
+            found.append(Variable(term.token._replace(text=f"Any'{term.token.line}'{term.token.column}")))
             return found[-1]
         return term
 

@@ -37,7 +37,7 @@ from rosoclingo.languages.golog.tree import (
 )
 from rosoclingo.oclingo.errors import Fault
 
-_VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_]*")
+_VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_']*")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 ROW = 8
 """So many statements or parts stand in one term; what follows is a term of its own, or terms would have no bound."""
@@ -204,6 +204,7 @@ class Writer:
 
     def _condition(self, token: Token, condition: Condition, names: Names) -> str:
         """Return the name of a condition, and write what it means."""
+        self._scope.begin()
         ways = alternatives(condition, names, self._scope)
         outer = set(names.values())
         used = [name for name in names.values() if any(name in _used(one) for way in ways for one in way)]
@@ -217,6 +218,7 @@ class Writer:
     def _options(self, one: Choosing, names: Names) -> str:
         """Return the name of a choice, and write what there is to choose from."""
         inner = self._scope.inner(names, one.variables)
+        self._scope.begin()
         ways = alternatives(one.condition, inner, self._scope)
         body = self._statement(one.body, inner)
         outer = set(names.values())

@@ -62,6 +62,30 @@ def test_long_rows_are_whole():
     check(program, frozenset(), len(names))
 
 
+def some(condition):
+    """There is a value with which a condition on X holds."""
+    return ("some", "X", (1, 2), condition)
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        ("and", some(("h", "X")), some(("not", ("h", "X")))),
+        ("not", ("or", ("not", some(("h", "X"))), ("not", some(("not", ("h", "X")))))),
+        some(("and", ("h", "X"), some(("not", ("h", "X"))))),
+    ],
+)
+def test_quantifiers_have_variables_of_their_own(condition):
+    check(("test", condition), frozenset({("h", 1)}), 0)
+
+
+def test_a_variable_may_have_the_name_of_another_one_with_a_number():
+    """Of the two that are called X the inner one gets another name, which is none of the program's."""
+    text = "proc main { pick X in {1, 2} { pick X_1 in {1, 2} { test some X: X in {1, 2} and X != X_1; } e(2); } }"
+    rules = translate(text, "main.golog").text.replace("#program cumulative(_step).", "").replace("_step", "t")
+    assert encoded_traces(("call", "main", ()), frozenset(), 1, rules) == {(("e", 2),)}
+
+
 @pytest.mark.slow
 @RUNS
 @given(asking, STATES)
