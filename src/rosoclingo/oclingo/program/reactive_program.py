@@ -294,9 +294,8 @@ class ReactiveProgram:
                     self._action_cycles.append(Pattern(alone, part.parameter, statement, self._values))
                 if one.head:
                     external = statement.ast_type == ASTType.External
-                    (self._declarations if external else self._heads).setdefault(one.signature, Patterns()).append(
-                        pattern
-                    )
+                    table = self._declarations if external else self._heads
+                    table.setdefault(one.signature, Patterns()).append(pattern)
                 if not one.head or one.signature in self.open_signatures:
                     self._patterns.setdefault(one.signature, Patterns()).append(pattern)
         free = self.open_signatures - self.head_signatures - self._declarations.keys()

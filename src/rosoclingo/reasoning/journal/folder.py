@@ -5,7 +5,7 @@ import errno
 import fcntl
 import os
 from pathlib import Path
-from typing import List, NamedTuple, Optional, Union
+from typing import Callable, List, NamedTuple, Optional, Union
 
 from rosoclingo.common import durable
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, changes, line_of, read
@@ -189,19 +189,23 @@ class Journal:
         """
         if self.fault and not self.is_due(now):
             return
-        try:
-            self._write(state, time, wait)
-            self.fault = ""
-        except OSError as error:
-            self._written, self._tried = None, now
-            self.fault = f"the journal {self._folder.path} cannot be written: {error.strerror or error}"
-            with contextlib.suppress(OSError):
-                self._folder.set_aside("stale")
+        self._try(lambda: self._write(state, time, wait), now)
 
     def settle(self, now: float) -> None:
         """Have on disk what was written without waiting for that."""
-        if self._unsynced and self._written is not None:
-            self.write(self._written, now)
+        if self._unsynced:
+            self._try(self._sync, now)
+
+    def _try(self, action: Callable[[], None], now: float) -> None:
+        """Do something with the disk; where it fails all is written anew at the next try."""
+        try:
+            action()
+            self.fault = ""
+        except OSError as error:
+            self._written, self._unsynced, self._tried = None, False, now
+            self.fault = f"the journal {self._folder.path} cannot be written: {error.strerror or error}"
+            with contextlib.suppress(OSError):
+                self._folder.set_aside("stale")
 
     def is_due(self, now: float) -> bool:
         """Whether it is time to try again, where something could not be written."""
@@ -217,9 +221,12 @@ class Journal:
                 self._folder.append(change, time, wait)
                 self._unsynced = not wait
             elif wait and self._unsynced:
-                self._folder.sync()
-                self._unsynced = False
+                self._sync()
         self._written = state
+
+    def _sync(self) -> None:
+        self._folder.sync()
+        self._unsynced = False
 
     def close(self) -> None:
         """Write no more."""

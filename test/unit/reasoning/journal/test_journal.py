@@ -256,6 +256,17 @@ def test_a_disk_that_fails_later_is_told_as_well(folder, monkeypatch):
     assert folder.read().state == {"core": 3}
 
 
+def test_to_wait_for_the_disk_writes_nothing_anew(folder, monkeypatch):
+    monkeypatch.setattr("rosoclingo.reasoning.journal.folder.LONG", 0)
+    journal = Journal(folder, HEADER)
+    journal.write({"core": 1}, 0.0, 5.0)
+    journal.write({"core": 2, "more": "x" * 1000}, 1.0, 6.0, wait=False)
+    written = folder.path.read_bytes()
+    assert folder.is_long
+    journal.settle(2.0)
+    assert folder.path.read_bytes() == written
+
+
 def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
     journal = Journal(folder, HEADER)
     journal.write({"core": 1}, 0.0)
