@@ -29,8 +29,13 @@ class Occurrence(_Occurrence):
     @cached_property
     def arguments(self) -> List[AST]:
         """The atom's arguments."""
-        bare = self.term.argument if self.term.ast_type == ASTType.UnaryOperation else self.term
-        return list(bare.arguments) if bare.ast_type == ASTType.Function else []
+        return arguments_of(self.term)
+
+
+def arguments_of(atom: AST) -> List[AST]:
+    """Return the arguments of an atom's term, which may be classically negated."""
+    bare = atom.argument if atom.ast_type == ASTType.UnaryOperation else atom
+    return list(bare.arguments) if bare.ast_type == ASTType.Function else []
 
 
 def term_signature(term: AST) -> Signature:

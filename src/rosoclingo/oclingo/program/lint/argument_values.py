@@ -28,7 +28,7 @@ from rosoclingo.oclingo.program.lint.term_shapes import (
     shape_of,
     value_of,
 )
-from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
+from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 Row = List[Values]
@@ -70,8 +70,7 @@ class Rule(NamedTuple):
 
 def parted(term: AST) -> Tuple[Signature, Sequence[AST]]:
     """Return an atom's predicate and its arguments."""
-    bare = term.argument if term.ast_type == ASTType.UnaryOperation else term
-    return term_signature(term), bare.arguments if bare.ast_type == ASTType.Function else ()
+    return term_signature(term), arguments_of(term)
 
 
 class ArgumentValues:
