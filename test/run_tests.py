@@ -125,22 +125,23 @@ class Tests:
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
-        """All groups; beside rostests, which wait, goes what is no rostest and does not use their workspace."""
-        outcome = self.lint(()) + self.unit(())
-        with ThreadPoolExecutor(1) as beside:
+        """All groups: first what is quick, and the unit tests; beside all of them go the rostests that wait."""
+        with Lanes() as lanes, ThreadPoolExecutor(1) as beside:
             set_up = beside.submit(_python38_environment)
-            others = [
-                beside.submit(self.install, ()),
-                beside.submit(lambda: self._pip(set_up.result())),
-                beside.submit(lambda: self._unit_again(set_up.result())),
-            ]
-            outcome += self.rostest(()) + self._rostests_again(set_up.result())
+            others = self._begin(lanes, [path for path in ROSTESTS if path.stem in WAITING], "", os.environ)
+            outcome = self.lint(()) + self.unit(())
+            others += self._begin(lanes, [path for path in ROSTESTS if path.stem not in WAITING], "", os.environ)
+            python38 = set_up.result()
+            others += self._begin(lanes, _again(python38), ON_PYTHON38, python38)
+            others.append(beside.submit(self.install, ()))
+            others.append(beside.submit(self._pip, python38))
+            others.append(beside.submit(self._unit_again, python38))
             return outcome + sum((one.result() for one in others), Outcome())
 
     def python38(self, _names: Sequence[str]) -> Outcome:
         """On Python 3.8, if there is one: the unit tests, and the rostests that need no compiled module."""
         environment = _python38_environment()
-        return self._unit_again(environment) + self._rostests_again(environment)
+        return self._unit_again(environment) + self._rostests(_again(environment), ON_PYTHON38, environment)
 
     def _pip(self, python38: Mapping[str, str]) -> Outcome:
         pythons = [sys.executable, *filter(None, [python38 and shutil.which("python3", path=python38["PATH"])])]
@@ -153,10 +154,6 @@ class Tests:
             return Outcome()
         print("(on Python 3.8 with few random examples, and without what is slow or marked once)", flush=True)
         return self._unit(ON_PYTHON38, {**environment, **BRIEF}, [*IN_PARALLEL, *AGAIN])
-
-    def _rostests_again(self, environment: Mapping[str, str]) -> Outcome:
-        again = [path for path in ROSTESTS if path.stem not in ONCE] if environment else []
-        return self._rostests(rostests_within(environment, again), ON_PYTHON38, environment) if again else Outcome()
 
     def _lint(self, names: Iterable[str]) -> Outcome:
         sources = [str(path) for folder in PYTHON_FOLDERS for path in _python_files(ROOT / folder)]
@@ -175,12 +172,15 @@ class Tests:
         return self._run(name, name, command, UNIT_LIMIT, environment, reports)
 
     def _rostests(self, paths: Sequence[Path], suffix: str, environment: Mapping[str, str]) -> Outcome:
-        # the longest first, so that none runs alone at the end
+        with Lanes() as lanes:
+            return sum((one.result() for one in self._begin(lanes, paths, suffix, environment)), Outcome())
+
+    def _begin(
+        self, lanes: "Lanes", paths: Sequence[Path], suffix: str, environment: Mapping[str, str]
+    ) -> "List[Future[Outcome]]":
+        """Have rostests run in their lanes; the longest first, so that none runs alone at the end."""
         longest_first = sorted(paths, key=lambda path: sum(_time_limits(path)), reverse=True)
-        with ThreadPoolExecutor(CORES) as computing, ThreadPoolExecutor(1) as waiting:
-            pools = [(waiting if path.stem in WAITING else computing, path) for path in longest_first]
-            done = [pool.submit(self._rostest, path, suffix, environment) for pool, path in pools]
-        return sum((one.result() for one in done), Outcome())
+        return [lanes.of(path).submit(self._rostest, path, suffix, environment) for path in longest_first]
 
     def _rostest(self, path: Path, suffix: str, environment: Mapping[str, str]) -> Outcome:
         name = f"rostest {path.stem}{suffix}"
@@ -212,6 +212,24 @@ class Tests:
         return outcome
 
 
+class Lanes:
+    """Where rostests run side by side: so many that compute as there are cores, and one that waits."""
+
+    def __init__(self) -> None:
+        self._computing, self._waiting = ThreadPoolExecutor(CORES), ThreadPoolExecutor(1)
+
+    def of(self, path: Path) -> ThreadPoolExecutor:
+        """The lane for a rostest."""
+        return self._waiting if path.stem in WAITING else self._computing
+
+    def __enter__(self) -> "Lanes":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._computing.shutdown()
+        self._waiting.shutdown()
+
+
 @contextmanager
 def _beside(function: Callable[..., Any], *arguments: Any) -> "Iterator[Future[Any]]":
     """Runs a function in a thread beside what is done meanwhile, and waits for its end."""
@@ -227,6 +245,12 @@ def _python38_environment() -> Dict[str, str]:
         return {}
     done.check_returncode()
     return dict(line.split("=", 1) for line in done.stdout.split("\0") if line)
+
+
+def _again(environment: Mapping[str, str]) -> List[Path]:
+    """The rostests that run in the workspace for Python 3.8 as well; none where there is none."""
+    again = [path for path in ROSTESTS if path.stem not in ONCE] if environment else []
+    return list(rostests_within(environment, again)) if again else []
 
 
 def _file_name(name: str) -> str:
