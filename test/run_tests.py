@@ -43,6 +43,7 @@ ONCE = (
     "burst",
     "core_disk",
     "core_interrupted",
+    "core_killed",
     "core_launch",
     "crowd",
     "exactly_once",
@@ -57,8 +58,8 @@ ONCE = (
     "simulated_time_interfaces",
     "verified_stream",
 )
-# in these next to nothing is computed: they go beside the others, of which there is one for each core. With more at a
-# time all take longer than one after the other, since simulated time, and what it costs, goes on while they wait.
+# in these little is computed, or only at times: they go beside the others, of which there is one for each core: with
+# more at a time all take longer than one after the other, since simulated time, and what it costs, goes on meanwhile.
 WAITING = (
     "configured_interfaces",
     "core_defence",
@@ -75,12 +76,13 @@ WAITING = (
     "silence",
     "simulator",
     "time_jump",
+    "tutorial",
 )
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
 AGAIN = ("-m", "not once and (not slow or again)")
-GIVING_WAY = ("nice", "-n", "10")  # to rostests, which have time limits
+GIVING_WAY = ("nice", "-n", "5")  # to rostests, which have time limits
 PYTEST_REPORT = "unit.xml"
 BRIEF = {"HYPOTHESIS_PROFILE": "brief"}
 ON_PYTHON38 = " on Python 3.8"
@@ -125,13 +127,12 @@ class Tests:
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
-        """All groups: first what is quick, and the unit tests; beside all of them go the rostests that wait."""
-        with Lanes() as lanes, ThreadPoolExecutor(1) as beside:
-            set_up = beside.submit(_python38_environment)
-            others = self._begin(lanes, [path for path in ROSTESTS if path.stem in WAITING], "", os.environ)
-            outcome = self.lint(()) + self.unit(())
-            others += self._begin(lanes, [path for path in ROSTESTS if path.stem not in WAITING], "", os.environ)
-            python38 = set_up.result()
+        """All groups: beside the rostests, which have time limits, goes what gives way to them."""
+        outcome = self.lint(())
+        with Lanes() as lanes, ThreadPoolExecutor(2) as beside:
+            others = self._begin(lanes, ROSTESTS, "", os.environ)
+            others.append(beside.submit(self.unit, ()))
+            python38 = beside.submit(_python38_environment).result()
             others += self._begin(lanes, _again(python38), ON_PYTHON38, python38)
             others.append(beside.submit(self.install, ()))
             others.append(beside.submit(self._pip, python38))
@@ -166,9 +167,8 @@ class Tests:
         reports = self.results / _file_name(name)
         # the sources by the way that the build knows them: so what it has compiled is not compiled again
         sources = self.work / ("python38" if suffix else "") / "ws" / "src" / "rosoclingo" / "src"
-        command = ["python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}"]
+        command = [*GIVING_WAY, "python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}"]
         command += ["-o", f"pythonpath={sources} {ROOT / 'test'} {ROOT / 'test' / 'unit'}", *arguments]
-        command = [*(GIVING_WAY if suffix else ()), *command]
         return self._run(name, name, command, UNIT_LIMIT, environment, reports)
 
     def _rostests(self, paths: Sequence[Path], suffix: str, environment: Mapping[str, str]) -> Outcome:

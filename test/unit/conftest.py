@@ -20,7 +20,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "standing"))
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark as slow what is mostly_slow, but its first case; with again what is slow as all of its file is."""
+    """Mark as slow what is mostly_slow, but its first case; with again the first of a file in which all are slow."""
     begun, files = set(), defaultdict(list)
     for item in items:
         if item.get_closest_marker("mostly_slow"):
@@ -32,7 +32,7 @@ def pytest_collection_modifyitems(items):
     for ours in files.values():
         again = [one for one in ours if not one.get_closest_marker("once")]
         if all(one.get_closest_marker("slow") for one in again):
-            for one in again:
+            for one in again[:1]:
                 one.add_marker("again")
 
 

@@ -6,6 +6,7 @@ from collections import Counter
 
 import pytest
 from core_driver import ERRANDS, shortest
+from hypothesis import settings
 from hypothesis import strategies as st
 
 from rosoclingo.common import durable
@@ -18,6 +19,7 @@ from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.journal.lines import Header
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
+FEW = 100  # random examples, of which a profile for more than the standing run has more
 KINDS = ("walk", "run", "quick", "never", "nonsense")
 
 
@@ -38,6 +40,10 @@ class Fate:
         self._left = self._kills[0][0] if self._kills else 0
         self.file, self.upset = None, False
         self._on_disk = 0  # so much of the file outlives the machine
+
+    def every_instant(self):
+        """From 1 to the last; every second where random examples are few."""
+        return range(1, self.instants + 1, 1 if settings.default.max_examples > FEW else 2)
 
     @contextlib.contextmanager
     def rules(self):

@@ -1,4 +1,4 @@
-"""What ``./dev test`` runs: every group, and beside each other only what uses different workspaces."""
+"""What ``./dev test`` runs: every group, and so many at a time as there are cores for."""
 
 import threading
 
@@ -6,50 +6,55 @@ import pytest
 import run_tests
 from outcome import Outcome
 
-HERE, AGAIN, ROSTESTS_AGAIN = "unit", "unit on Python 3.8", "rostests on Python 3.8"
+HERE, AGAIN = "unit", "unit on Python 3.8"
+FIRST, BURST = "rostest core", "rostest burst"
+ON_BOTH = ("rostest core on Python 3.8", AGAIN)
 
 
 class Notes(run_tests.Tests):
     """Notes what is run and what of it is at work at the same time, and runs nothing; what is in ``bad`` fails."""
 
     def __init__(self, bad):
-        self.bad, self.done, self.at_work, self.met = bad, [], set(), set()
+        self.bad, self.done, self.at_work = bad, [], set()
+        self.most = {"computing": 0, "waiting": 0}
         self.lock = threading.Lock()
-        self.beside = {name: threading.Barrier(2) for name in ("set-up", "install", AGAIN)}
+        self.beside = {name: threading.Barrier(2) for name in (FIRST, BURST)}
 
-    def note(self, name, *meeting):
-        """``meeting`` are those of ``beside`` that have to be at work now."""
+    def note(self, name, meeting=None):
+        """``meeting`` is the one of ``beside`` that has to be at work now."""
         with self.lock:
-            self.met |= {frozenset((name, other)) for other in self.at_work}
             self.at_work.add(name)
-        for other in meeting:
-            self.beside[other].wait(60.0)
+            for lane in self.most:
+                self.most[lane] = max(self.most[lane], sum(self.lane(other) == lane for other in self.at_work))
+        if meeting:
+            self.beside[meeting].wait(60.0)
         with self.lock:
             self.at_work.remove(name)
             self.done.append(name)
         return Outcome(1, (name,) if name in self.bad else ())
 
+    @staticmethod
+    def lane(name):
+        """Where it runs."""
+        kind, _, rest = name.partition(" ")
+        if kind != "rostest":
+            return "beside"
+        return "waiting" if rest.partition(" ")[0] in run_tests.WAITING else "computing"
+
     def _run(self, _part, name, command, limit, environment, reports=None):
-        return self.note(name, *(["install"] if name == "install" else []))
-
-    def _unit(self, suffix, environment, arguments):
-        return self.note("unit" + suffix, *([AGAIN] if suffix else []))
-
-    def _rostests(self, paths, suffix, environment):
-        self.rostests = {*getattr(self, "rostests", ()), *(path.stem + suffix for path in paths)}
-        return self.note(f"rostests{suffix}", *([AGAIN] if suffix else ["set-up", "install"]))
+        return self.note(name, {"install": BURST, FIRST: FIRST, BURST: BURST, HERE: FIRST}.get(name))
 
 
 @pytest.fixture
-def whole(monkeypatch):
+def whole(monkeypatch, tmp_path):
     """Runs all, with a Python 3.8 or without."""
 
     def run(bad=(), found=True):
         notes = Notes(bad)
-        notes.work = run_tests.ROOT
+        notes.work = notes.results = tmp_path
 
         def environment():
-            notes.note("set-up", "set-up")
+            notes.note("set-up")
             return {"PATH": "there"} if found else {}
 
         monkeypatch.setattr(run_tests, "_python38_environment", environment)
@@ -61,18 +66,18 @@ def whole(monkeypatch):
 
 def test_all_groups_are_run(whole):
     notes, outcome = whole()
-    every = [*run_tests.LINTERS, HERE, "rostests", "set-up", AGAIN, ROSTESTS_AGAIN, "install", "pip"]
+    names = [path.stem for path in run_tests.ROSTESTS]
+    every = [*run_tests.LINTERS, HERE, "set-up", AGAIN, "install", "pip", *(f"rostest {name}" for name in names)]
+    every += [f"rostest {name} on Python 3.8" for name in names if name not in run_tests.ONCE]
     assert sorted(notes.done) == sorted(every)
-    assert {path.stem for path in run_tests.ROSTESTS} <= notes.rostests
-    assert not {f"{name} on Python 3.8" for name in run_tests.ONCE} & notes.rostests
-    beside = {frozenset((one, "rostests")) for one in ("set-up", "install")}
-    beside.add(frozenset((AGAIN, ROSTESTS_AGAIN)))
-    may_be = {frozenset((one, two)) for one in ("install", "pip", AGAIN) for two in ("rostests", ROSTESTS_AGAIN)}
-    assert beside <= notes.met <= beside | may_be
+    assert notes.done[: len(run_tests.LINTERS)] == list(run_tests.LINTERS)
+    assert all(notes.done.index("set-up") < notes.done.index(name) for name in ON_BOTH)
+    assert notes.most["computing"] <= run_tests.CORES
+    assert notes.most["waiting"] == 1
     assert (outcome.passed, outcome.failures) == (len(every) - 1, ())
 
 
-@pytest.mark.parametrize("bad", ["mypy", HERE, "rostests", AGAIN, ROSTESTS_AGAIN, "install", "pip"])
+@pytest.mark.parametrize("bad", ["mypy", HERE, BURST, *ON_BOTH, "install", "pip"])
 def test_each_failure_is_told_and_the_others_are_run(whole, bad):
     notes, outcome = whole(bad=[bad])
     assert outcome.failures == (bad,)
@@ -82,8 +87,8 @@ def test_each_failure_is_told_and_the_others_are_run(whole, bad):
 def test_without_python38_the_rest_is_run(whole, capsys):
     notes, outcome = whole(found=False)
     assert "none   python38" in capsys.readouterr().out
-    assert {AGAIN, ROSTESTS_AGAIN}.isdisjoint(notes.done)
-    assert outcome.passed == len(run_tests.LINTERS) + 4
+    assert set(ON_BOTH).isdisjoint(notes.done)
+    assert outcome.passed == len(run_tests.LINTERS) + len(run_tests.ROSTESTS) + 3
 
 
 def test_what_is_named_is_there():

@@ -44,7 +44,6 @@ def run(script, *arguments, **environment):
     )
 
 
-@pytest.mark.again
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_help_names_the_parameters_and_needs_no_master(script):
     done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")

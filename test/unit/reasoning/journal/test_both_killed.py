@@ -226,7 +226,7 @@ SCRIPT = [
 def test_either_is_killed_at_every_instant():
     _, fate = played(SCRIPT)
     interfaces = 0
-    for instant in range(1, fate.instants + 1):
+    for instant in fate.every_instant():
         for cut in (0, 500, 1000) if instant in fate.writes else (0,):
             play, _ = played(SCRIPT, [(instant, cut, False)])
             assert play.kills + play.world.kills == 1

@@ -50,7 +50,7 @@ SCRIPT = [
 def test_killed_at_every_instant():
     _, fate = played(SCRIPT)
     assert fate.writes
-    for instant in range(1, fate.instants + 1):
+    for instant in fate.every_instant():
         for cut in (0, 500, 1000) if instant in fate.writes else (0,):
             play, _ = played(SCRIPT, [(instant, cut, cut < 1000)])
             assert play.kills == 1
