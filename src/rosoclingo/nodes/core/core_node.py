@@ -48,7 +48,7 @@ SHUTDOWN_TIME = 5.0
 IMPROVING = 0.5
 
 #: Seconds of wall time that actions have been under way before answers to what may come are prepared.
-PREPARING = 0.4
+PREPARING = 0.1
 
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
 CANCEL_GRACE = 0.05
