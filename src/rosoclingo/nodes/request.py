@@ -10,6 +10,7 @@ from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.sentences import Sentences
 
 Line = Callable[[ROSoClingoFeedback], str]
+Tell = Callable[[ROSoClingoFeedback], None]
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -35,12 +36,12 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         still = "" if rospy.get_time() else "; ROS time has not begun, and the core tells its status by it"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
-    line = _plain_line(words_of(client.node)) if plain else _line
+    tell = _changes(_plain_line(words_of(client.node)) if plain else _line, say)
     goal = client.send(text)
     cancelled = False
     while True:
         try:
-            _follow(client, goal, line, say)
+            _follow(client, goal, tell)
             break
         except KeyboardInterrupt:
             if cancelled:
@@ -53,17 +54,27 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
     return EXIT_CODES[goal.outcome]
 
 
-def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str], None]) -> None:
-    """Say feedback, each line once, until the goal has ended."""
-    shown = ""
+def _follow(client: CoreClient, goal: SentGoal, tell: Tell) -> None:
+    """Tell feedback until the goal has ended."""
     while not goal.ended:
         if goal.feedback is not None:
-            text = line(goal.feedback)
-            if text != shown:
-                say(text)
-            shown = text
+            tell(goal.feedback)
         client.wait(_TURN)
         client.check()
+
+
+def _changes(line: Line, say: Callable[[str], None]) -> Tell:
+    """Says the line of a feedback where it is another than the last one's, also after Ctrl-C."""
+    shown = ""
+
+    def tell(feedback: ROSoClingoFeedback) -> None:
+        nonlocal shown
+        text = line(feedback)
+        if text != shown:
+            say(text)
+        shown = text
+
+    return tell
 
 
 def _plain_line(words: Sentences) -> Line:

@@ -1,0 +1,73 @@
+"""The command request: what it says of a goal that is cancelled."""
+
+from importlib import import_module
+from pkgutil import extend_path
+from types import SimpleNamespace
+
+import pytest
+
+import rosoclingo
+from rosoclingo.runs.sentences import Sentences
+
+
+@pytest.fixture
+def command(monkeypatch):
+    """The module of the command, for its client that below."""
+    pytest.importorskip("actionlib")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+    module = import_module("rosoclingo.nodes.request")
+    monkeypatch.setattr(module, "CoreClient", Client)
+    monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}))
+    return module
+
+
+def feedback(state):
+    return SimpleNamespace(cycle=1, status=state, position=0, task_plan=["_action_lib(walk,3,1)"])
+
+
+class Client:
+    """A core's client: its one goal is cancelled by Ctrl-C, and ends as the next feedback was told."""
+
+    node = "rosoclingo"
+
+    def __init__(self, server):
+        self.goal = SimpleNamespace(
+            ended=False, feedback=feedback("active"), outcome="", message="", cancel=lambda: None
+        )
+        self.looks = self.told()
+
+    def told(self):
+        yield from (None, KeyboardInterrupt, None)
+        self.goal.feedback = feedback("preempting")
+        yield None
+        self.goal.ended, self.goal.outcome, self.goal.message = True, "canceled", "as you like"
+        yield None
+
+    def wait_for_server(self, seconds):
+        return True
+
+    def send(self, text):
+        return self.goal
+
+    def wait(self, seconds):
+        error = next(self.looks)
+        if error:
+            raise error
+
+    def check(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("plain", "first", "then"),
+    [
+        (True, "walks to 3", "is cancelled: walks to 3"),
+        (False, "cycle 1, active: _action_lib(walk,3,1)", "cycle 1, preempting: _action_lib(walk,3,1)"),
+    ],
+)
+def test_what_is_done_is_said_once_also_after_a_cancel(plain, first, then, command):
+    said = []
+    assert command.request("walk(3)", "rosoclingo", 1.0, said.append, plain) == 2
+    cancelling = "cancelling walk(3) (Ctrl-C again: do not wait)"
+    assert said == [first, cancelling, then, "canceled: as you like"]
