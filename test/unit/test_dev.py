@@ -62,6 +62,24 @@ def test_a_known_bench_is_set_up_for():
     assert "/proc/no/folder" in said
 
 
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (["ruff", "format", "."], "tools"),
+        (["ruff"], "tools"),
+        (["python3", "-m", "pytest", "test/unit"], "tools"),
+        (["python3", "bench/golog.py"], ""),
+        (["rosrun", "rosoclingo", "check", "ruff"], ""),
+    ],
+)
+def test_commands_that_are_for_tests_are_known(command, told):
+    function = (ROOT / "dev").read_text().partition("\ntools_for() {")[2].partition("\n}\n")[0]
+    script = f'tools_for() {{{function}\n}}\ntools_for "$@"'
+    assert (
+        subprocess.run(["bash", "-c", script, "-", *command], stdout=subprocess.PIPE, text=True).stdout.strip() == told
+    )
+
+
 def test_help_needs_no_set_up():
     code, said = dev("bench", "--help")
     assert code == 0

@@ -177,8 +177,8 @@ def found_file(source: Source, name: str) -> Optional[Path]:
 
 def missing_file(source: Source, wanted: Include) -> Fault:
     """Return that an included file is not there."""
-    folders = [folder for folder in (source.folder, Path()) if folder is not None]
-    mend = "looked in {}".format(" and ".join(str(folder.resolve()) for folder in folders))
+    folders = dict.fromkeys(str(folder.resolve()) for folder in (source.folder, Path()) if folder is not None)
+    mend = f"looked in {' and '.join(folders)}"
     return Fault(source.name, wanted.line, wanted.column, f"included file {wanted.name!r} is not there", mend)
 
 
