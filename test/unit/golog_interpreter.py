@@ -268,6 +268,8 @@ class Interpreter:
         kind, *parts = program
         if kind == "while":
             return not self.holds(parts[0], state)
+        if kind == "every":
+            return not self.options(program, state)
         if kind in ("seq", "conc", "prio"):
             return all(self.over(one, state) for one in parts)
         if kind in ("if", "call") or kind in WRAPS:
@@ -293,7 +295,8 @@ class Interpreter:
             first, second = parts
             if not self.locked(second) and self.passes(first, state):
                 return True
-            return kind == "conc" and not self.locked(first) and self.passes(second, state)
+            waits = kind == "prio" and self._of(first, state)
+            return not waits and not self.locked(first) and self.passes(second, state)
         return False
 
     # ---- whole runs ------------------------------------------------------------------------------------------------

@@ -98,6 +98,7 @@ HAPPENING = [
     ("retry 2 { a; await f; b; }", ["_set(f,now)"], "a b"),
     ("do { a; await f; b; } on cancel { }", ["_set(f,now)"], "a b"),
     ("other;", ["_set(f,now)"], "a b"),
+    ("interrupts { when f { c; } } until true; await f; b;", ["_set(f,now)"], "b"),
 ]
 
 OTHERS = [

@@ -4,7 +4,7 @@ from typing import Callable, Dict, List, Tuple
 
 from rosoclingo.languages.golog.formulas import read_condition, read_member, read_variables
 from rosoclingo.languages.golog.reader import Reader
-from rosoclingo.languages.golog.scanner import GologError, Token, scan
+from rosoclingo.languages.golog.scanner import RESERVED, GologError, Token, scan
 from rosoclingo.languages.golog.tree import (
     AnyAction,
     Around,
@@ -23,6 +23,7 @@ from rosoclingo.languages.golog.tree import (
     Variable,
 )
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.lint.likeness import is_slip
 
 NOTHING = Sequence(())
 
@@ -79,8 +80,17 @@ def _statement(reader: Reader) -> Statement:
             token, f"{token} where a statement belongs", _MENDS.get(token.text, "no action has this name")
         )
     found = Step(reader.compound("a statement", "write an action, or a word like if, while, pick"))
+    if not reader.sees(";"):
+        _slip(reader, token)
     _semicolon(reader, f"behind {found.what.token.text}")
     return found
+
+
+def _slip(reader: Reader, token: Token) -> None:
+    """Raises GologError where a name with more behind it than a statement has is a slip of a word of the language."""
+    meant = next((word for word in sorted(RESERVED) if is_slip(token.text, word)), None)
+    if meant and not reader.sees("}", "proc") and reader.next.kind != "end":
+        raise reader.fault(token, f"{token} is no word of the language, and no ';' is behind it", f"is {meant} meant?")
 
 
 def _semicolon(reader: Reader, where: str) -> None:

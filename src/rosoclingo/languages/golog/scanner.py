@@ -46,7 +46,8 @@ RESERVED = frozenset(
 
 _WORD = re.compile(
     r"""(?P<space>\s+|%\*.*?\*%|%[^\n]*)|(?P<number>\d+)|(?P<variable>[A-Z][A-Za-z0-9_]*|_(?![A-Za-z0-9_]))|(?P<name>[a-z][A-Za-z0-9_]*)
-    |(?P<string>"(?:[^"\\\n]|\\.)*")|(?P<sign>\.\.|->|!=|<=|>=|[-{}(),;:=<>+*/\\])""",
+    |(?P<string>"(?:[^"\\\n]|\\.)*")|(?P<sign>\.\.|->|!=|<=|>=|=(?!=)|[-{}(),;:<>+*/\\])
+    |(?P<quoted>'[^'\n]*')""",
     re.VERBOSE | re.DOTALL,
 )
 
@@ -86,6 +87,9 @@ def scan(text: str, name: str, faults: List[Fault]) -> List[Token]:
             position = _behind(text, position)
             continue
         kind, word = str(match.lastgroup), match.group()
+        if kind == "quoted":
+            faults.append(Fault(name, line, position - begin + 1, f"{word} is no string", f'write "{word[1:-1]}"'))
+            kind = "string"
         if kind != "space":
             kind = "word" if kind == "name" and word in RESERVED else kind
             if kind == "number" and _is_great(word):
@@ -109,14 +113,19 @@ def _behind(text: str, position: int) -> int:
     return position + 1 if text[position] != '"' else (len(text) if end < 0 else end)
 
 
+_INSTEAD = {
+    "?": ("'?'", "write test CONDITION;"),
+    "|": ("'|'", "write or, or interleave {...} with {...}"),
+    "&": ("'&'", "write and"),
+    "!": ("'!'", "write not, or !="),
+    "=": ("'=='", "write ="),
+}
+
+
 def _unknown(text: str, position: int) -> List[str]:
     """Return what is wrong with a character, and the mend."""
     character = text[position]
     if character == '"':
         return ["the string has no end on its line", 'write " behind it']
-    if character == "?":
-        return ["'?' is no word of the language", "write test CONDITION;"]
-    if character in "|&!":
-        mend = {"|": "or, or interleave {...} with {...}", "&": "and", "!": "not, or !="}[character]
-        return [f"'{character}' is no word of the language", f"write {mend}"]
-    return [f"{character!r} is no word of the language", "comments begin with %"]
+    word, mend = _INSTEAD.get(character, (repr(character), "comments begin with %"))
+    return [f"{word} is no word of the language", mend]

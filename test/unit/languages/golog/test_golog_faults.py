@@ -49,6 +49,11 @@ FAULTS = [
     ("proc p { any order { a; }" + " and { b; }" * 20 + " }", 1, 6, "21 parts in any order", "at most 20"),
     ("proc p(X) { a(X" + " + 1" * 2000 + "); }", 1, 6, "too much within each other", "procedures"),
     ("proc p { test f" + " and f" * 2000 + "; }", 1, 6, "too much within each other", "procedures"),
+    ("proc p(X) { test X == 2; }", 1, 20, "'==' is no word of the language", "write ="),
+    ("include 'x.lp';", 1, 9, "'x.lp' is no string", 'write "x.lp"'),
+    ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is no word of the language", "is else meant?"),
+    ("proc p { whille f { a; } }", 1, 10, "'whille' is no word of the language", "is while meant?"),
+    ("proc p { stars b; }", 1, 16, "'b' where ';' belongs, behind stars", "write ;"),
     ('include "x.lp"', 1, 15, "the end of the file where ';' belongs", "write ;"),
 ]
 
@@ -62,6 +67,12 @@ def test_fault_has_its_place_and_the_mend(text, line, column, message, mend):
     assert fault.column == (fault.column if column is None else column)
     assert message in fault.message
     assert mend in fault.mend
+
+
+def test_a_string_in_single_quotes_is_one_fault():
+    with pytest.raises(ProgramError) as caught:
+        translate("include 'x.lp';\nproc p { a('it'); }", "x.golog")
+    assert [(fault.line, fault.column) for fault in caught.value.faults] == [(1, 9), (2, 12)]
 
 
 def test_all_faults_are_told_at_once():

@@ -103,4 +103,14 @@ def likely_word(text: str, known: Iterable[str]) -> str:
 def likely_value(text: str, known: Collection[str]) -> str:
     """Return which of the values ``known`` may be meant by ``text``, or which there are."""
     shown = sorted(known)[:_MANY]
-    return likely_word(text, known) or "it may be {}{}".format(", ".join(shown), " ..." if len(known) > _MANY else "")
+    return likely_word(text, {_filled(one, text) for one in known}) or "it may be {}{}".format(
+        ", ".join(shown), " ..." if len(known) > _MANY else ""
+    )
+
+
+def _filled(value: str, text: str) -> str:
+    """Return a value ``at(_)`` of open arguments with those of the text, ``att(sink)``, if it has as many of them."""
+    name, bracket, rest = value.partition("(")
+    _, _, own = text.partition("(")
+    is_open = set(rest[:-1].split(",")) == {"_"} and rest.count(",") == own.count(",")
+    return f"{name}{bracket}{own}" if is_open and own else value

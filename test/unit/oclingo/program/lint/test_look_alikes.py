@@ -3,7 +3,7 @@
 import lint_programs
 import pytest
 
-from rosoclingo.oclingo.program.lint.likeness import is_slip
+from rosoclingo.oclingo.program.lint.likeness import is_slip, likely_value
 from rosoclingo.oclingo.program.sources import Source
 
 END = "\n#program cumulative(t).\n#program volatile(t).\n"
@@ -77,3 +77,17 @@ def test_where_a_statement_ends(text, place):
 @pytest.mark.parametrize("text", ["a(X :- b.", "a :- b,, c.", "a :- { b, c; d }.", "a :- (b.\nc."])
 def test_other_faults_are_told_as_clingo_tells_them(text):
     assert "syntax error" in str(lint_programs.lint([Source("a.lp", text + END)])[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "known", "told"),
+    [
+        ("att(sink)", ["at(_)", "place(sink)"], "is at(sink) meant?"),
+        ("att(sink)", ["at(_,_)", "place(sink)"], "is place(sink) meant?"),
+        ("hed(cup,2)", ["held(_,_)", "at(_)"], "is held(cup,2) meant?"),
+        ("held", ["held(_)"], "is held(_) meant?"),
+        ("moon", ["at(_)"], "it may be at(_)"),
+    ],
+)
+def test_values_with_open_arguments_are_compared_by_the_rest(text, known, told):
+    assert likely_value(text, known) == told
