@@ -52,6 +52,7 @@ def test_help_names_the_parameters_and_needs_no_master(script):
     assert done.returncode == 0, done.stderr
     for words in [*PARAMETERS[script], f"rosrun rosoclingo {script} ", "_PARAMETER:=VALUE"]:
         assert words in done.stdout
+    assert ":class:" not in done.stdout
 
 
 def test_every_node_has_its_help_tested():

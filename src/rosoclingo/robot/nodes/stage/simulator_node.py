@@ -49,7 +49,7 @@ KEEPING = 0.5
 
 
 class SimulatorNode:
-    """Steps a :class:`~rosoclingo.robot.simulation.Simulation` at a pace and publishes it like stage_ros.
+    """Steps a simulated world at a pace and publishes it like stage_ros.
 
     With several robots the topics and frames of each get the prefix ``robot_0/``, ``robot_1/`` ... (or their names).
 
