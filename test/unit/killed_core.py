@@ -1,6 +1,7 @@
 """A core over a journal, its clients and its interfaces, for tests in which processes are killed at any instant."""
 
 import contextlib
+import copy
 import os
 from collections import Counter
 
@@ -104,10 +105,10 @@ class Fate:
 class World:
     """Clients and interfaces, who outlive the core: goals by their numbers, what was done, and what was told of it.
 
-    This one is of errands; ``program`` and ``horizon_limit`` are the core's.
+    This one is of errands; ``program`` and ``horizon_limit`` are the core's; with ``any_plan`` each finds others.
     """
 
-    program, horizon_limit = PROGRAM, 8
+    program, horizon_limit, any_plan = PROGRAM, 8, True
 
     def __init__(self):
         self.goals, self.cancelled = {}, set()
@@ -130,6 +131,8 @@ class World:
     def command(self, action):
         """An action is to be done, if it is not known yet."""
         assert not self.done[str(action.parameter)] or action in self.answers, f"{action} is done already"
+        begun = [one for one, value in self.answers.items() if value is None and one.parameter == action.parameter]
+        assert begun in ([], [action]), f"{action}: {begun} is under way"
         if self.answers.setdefault(action, None) is None and str(action.interface) == "quick":
             self.do(action, True)  # it is done as soon as it is heard of
 
@@ -165,6 +168,13 @@ class World:
             assert not done or state is not GoalState.RECALLED
 
 
+def other_minded(program, seed):
+    """The program for a solver that finds other plans than one with another seed, where they are as good."""
+    other = copy.copy(program)
+    other.arguments = lambda: [*program.arguments(), "--rand-freq=1", f"--seed={seed}"]
+    return other
+
+
 class Node:
     """What the core's node does, in a folder; it is killed where ``fate`` says so."""
 
@@ -174,8 +184,8 @@ class Node:
         record = None if kept is None else kept.state
         self.keeper = Keeper(self._tell, Journal(folder, Header("run", "program")), lambda: 0.0)
         limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
-        program = world.program
-        self.core = KeptCore(program, lambda: shortest(program), self.keeper, limits, record=record)
+        program = other_minded(world.program, fate.instants) if world.any_plan else world.program
+        self.core = KeptCore(program, lambda: shortest(program), self.keeper, limits, record=record, doubtful=True)
         self.keeper.attach(self.core, record)
         for action in self.core.awaited:
             world.command(action)

@@ -8,8 +8,12 @@ import contextlib
 import json
 import os
 import zlib
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, Optional
+
+#: Where Linux tells which start of the machine this is.
+BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
 def sealed(value: Dict[str, Any]) -> bytes:
@@ -26,6 +30,18 @@ def opened(line: bytes) -> Optional[Dict[str, Any]]:
 
 def _sealed(body: bytes) -> bytes:
     return b'{"crc":"%08x",' % zlib.crc32(body) + body[1:]
+
+
+@lru_cache(maxsize=1)
+def machine() -> Optional[str]:
+    """Return what tells one start of the machine from another, None where that is not known.
+
+    What was written without waiting for the disk is there as long as it is the same.
+    """
+    try:
+        return BOOT.read_text(encoding="ascii").strip()
+    except OSError:
+        return None
 
 
 def write(file: int, data: bytes, wait: bool = True) -> None:

@@ -91,6 +91,11 @@ class Return(NamedTuple):
         return Function(RETURN, [self.interface, self.value, Number(self.cycle)])
 
 
+def success_of(action: Action) -> Symbol:
+    """The return that says that an action has succeeded: its parameter."""
+    return Return(action.interface, action.parameter, action.cycle).atom
+
+
 def request(goal: Symbol, cycle: int) -> Symbol:
     """``_request(goal,cycle)``."""
     return Function(REQUEST, [goal, Number(cycle)])

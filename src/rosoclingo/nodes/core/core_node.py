@@ -50,6 +50,9 @@ IMPROVING = 0.5
 #: Seconds of wall time that actions have been under way before answers to what may come are prepared.
 PREPARING = 0.1
 
+#: Seconds of wall time after an action until the disk is waited for: the next action would wait for that, too.
+SETTLING = 0.04
+
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
 CANCEL_GRACE = 0.05
 
@@ -147,6 +150,7 @@ class CoreNode:
             self._watch_search,
             self._watch_recovery,
             record=found.state,
+            doubtful=found.doubtful,
         )
         self._keeper.attach(self._core, found.state)
         self._results = Results("rosoclingo", resumed=found.state is not None)
@@ -250,7 +254,7 @@ class CoreNode:
         self._tick()
         improvable = self._go_on()
         self._send()
-        self._keeper.settle()
+        self._settle_journal()
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()
@@ -280,6 +284,11 @@ class CoreNode:
     def _send(self) -> None:
         self._keeper.send(keep_ends=self._results.awaited)
 
+    def _settle_journal(self) -> None:
+        """Have on disk what nobody has waited for, once actions are under way for a moment."""
+        if time.monotonic() - self._last_cycle >= SETTLING:
+            self._keeper.settle()
+
     def _tick(self) -> None:
         """Tell what has changed; often, also while a search goes on."""
         self._health.tick()
@@ -294,6 +303,7 @@ class CoreNode:
 
         def look() -> bool:
             """Tell whether to end it now."""
+            self._settle_journal()
             self._tick()
             spent = max(time.monotonic() - start, abs(rospy.get_time() - now))
             return self._ending or self._worker.waiting or spent >= IMPROVING

@@ -1,12 +1,15 @@
 """Between the core and the outside: what the core tells goes out once its state is written down."""
 
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Type
 
+from rosoclingo.common import durable
+from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, GoalUnmet, Observer
 from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import AnyJournal
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.written_ahead import FOLLOWING, WrittenAhead
 from rosoclingo.reasoning.records import Record, group
 
 
@@ -71,6 +74,7 @@ class Keeper:
         self._core: Optional[KeptCore] = None
         self._state: Record = {}
         self._events: List[Event] = []
+        self._plan, self._ahead = TaskPlan(), WrittenAhead()
         self.clients: Dict[str, Client] = {}
         self.given_up = GivenUpGoals()
 
@@ -115,7 +119,7 @@ class Keeper:
     def send(self, keep_ends: bool = False) -> None:
         """Write down the state after a step of the core, and let out what it told; also while nothing happens.
 
-        The disk has it before anything goes out that the outside acts on.
+        The disk has it before anything goes out that the outside acts on; actions that its plan says already go first.
         With ``keep_ends`` goals that have ended stay written down until :meth:`forget`: their clients may not hear yet.
         """
         if not self._events:
@@ -125,10 +129,14 @@ class Keeper:
             return
         events, self._events = self._events, []
         ends = [key for key in map(self._note, events) if key is not None]
+        at_once: Tuple[Type[Event], ...] = ()
         if self._journal is not None:
             self._look()
-            self._write(wait=any(event.is_news for event in events))
+            at_once = FOLLOWING if self._ahead.covers(events, self._plan) else ()
+            self._write(wait=not at_once and any(event.is_news for event in events))
         for event in events:
+            if event.is_news and not isinstance(event, at_once):
+                self.settle()
             self._tell(event)
         if not keep_ends:
             self.forget(ends)
@@ -137,6 +145,7 @@ class Keeper:
         """Have on disk what was written down without waiting for that, while there is nothing else to do."""
         if self._journal is not None:
             self._journal.settle(self._now())
+            self._note_disk()
 
     def close(self) -> None:
         """Write no more, and leave the journal to others."""
@@ -146,13 +155,20 @@ class Keeper:
 
     def _look(self) -> None:
         assert self._core is not None
-        self._state = self._core.record()
+        self._state, self._plan = self._core.record(), self._core.plan
 
     def _write(self, wait: bool = True) -> None:
         assert self._journal is not None
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
         time = None if self._time is None else self._time()
-        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time, wait)
+        machine = {"machine": durable.machine()}
+        self._journal.write({**self._state, **machine, **clients, **self.given_up.record()}, self._now(), time, wait)
+        if wait:
+            self._note_disk()
+
+    def _note_disk(self) -> None:
+        """The disk has all, unless it fails."""
+        self._ahead.on_disk(None if self.fault else self._plan)
 
     def _note(self, event: Event) -> Optional[str]:
         """Note the end of a client's goal, and return its key; note a goal that is given up."""

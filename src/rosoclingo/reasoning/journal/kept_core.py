@@ -4,9 +4,11 @@ from typing import Any, FrozenSet, Optional, Tuple
 
 from clingo import Symbol
 
+from rosoclingo.oclingo import SolveResult, Statement
+from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.keywords import Action, success_of
 from rosoclingo.reasoning.records import (
     LogRecorder,
     Record,
@@ -26,14 +28,19 @@ class KeptCore(Core):
     several answers that are as good.
     """
 
-    def __init__(self, *arguments: Any, record: Optional[Record] = None, **more: Any) -> None:
-        """Begin, or go on from a ``record`` of a core with the same program; the rest is as :class:`Core` has it."""
+    def __init__(self, *arguments: Any, record: Optional[Record] = None, doubtful: bool = False, **more: Any) -> None:
+        """Begin, or go on from a ``record`` of a core with the same program; the rest is as :class:`Core` has it.
+
+        Where it is ``doubtful`` whether more was done than the record says, that was as its plan goes on.
+        """
         super().__init__(*arguments, **more)
         self._log = LogRecorder()
         self._believed: Tuple[Optional[FrozenSet[Symbol]], Record] = (None, {})  # what is, and its sections
-        self._started = False
+        self._started, self._perhaps_begun = False, TaskPlan()
         if record is not None:
             self._restore(record)
+        if doubtful:
+            self._perhaps_begun = self.plan
 
     def start(self) -> None:
         """Begin; one that goes on has begun."""
@@ -69,6 +76,32 @@ class KeptCore(Core):
         self._goals.drop(self._goals.fed, why)
         self.abandon(why)
 
+    def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
+        """Go on with an answer, but do again what may have been begun already."""
+        super()._use(self._as_begun(result), now, new_goals)
+
+    def _as_begun(self, result: SolveResult) -> SolveResult:
+        """Return an answer with the actions of this cycle that may have been begun, if they go out at all."""
+        begun, step = self._perhaps_begun, self._step
+        if not begun.remaining(step) or not self._succeeded(begun.at(step - 1)):
+            self._perhaps_begun = TaskPlan()
+            return result
+        actions = begun.at(step)
+        if not actions or extract_plan(result.answers[0]).at(step) == actions:
+            return result
+        found = self._planner.still(begun.remaining(step)) or self._planner.beginning_with(actions)
+        if found is None:
+            self._perhaps_begun = TaskPlan()
+            named = ", ".join(str(one.atom) for one in actions)
+            self._announce.problem(f"{named} may have been begun before the machine went down, and cannot be now")
+            return result
+        return found
+
+    def _succeeded(self, actions: Tuple[Action, ...]) -> bool:
+        """Whether the update in force says so of all of these."""
+        heads = {item.head for item in self._planner.in_force.items if isinstance(item, Statement)}
+        return all(success_of(action) in heads for action in actions)
+
     def record(self) -> Record:
         """Return the state by sections."""
         cycle, latest = self._latest
@@ -77,6 +110,7 @@ class KeptCore(Core):
             "core": [self._started, *numbers],
             "plan": None if self._plan is None else plan_to_value(self._plan),
             "latest": None if latest is self._plan else plan_to_value(latest),
+            **({"doubt": plan_to_value(self._perhaps_begun)} if self._perhaps_begun.actions else {}),
             **self._goals.record(),
             **self._feeder.record(),
             **self._execution.record(),
@@ -100,6 +134,7 @@ class KeptCore(Core):
         self._planner.lookahead = lookahead
         plan, latest = record["plan"], record["latest"]
         self._plan = None if plan is None else plan_of(plan)
+        self._perhaps_begun = plan_of(record["doubt"]) if "doubt" in record else TaskPlan()
         used = self._plan if latest is None else plan_of(latest)
         assert used is not None
         self._latest = cycle, used

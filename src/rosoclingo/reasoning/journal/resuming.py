@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
 
+from rosoclingo.common import durable
 from rosoclingo.reasoning.journal.folder import AnyJournal, Journal, JournalFolder, NoJournal
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, launch_of
 from rosoclingo.reasoning.records import group
@@ -22,6 +23,11 @@ class Found(NamedTuple):
     state: Optional[State] = None
     remarks: Sequence[str] = ()
     odd: bool = False
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether more may have gone out than the state has: the machine was started anew since."""
+        return self.state is not None and (durable.machine() or "") != self.state.get("machine")
 
 
 def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:

@@ -16,7 +16,7 @@ from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.journal.lines import JournalError, group_of, history, read
 
 #: Sections of the journal that are the keeper's own, and not the core's.
-KEEPERS = {"client", "unmet"}
+KEEPERS = {"machine", "client", "unmet"}
 
 
 def played(script, kills=(), preempt=False):
@@ -54,6 +54,24 @@ def test_killed_at_every_instant():
         for cut in (0, 500, 1000) if instant in fate.writes else (0,):
             play, _ = played(SCRIPT, [(instant, cut, cut < 1000)])
             assert play.kills == 1
+
+
+#: Several errands are planned at once, so that the plan on disk says which comes next; one fails.
+PLANNED = [
+    *[("goal", kind) for kind in ("walk", "run", "walk")],
+    ("answer", 0, True),
+    ("answer", 0, False),
+    ("answer", 0, True),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("upset", [False, True])
+def test_the_machine_goes_down_before_the_disk_has_what_its_plan_said(upset):
+    _, fate = played(PLANNED)
+    for instant in fate.every_instant():
+        assert played(PLANNED, [(instant, 0, upset)])[0].kills == 1
 
 
 @pytest.fixture(scope="module")

@@ -54,7 +54,7 @@ class Programs(World):
     """Clients that send control programs."""
 
     program = ReactiveProgram([Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS)])
-    horizon_limit = 12
+    horizon_limit, any_plan = 12, False
 
     def __init__(self):
         super().__init__()
