@@ -1,10 +1,11 @@
 """Atoms of which parts are not known: of rules, whose variables may be bound, and those that are looked for."""
 
-from typing import Dict, List, Mapping, Optional, Tuple, Union
+from typing import Dict, Mapping, Optional, Tuple, Union
 
 import clingo
-from clingo.ast import AST, ASTType, UnaryOperator, parse_string
+from clingo.ast import ASTType, UnaryOperator
 
+from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -16,20 +17,18 @@ Bound = Dict[str, Pattern]
 
 def pattern_of(text: str, constants: Mapping[str, clingo.Symbol]) -> Pattern:
     """Return the pattern of an atom that is written as in a rule."""
-    statements: List[AST] = []
-    parse_string(f"{text}.", statements.append)
-    term = statements[-1].head.atom.symbol
+    term = parse(f"{text}.")[-1].head.atom.symbol
     bare = term.argument if term.ast_type == ASTType.UnaryOperation else term
     name = f"-{_name(bare)}" if bare is not term else _name(bare)
     arguments = bare.arguments if bare.ast_type == ASTType.Function else ()
     return name, tuple(_term(one, constants) for one in arguments)
 
 
-def _name(term: AST) -> str:
+def _name(term: Node) -> str:
     return str(term.name if term.ast_type == ASTType.Function else term.symbol.name)
 
 
-def _term(term: AST, constants: Mapping[str, clingo.Symbol]) -> Pattern:
+def _term(term: Node, constants: Mapping[str, clingo.Symbol]) -> Pattern:
     if term.ast_type == ASTType.Variable:
         return None if term.name == "_" else str(term.name)
     if term.ast_type == ASTType.Function and not term.external:

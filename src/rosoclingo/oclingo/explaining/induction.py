@@ -8,7 +8,7 @@ whatever state at all, these rules are broken at the second wherever they are at
 from typing import Iterable, List, Optional
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.explaining.named_rules import RuleKind
 from rosoclingo.oclingo.explaining.reach import Reach
@@ -16,7 +16,7 @@ from rosoclingo.oclingo.explaining.relaxed_program import BROKEN, WHOLE, Relaxed
 from rosoclingo.oclingo.program.lint.argument_values import parted
 from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import nodes_of
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import signature_of
@@ -101,6 +101,6 @@ def _offset(program: RelaxedProgram, part: Part, atom: Occurrence) -> Optional[i
     return None if offset is not None and offset > 0 and atom.head else offset
 
 
-def _mentions(node: AST, step: str) -> int:
+def _mentions(node: Node, step: str) -> int:
     """Return how often the step stands in a statement or a term."""
-    return sum(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in nodes_of(node))
+    return sum(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)

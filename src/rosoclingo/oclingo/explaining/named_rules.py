@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Dict, Iterable, List, Mapping, Tuple
 
-from clingo.ast import AST, Location
+from clingo.ast import Location
 
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.sources import Source
 
 _WORDS = re.compile(r"\s*%!\s*(?P<words>\S.*?)\s*$")
@@ -69,14 +70,14 @@ class RuleTexts:
     def __init__(self, sources: Iterable[Source]) -> None:
         self._lines: Dict[str, List[str]] = {one.name: one.text.splitlines() for one in sources}
 
-    def text(self, statement: AST) -> str:
+    def text(self, statement: Node) -> str:
         """Return the text of a statement; where its columns tell nothing, the lines in which it stands."""
         location = statement.location
         lines = self._lines.get(location.begin.filename, [])[location.begin.line - 1 : location.end.line]
         text = _laid_out(_cut(lines, location), location.begin.column - 1)
         return text if text.endswith(".") else _laid_out(lines, 0) or str(statement)
 
-    def words(self, statement: AST) -> str:
+    def words(self, statement: Node) -> str:
         """Return what the comment right above a statement says, of one line or several."""
         begin = statement.location.begin
         found: List[str] = []

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Dict, Iterator, List, Mapping, Sequence, Tuple
 
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.explaining.atom_patterns import (
     Bound,
@@ -19,6 +19,7 @@ from rosoclingo.oclingo.explaining.named_rules import NamedRule, RuleTexts
 from rosoclingo.oclingo.explaining.reach import HeadRule, Reach, UncertainError
 from rosoclingo.oclingo.program.domains import plain_literals
 from rosoclingo.oclingo.program.lint.argument_values import head_literals, parted
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms
@@ -148,7 +149,7 @@ class _Search:
                     externals = self._program.external_signatures
                     yield from (filled(one, bound) for one in ends if signature_in(one) not in externals)
 
-    def _statements(self) -> Iterator[Tuple[Part, AST]]:
+    def _statements(self) -> Iterator[Tuple[Part, Node]]:
         return ((part, one) for part in self._program.parts for one in part.statements if one.ast_type == ASTType.Rule)
 
     def _misses(self, atom: Pattern, seen: List[Pattern]) -> Iterator[NearMiss]:
@@ -205,7 +206,7 @@ class _Search:
         return None
 
 
-def negated_in(statement: AST) -> Iterator[AST]:
+def negated_in(statement: Node) -> Iterator[Node]:
     """Yield the atoms that a rule asks not to be true."""
     literals = [one for one in getattr(statement, "body", ()) if one.ast_type == ASTType.Literal]
     for one in literals:
@@ -213,7 +214,7 @@ def negated_in(statement: AST) -> Iterator[AST]:
             yield from atom_terms(one.atom.symbol)
 
 
-def _heads(statement: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
+def _heads(statement: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
     """Yield the atoms of a rule's head, each with its condition."""
     for literal, condition in head_literals(statement.head):
         if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:

@@ -9,13 +9,13 @@ without them, is not judged.
 from typing import FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import ASTType, Sign
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.argument_values import head_literals, parted
 from rosoclingo.oclingo.program.lint.survey import OWN
-from rosoclingo.oclingo.program.nodes import nodes_of
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms
@@ -39,7 +39,7 @@ class HeadRule(NamedTuple):
 
     """
 
-    statement: AST
+    statement: Node
     head: str
     body: Tuple[str, ...]
     other: Tuple[str, ...]
@@ -86,7 +86,7 @@ class Reach:
         arguments = [clingo.Number(time) if n == position else one for n, one in enumerate(atom.arguments)]
         return clingo.Function(atom.name, arguments, atom.positive)
 
-    def written(self, term: AST, part: Part) -> str:
+    def written(self, term: Node, part: Part) -> str:
         """Return the text of a rule's atom without its time; raises UncertainError where the step is more than that."""
         return self._atom(term, part, set())
 
@@ -101,7 +101,7 @@ class Reach:
                     if parted(term)[0] in used:  # nothing follows from what no rule looks at
                         yield self._rule(statement, term, [*condition, *statement.body], part)
 
-    def _rule(self, statement: AST, head: AST, literals: Sequence[AST], part: Part) -> HeadRule:
+    def _rule(self, statement: Node, head: Node, literals: Sequence[Node], part: Part) -> HeadRule:
         times: Set[str] = set()
         plain = [one for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
         atoms = [one.atom.symbol for one in plain if one.atom.ast_type == ASTType.SymbolicAtom]
@@ -114,17 +114,17 @@ class Reach:
             raise UncertainError(f"the rules reckon with {min(counted)}, a time")
         return HeadRule(statement, told, texts, tuple(map(str, free)))
 
-    def _position(self, term: AST) -> Optional[int]:
+    def _position(self, term: Node) -> Optional[int]:
         signature, arguments = parted(term)
         return self._program.time_position(signature.name, len(arguments)) if arguments else None
 
-    def _names_besides_time(self, term: AST) -> Iterator[str]:
+    def _names_besides_time(self, term: Node) -> Iterator[str]:
         position = self._position(term)
         for number, one in enumerate(parted(term)[1]):
             if number != position:
                 yield from names_in(one)
 
-    def _atom(self, term: AST, part: Part, times: Set[str]) -> str:
+    def _atom(self, term: Node, part: Part, times: Set[str]) -> str:
         if term.ast_type == ASTType.Pool:
             raise UncertainError("an atom is a pool")
         signature, arguments = parted(term)
@@ -141,13 +141,13 @@ class Reach:
         return f"{sign}{signature.name}({','.join(texts)})" if texts else f"{sign}{signature.name}"
 
 
-def parted_name(term: AST) -> str:
+def parted_name(term: Node) -> str:
     """Return the name of an atom."""
     return str(next(parted(one)[0].name for one in atom_terms(term)))
 
 
-def _mentions(node: AST, step: str) -> bool:
-    return bool(step) and any(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in nodes_of(node))
+def _mentions(node: Node, step: str) -> bool:
+    return bool(step) and any(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)
 
 
 class _TooManyError(Exception):

@@ -20,19 +20,12 @@ from dataclasses import replace
 from typing import AbstractSet, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import (
-    AST,
-    ASTType,
-    BodyAggregate,
-    BodyAggregateElement,
-    Literal,
-    Sign,
-    parse_string,
-)
+from clingo.ast import ASTType, BodyAggregate, BodyAggregateElement, Literal, Sign
 
 from rosoclingo.oclingo.explaining.named_rules import NamedRule, RuleKind, RuleTexts
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.lint.survey import shows
+from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
@@ -71,7 +64,7 @@ class RelaxedProgram(ReactiveProgram):
     ) -> None:
         """Take the texts of a program as it does."""
         self.rules: List[NamedRule] = []
-        self._facts: Dict[int, Tuple[Signature, AST]] = {}
+        self._facts: Dict[int, Tuple[Signature, Node]] = {}
         super().__init__(sources, constants, whole)
 
     @classmethod
@@ -152,7 +145,7 @@ class RelaxedProgram(ReactiveProgram):
         return relaxed
 
     def _enter(
-        self, statement: AST, texts: RuleTexts, kind: RuleKind, variables: Tuple[str, ...] = (), text: str = ""
+        self, statement: Node, texts: RuleTexts, kind: RuleKind, variables: Tuple[str, ...] = (), text: str = ""
     ) -> NamedRule:
         begin = statement.location.begin
         place = (begin.filename, begin.line, begin.column)
@@ -160,7 +153,7 @@ class RelaxedProgram(ReactiveProgram):
         self.rules.append(NamedRule(len(self.rules), kind, *place, text, words, variables))
         return self.rules[-1]
 
-    def _enter_facts(self, statement: AST, texts: RuleTexts) -> Iterator[AST]:
+    def _enter_facts(self, statement: Node, texts: RuleTexts) -> Iterator[Node]:
         """Yield a fact, or each of those that are written as one."""
         terms = list(atom_terms(statement.head.atom.symbol))
         for term in terms:
@@ -174,27 +167,25 @@ class RelaxedProgram(ReactiveProgram):
 class _Apart(NamedTuple):
     """A statement in two: what is forbidden by it, as the body of a constraint, and what is left of it."""
 
-    forbidden: List[AST]
-    rest: List[AST]
+    forbidden: List[Node]
+    rest: List[Node]
 
 
-def _parse(text: str) -> List[AST]:
-    found: List[AST] = []
-    parse_string(text, found.append)
-    return found[1:]  # without "#program base."
+def _parse(text: str) -> List[Node]:
+    return parse(text)[1:]  # without "#program base."
 
 
-def _place(statement: AST) -> str:
+def _place(statement: Node) -> str:
     begin = statement.location.begin
     return f"{begin.filename}:{begin.line}:{begin.column}"
 
 
-def _is_atom(head: AST) -> bool:
+def _is_atom(head: Node) -> bool:
     plain = head.ast_type == ASTType.Literal and head.sign == Sign.NoSign
     return bool(plain and head.atom.ast_type == ASTType.SymbolicAtom)
 
 
-def _apart(rule: AST) -> Optional[_Apart]:
+def _apart(rule: Node) -> Optional[_Apart]:
     """Take a rule apart; None where it forbids nothing."""
     head, body = rule.head, list(rule.body)
     if head.ast_type == ASTType.Literal:
@@ -208,32 +199,33 @@ def _apart(rule: AST) -> Optional[_Apart]:
     if all(guard is None for guard in guards):
         return None
     free = rule.update(head=head.update(left_guard=None, right_guard=None))
-    counted = Literal(rule.location, Sign.Negation, _in_body(head))
+    counted = make(Literal, rule.location, Sign.Negation, _in_body(head))
     return _Apart([*body, counted], [free])
 
 
-def _in_body(aggregate: AST) -> AST:
+def _in_body(aggregate: Node) -> Node:
     """Return a head's aggregate as one of a body."""
     if aggregate.ast_type == ASTType.Aggregate:
         return aggregate
     elements = [
-        BodyAggregateElement(one.terms, [one.condition.literal, *one.condition.condition]) for one in aggregate.elements
+        make(BodyAggregateElement, one.terms, [one.condition.literal, *one.condition.condition])
+        for one in aggregate.elements
     ]
     guards = aggregate.left_guard, aggregate.right_guard
-    return BodyAggregate(aggregate.location, guards[0], aggregate.function, elements, guards[1])
+    return make(BodyAggregate, aggregate.location, guards[0], aggregate.function, elements, guards[1])
 
 
-def _guard_variables(head: AST) -> Set[str]:
+def _guard_variables(head: Node) -> Set[str]:
     guards = (getattr(head, name, None) for name in _GUARDS)
     return {name for guard in guards if guard is not None for name in _named(guard)}
 
 
-def _named(node: AST) -> Iterator[str]:
+def _named(node: Node) -> Iterator[str]:
     """Yield the names of variables, but for those that nobody has named."""
     yield from (name for name in names_in(node) if name != "_" and not name.startswith("Any__"))
 
 
-def _variables(body: Iterable[AST]) -> Set[str]:
+def _variables(body: Iterable[Node]) -> Set[str]:
     """Return the variables that instances of a body differ in: those in aggregates and conditions are their own."""
     atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
     plain = [atom for atom in atoms if not hasattr(atom, "elements")]

@@ -12,8 +12,9 @@ from functools import lru_cache
 from typing import Callable, Container, List, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import Signature
@@ -60,7 +61,7 @@ def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:
     return lambda atom: is_action(atom) and atom.arguments[2] == clingo.Number(cycle)
 
 
-def cycle_alone(term: AST) -> AST:
+def cycle_alone(term: Node) -> Node:
     """Return the term of an ``_action_lib(A,P,C)`` with C as its only argument."""
     return term.update(arguments=list(term.arguments)[2:])
 
@@ -87,7 +88,7 @@ def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
     return sorted(found)
 
 
-def _is_one(term: AST) -> bool:
+def _is_one(term: Node) -> bool:
     """Tell whether ``term`` has one value at a step, whatever else its rule says."""
     if term.ast_type == ASTType.BinaryOperation:
         return _is_one(term.left) and _is_one(term.right)

@@ -7,12 +7,13 @@ is odd.
 from typing import Dict, List, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, STEPS
 from rosoclingo.oclingo.program.lint.survey import Place, places, written
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -128,6 +129,6 @@ def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol
     return False
 
 
-def _arguments(place: Place) -> Sequence[AST]:
+def _arguments(place: Place) -> Sequence[Node]:
     term = place.occurrence.term
     return list(term.arguments) if term.ast_type == ASTType.Function else []

@@ -8,10 +8,11 @@ the rules, from a predicate to what it helps to define, tell which.
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.look_back import shortest_look_back, time_offset
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
 from rosoclingo.oclingo.progression.terms import Signature
@@ -64,7 +65,7 @@ class Delays:
         found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
         return min(1, max(0, min(found))) if found else 0
 
-    def _take(self, part: Part, statement: AST, constants: Dict[str, clingo.Symbol]) -> None:
+    def _take(self, part: Part, statement: Node, constants: Dict[str, clingo.Symbol]) -> None:
         atoms = list(_timed_atoms(part, statement, constants))
         self._timed.update(dict.fromkeys(one.signature for one in atoms if not one.time.name))
         if statement.ast_type != ASTType.Rule or part.name == "volatile":
@@ -127,7 +128,7 @@ class Delays:
                 yield max(acts) - one.time.offset + seen[one.signature]
 
 
-def _timed_atoms(part: Part, statement: AST, constants: Dict[str, clingo.Symbol]) -> Iterator[_Timed]:
+def _timed_atoms(part: Part, statement: Node, constants: Dict[str, clingo.Symbol]) -> Iterator[_Timed]:
     bounds = shortest_look_back(statement, part.parameter, constants) if part.parameter else {}
     for one in occurrences(statement):
         time = _time_of(one, part.parameter, bounds, constants)

@@ -3,10 +3,11 @@
 from typing import Dict, List, Mapping, Optional, Sequence
 
 import clingo
-from clingo.ast import AST, ASTType, parse_string
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import Placed
+from rosoclingo.oclingo.program.nodes import parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import evaluate
 
@@ -32,9 +33,8 @@ def constant_values(
 def number_of(placed: Placed, constants: Mapping[str, clingo.Symbol], faults: List[Fault], **parameters: int) -> int:
     """Return the value of a directive's term under constants and ``parameters``; 1 and a fault for none."""
     values = dict(constants, **{name: clingo.Number(value) for name, value in parameters.items()})
-    terms: List[AST] = []
     try:
-        parse_string(f"value({placed.value}).", terms.append, logger=lambda code, text: None)
+        terms = parse(f"value({placed.value}).", lambda code, text: None)
     except RuntimeError:
         faults.append(Fault(placed.file, placed.line, 1, f"{placed.value!r} is no term"))
         return 1

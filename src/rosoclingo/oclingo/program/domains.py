@@ -9,10 +9,10 @@ from math import prod
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import nodes_of
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
@@ -88,7 +88,7 @@ def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:
     return {one.signature for part in parts for _, one in part.atoms if one.head} - used
 
 
-_Use = Tuple[Part, AST, AST]
+_Use = Tuple[Part, Node, Node]
 
 
 def _uses(parts: Sequence[Part], signature: Signature) -> Iterator[_Use]:
@@ -112,7 +112,7 @@ def _place(uses: Sequence[_Use], constants: Constants) -> Optional[Tuple[int, in
 
 
 def _declaration(
-    part: Part, statement: AST, term: AST, place: Tuple[int, int], fixed: Set[Signature]
+    part: Part, statement: Node, term: Node, place: Tuple[int, int], fixed: Set[Signature]
 ) -> Iterator[Tuple[str, Tuple[Signature, ...]]]:
     """Yield, where base binds the variables of ``term``, the statement that declares it, and what binds them."""
     position, offset = place
@@ -130,7 +130,7 @@ def _declaration(
     yield text, tuple(term_signature(literal.atom.symbol) for literal in needed)
 
 
-def plain_literals(statement: AST) -> Iterator[AST]:
+def plain_literals(statement: Node) -> Iterator[Node]:
     """Yield the positive literals of a body that are one atom each."""
     for literal in statement.body if hasattr(statement, "body") else ():
         plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
@@ -138,21 +138,21 @@ def plain_literals(statement: AST) -> Iterator[AST]:
             yield literal
 
 
-def binds(literal: AST, parameter: str, fixed: Set[Signature]) -> bool:
+def binds(literal: Node, parameter: str, fixed: Set[Signature]) -> bool:
     """Tell whether the literal binds variables that stand alone in it to what base alone defines."""
     term = literal.atom.symbol
     alone = term.ast_type == ASTType.Function and all(_is_simple(one) for one in term.arguments)
     return alone and term_signature(term) in fixed and not _mentions(term, parameter)
 
 
-def _is_simple(term: AST) -> bool:
+def _is_simple(term: Node) -> bool:
     return term.ast_type in (ASTType.Variable, ASTType.SymbolicTerm)
 
 
-def names_in(term: AST) -> List[str]:
+def names_in(term: Node) -> List[str]:
     """Return the names of the variables in a term or literal, each as often as it stands there."""
-    return [one.name for one in nodes_of(term) if one.ast_type == ASTType.Variable]
+    return [one.name for one in term.nodes if one.ast_type == ASTType.Variable]
 
 
-def _mentions(term: AST, name: str) -> bool:
-    return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in nodes_of(term))
+def _mentions(term: Node, name: str) -> bool:
+    return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in term.nodes)

@@ -6,14 +6,15 @@ Terms are read as sums ``a*t + b*T + c``, held as a mapping from names to factor
 from typing import Dict, Iterator, Optional, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, BinaryOperator, ComparisonOperator, Sign, UnaryOperator
+from clingo.ast import ASTType, BinaryOperator, ComparisonOperator, Sign, UnaryOperator
 
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 
 Sum = Dict[str, int]
 
 
-def time_offset(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
+def time_offset(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
     """Return c where ``term`` is ``parameter + c`` for a constant c, None where it is anything else."""
     found = _sum(term, parameter, constants)
     if found is None or set(found) - {""} != {parameter} or found[parameter] != 1:
@@ -21,7 +22,7 @@ def time_offset(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) 
     return found.get("", 0)
 
 
-def longest_look_back(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
+def longest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
     """Return, for variables T that comparisons in the body bound, the greatest number that t - T can be.
 
     That holds for values of T that are numbers; t is the step ``parameter``.
@@ -33,7 +34,7 @@ def longest_look_back(statement: AST, parameter: str, constants: Dict[str, cling
     return bounds
 
 
-def shortest_look_back(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
+def shortest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
     """Return, for variables T that comparisons in the body bound, the least number that t - T can be."""
     bounds: Dict[str, int] = {}
     for difference, strict in _differences(statement, parameter, constants):
@@ -42,7 +43,7 @@ def shortest_look_back(statement: AST, parameter: str, constants: Dict[str, clin
     return bounds
 
 
-def _differences(statement: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Iterator[Tuple[Sum, bool]]:
+def _differences(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Iterator[Tuple[Sum, bool]]:
     """Yield what comparisons in the body say as sums with a bound on one side, and whether that bound is strict."""
     for left, operator, right in _comparisons(statement):
         sums = _sum(left, parameter, constants), _sum(right, parameter, constants)
@@ -68,7 +69,7 @@ _SIGNS: Dict[int, Tuple[Tuple[int, bool], ...]] = {
 }
 
 
-def _comparisons(statement: AST) -> Iterator[Tuple[AST, int, AST]]:
+def _comparisons(statement: Node) -> Iterator[Tuple[Node, int, Node]]:
     """Yield the comparisons that hold for every instance of the statement: left side, operator, right side."""
     for literal in statement.body if hasattr(statement, "body") else ():
         plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
@@ -89,7 +90,7 @@ def _bound(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str,
             yield name, (-difference.get("", 0) - strict) // factor
 
 
-def _sum(term: AST, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[Sum]:
+def _sum(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[Sum]:
     """Return ``term`` as a sum, None where it is anything else."""
     if term.ast_type == ASTType.Variable:
         return {term.name: 1}

@@ -1,39 +1,120 @@
-"""What stands below a node of :mod:`clingo.ast`."""
+"""What :mod:`clingo.ast` knows of statements and terms, as plain Python values.
 
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+Each attribute of clingo's nodes is fetched anew, through several calls into its library, whenever it is read. A
+program's rules are looked at many times: a :class:`Node` fetches each attribute once, when it is first read.
+"""
 
-from clingo.ast import AST, ASTSequence, ASTType
+from typing import Any, Callable, Dict, FrozenSet, Iterator, List, Optional, Tuple
 
-#: What nodes of a kind have below them, and whether it is a row; clingo works it out anew for each node.
-_KEYS: Dict[ASTType, List[str]] = {}
+from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
+
+#: The attributes of nodes of a kind, and those of them that have nodes; clingo works them out anew for each node.
+_KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
 
 
-def children_of(node: AST, kind: Optional[ASTType] = None) -> List[AST]:
-    """Return the nodes right below a node, in order; its ``kind`` may be known."""
-    kind = kind or node.ast_type
-    keys = _KEYS.get(kind)
-    if keys is None:
-        keys = _KEYS[kind] = node.child_keys
+class Node:
+    """A statement, literal or term: the attributes of its ``AST``, those that are nodes as ``Node``, rows as lists.
+
+    Attributes:
+        ast: clingo's own node, which nobody may change.
+        ast_type: its kind.
+        children: the nodes right below it, in order.
+        nodes: it and all below it, in order.
+        text: it in clingo's language.
+
+    """
+
+    ast: AST
+    ast_type: ASTType
+
+    def __init__(self, ast: AST) -> None:
+        self.ast = ast
+        self.ast_type = kind = ast.ast_type
+        if kind not in _KEYS:
+            _KEYS[kind] = frozenset(ast.keys()), ast.child_keys
+
+    def __getattr__(self, name: str) -> Any:
+        """Fetch an attribute that has not been read before."""
+        if name == "children":
+            value: Any = self._below()
+        elif name == "nodes":
+            value = list(self._all())
+        elif name == "text":
+            value = str(self.ast)
+        elif name[:1] != "_" and name in _KEYS[self.ast_type][0]:
+            value = _plain(getattr(self.ast, name))
+        else:
+            raise AttributeError(f"no attribute: {name}")
+        self.__dict__[name] = value
+        return value
+
+    def _below(self) -> List["Node"]:
+        found: List[Node] = []
+        for key in _KEYS[self.ast_type][1]:
+            child = getattr(self, key)
+            if isinstance(child, Node):
+                found.append(child)
+            elif child is not None:
+                found += child
+        return found
+
+    def _all(self) -> Iterator["Node"]:
+        waiting = [self]
+        while waiting:
+            one = waiting.pop()
+            yield one
+            waiting += reversed(one.children)
+
+    def __str__(self) -> str:
+        """Return it in clingo's language."""
+        return str(self.text)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare as clingo does: wherever it stands."""
+        return self.ast == other.ast if isinstance(other, Node) else NotImplemented
+
+    def __hash__(self) -> int:
+        """Return what equal ones share."""
+        return hash(self.ast)
+
+    def update(self, **attributes: Any) -> "Node":
+        """Return a copy with other values of some attributes; the others are shared."""
+        twin = Node(self.ast.update(**{name: _given(value) for name, value in attributes.items()}))
+        made = {"ast", "ast_type", "children", "text", *attributes}
+        twin.__dict__.update({name: value for name, value in self.__dict__.items() if name not in made})
+        return twin
+
+    def move(self, place: Callable[[Position], Position]) -> None:
+        """Let it and all below it stand elsewhere; for nodes that nobody has looked at."""
+        if "location" in _KEYS[self.ast_type][0]:
+            location = self.ast.location
+            self.ast.location = self.__dict__["location"] = Location(place(location.begin), place(location.end))
+        for one in self.children:
+            one.move(place)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, AST):
+        return Node(value)
+    return [_plain(one) for one in value] if isinstance(value, (ASTSequence, StrSequence)) else value
+
+
+def _given(value: Any) -> Any:
+    if isinstance(value, Node):
+        return value.ast
+    return [_given(one) for one in value] if isinstance(value, list) else value
+
+
+def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> List[Node]:
+    """Return the statements of a text in clingo's language, ``#program base.`` before them.
+
+    Raises RuntimeError where it can't be read; details go to the ``logger``.
+    """
     found: List[AST] = []
-    for key in keys:
-        child: Any = getattr(node, key)
-        if isinstance(child, AST):
-            found.append(child)
-        elif isinstance(child, ASTSequence):
-            found += [one for one in child if isinstance(one, AST)]
-    return found
+    parse_string(text, found.append, logger=logger)
+    return [Node(one) for one in found]
 
 
-def nodes_of(node: AST) -> Iterator[AST]:
-    """Yield a term, literal or statement and all below it."""
-    return (one for _, one in kinds_of(node))
-
-
-def kinds_of(node: AST) -> Iterator[Tuple[ASTType, AST]]:
-    """Yield the same, each with its kind, for which clingo takes its time."""
-    waiting = [node]
-    while waiting:
-        one = waiting.pop()
-        kind = one.ast_type
-        yield kind, one
-        waiting += reversed(children_of(one, kind))
+def make(constructor: Callable[..., AST], *values: Any) -> Node:
+    """Return a new node, made by a constructor of :mod:`clingo.ast` from plain values."""
+    return Node(constructor(*map(_given, values)))

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Iterator, List, NamedTuple, Sequence, Tuple
 
-from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer, parse_string
+from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.directives import VOLATILE_PREFIX, Directives
+from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
 from rosoclingo.oclingo.program.sources import Parsed
 from rosoclingo.oclingo.progression.terms import Signature
@@ -34,17 +35,17 @@ class Part:
 
     name: str
     parameter: str
-    header: AST
-    statements: List[AST] = field(default_factory=list)
+    header: Node
+    statements: List[Node] = field(default_factory=list)
     window: str = ""
 
     @cached_property
-    def found(self) -> List[Tuple[AST, List[Occurrence]]]:
+    def found(self) -> List[Tuple[Node, List[Occurrence]]]:
         """Each statement with its atoms; to be asked for once the statements are complete."""
         return [(statement, occurrences(statement)) for statement in self.statements]
 
     @property
-    def atoms(self) -> Iterator[Tuple[AST, Occurrence]]:
+    def atoms(self) -> Iterator[Tuple[Node, Occurrence]]:
         """All atoms, each with its statement."""
         return ((statement, one) for statement, found in self.found for one in found)
 
@@ -64,7 +65,7 @@ def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
     return parts
 
 
-def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part:
+def _open_part(header: Node, directives: Directives, faults: List[Fault]) -> Part:
     name, parameters = header.name, [parameter.name for parameter in header.parameters]
     window = ""
     if name.startswith(VOLATILE_PREFIX):
@@ -80,16 +81,15 @@ def _open_part(header: AST, directives: Directives, faults: List[Fault]) -> Part
         window = ""  # without its parameter there is no guard
     parameter = parameters[0] if parameters else ""
     # one name of the parameter for clingo as for us: parts of the same name may call it differently
-    renamed = Program(header.location, name, [Id(header.location, parameter)] if parameter else [])
+    renamed = make(Program, header.location, name, [Id(header.location, parameter)] if parameter else [])
     part = Part(name, parameter, renamed, window=window)
     if window:
         part.statements.extend(_guard_declaration(part, header))
     return part
 
 
-def _guard_declaration(part: Part, header: AST) -> List[AST]:
-    found: List[AST] = []
-    parse_string(f"#external {GUARD}(({part.window}),{part.parameter}).", found.append)
+def _guard_declaration(part: Part, header: Node) -> List[Node]:
+    found = parse(f"#external {GUARD}(({part.window}),{part.parameter}).")
     return [statement for statement in found if statement.ast_type == ASTType.External]
 
 
@@ -118,11 +118,11 @@ class _Namer(Transformer):
         return node.update(name=f"Any__{self._count}")
 
 
-def _add(part: Part, statement: AST) -> None:
+def _add(part: Part, statement: Node) -> None:
     if part.name != "base" and _ANONYMOUS.search(str(statement)):  # the text is quickly made, a visit is not
-        statement = _Namer().visit(statement)
+        statement = Node(_Namer().visit(statement.ast))
     if part.window and statement.ast_type in _GUARDED:
-        guard = Literal(statement.location, Sign.NoSign, part.statements[0].atom)
+        guard = make(Literal, statement.location, Sign.NoSign, part.statements[0].atom)
         statement = statement.update(body=[*statement.body, guard])
     part.statements.append(statement)
 

@@ -4,9 +4,10 @@ from functools import cached_property
 from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 
 Test = Callable[[clingo.Symbol, Optional[int]], bool]
@@ -23,7 +24,7 @@ class Pattern:
 
     """
 
-    def __init__(self, term: AST, parameter: str, statement: AST, constants: Constants) -> None:
+    def __init__(self, term: Node, parameter: str, statement: Node, constants: Constants) -> None:
         """Take the atom's term, the part's parameter, the statement that the atom stands in, and all constants."""
         self.parameter = parameter
         self._term, self._statement, self._constants = term, statement, constants
@@ -47,7 +48,7 @@ class Pattern:
         """Arguments T such that t - T is at most the second number."""
         return _look_back(self._arguments(), self.parameter, self._statement, self._constants)
 
-    def _arguments(self) -> Sequence[AST]:
+    def _arguments(self) -> Sequence[Node]:
         return self._term.arguments if self._term.ast_type == ASTType.Function else ()
 
     def may_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
@@ -127,14 +128,16 @@ class Patterns:
         return position, min(numbers), max(numbers)
 
 
-def _look_back(arguments: Sequence[AST], parameter: str, statement: AST, constants: Constants) -> List[Tuple[int, int]]:
+def _look_back(
+    arguments: Sequence[Node], parameter: str, statement: Node, constants: Constants
+) -> List[Tuple[int, int]]:
     """Return, for the arguments that are bounded variables, their positions and how far they look back."""
     names = [(number, one.name) for number, one in enumerate(arguments) if one.ast_type == ASTType.Variable]
     bounds = longest_look_back(statement, parameter, constants) if names and parameter else {}
     return [(position, bounds[name]) for position, name in names if name in bounds]
 
 
-def _test(term: AST, parameter: str, constants: Constants) -> Test:
+def _test(term: Node, parameter: str, constants: Constants) -> Test:
     """Return the test for ``term``, in a part of this step ``parameter``."""
     if term.ast_type == ASTType.Function and not term.external:
         return _function_test(term, parameter, constants)
@@ -152,7 +155,7 @@ def _test(term: AST, parameter: str, constants: Constants) -> Test:
     return negated
 
 
-def _function_test(term: AST, parameter: str, constants: Constants) -> Test:
+def _function_test(term: Node, parameter: str, constants: Constants) -> Test:
     name, tests = term.name, [_test(part, parameter, constants) for part in term.arguments]
 
     def function(symbol: clingo.Symbol, step: Optional[int]) -> bool:
@@ -164,7 +167,7 @@ def _function_test(term: AST, parameter: str, constants: Constants) -> Test:
     return function
 
 
-def _simple_test(term: AST, parameter: str, constants: Constants) -> Test:
+def _simple_test(term: Node, parameter: str, constants: Constants) -> Test:
     """Return the test for a term that is no function: a value, an offset to the step, or what has a value at a step."""
     if not _mentions(term, parameter):
         value = evaluate(term, constants)
@@ -185,7 +188,7 @@ def _simple_test(term: AST, parameter: str, constants: Constants) -> Test:
     return at_step if offset is None else in_time
 
 
-def _mentions(term: AST, name: str) -> bool:
+def _mentions(term: Node, name: str) -> bool:
     if term.ast_type == ASTType.BinaryOperation:
         return _mentions(term.left, name) or _mentions(term.right, name)
     if term.ast_type == ASTType.UnaryOperation:

@@ -168,9 +168,9 @@ class ReactiveProgram:
         """
         with ProgramBuilder(control) as builder:
             for part in self.parts:
-                builder.add(part.header)
+                builder.add(part.header.ast)
                 for statement in part.statements:
-                    builder.add(statement)
+                    builder.add(statement.ast)
         for opened in (*self._open_parts.values(), *(domain[:3] for domain in self.domains.values())):
             control.add(*opened)
         for asking in self.return_rules.texts if foresees and self.return_rules is not None else ():

@@ -12,12 +12,12 @@ where these are, or are not, done as the rule has it.
 from typing import FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import nodes_of
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
@@ -75,12 +75,12 @@ def _acts_at_its_step(parts: Sequence[Part], constants: Constants) -> bool:
     return True
 
 
-def _offset(term: AST, parameter: str, constants: Constants) -> Optional[int]:
+def _offset(term: Node, parameter: str, constants: Constants) -> Optional[int]:
     """Return c where the last argument is the step plus c, None where it is not."""
     return time_offset(term.arguments[-1], parameter, dict(constants)) if parameter else None
 
 
-def _reaches_further(statement: AST) -> bool:
+def _reaches_further(statement: Node) -> bool:
     """Whether a statement may make something of returns that no rule shows: by a theory, or edges of a graph."""
     atoms = [literal.atom for literal in _body(statement) if literal.ast_type == ASTType.Literal]
     heads = [statement.head] if statement.ast_type == ASTType.Rule else []
@@ -88,13 +88,13 @@ def _reaches_further(statement: AST) -> bool:
     return theory or statement.ast_type == ASTType.Edge
 
 
-def _asks(statement: AST, returns: Sequence[Occurrence]) -> bool:
+def _asks(statement: Node, returns: Sequence[Occurrence]) -> bool:
     """Whether a statement that bears on answers has returns, but to declare them."""
     declares = statement.ast_type == ASTType.External and all(one.head for one in returns)
     return bool(returns) and not declares and statement.ast_type != ASTType.Heuristic
 
 
-def _place(statement: AST, returns: Sequence[Occurrence], parameter: str, constants: Constants) -> Optional[int]:
+def _place(statement: Node, returns: Sequence[Occurrence], parameter: str, constants: Constants) -> Optional[int]:
     """Return which literal of a rule's body is its only atom with a return, None where that is not all there is."""
     places = [place for place, literal in enumerate(_body(statement)) if _is_atom(literal, RETURN)]
     if statement.ast_type != ASTType.Rule or not len(places) == len(returns) == 1:
@@ -105,15 +105,15 @@ def _place(statement: AST, returns: Sequence[Occurrence], parameter: str, consta
     return places[0] if simple and offset is not None and offset <= 0 else None
 
 
-def _is_simple(term: AST) -> bool:
-    return "_" not in names_in(term) and all(node.ast_type in _SIMPLE for node in nodes_of(term))
+def _is_simple(term: Node) -> bool:
+    return "_" not in names_in(term) and all(node.ast_type in _SIMPLE for node in term.nodes)
 
 
-def _body(statement: AST) -> Sequence[AST]:
+def _body(statement: Node) -> Sequence[Node]:
     return statement.body if hasattr(statement, "body") else ()
 
 
-def _is_atom(literal: AST, signature: Signature) -> bool:
+def _is_atom(literal: Node, signature: Signature) -> bool:
     """Whether a body literal is an atom of that signature, under ``not`` or not."""
     plain = literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom
     return (
@@ -137,10 +137,10 @@ class _Asking(NamedTuple):
     cycle: str
     arguments: str
     names: Set[str]
-    rest: List[AST]
+    rest: List[Node]
 
     @classmethod
-    def of(cls, number: int, statement: AST, place: int) -> "_Asking":
+    def of(cls, number: int, statement: Node, place: int) -> "_Asking":
         """Take the rule apart whose return is the literal at ``place``; ``_`` gets a name, as a head must have one."""
         body = list(_body(statement))
         told = body.pop(place).atom.symbol
@@ -163,10 +163,10 @@ class _Asking(NamedTuple):
         others = [*actions, *filter(_is_comparison, self.rest)]
         return self._rule(ACTS, [one for one in others if bound.issuperset(names_in(one.atom))]) if actions else ""
 
-    def _rule(self, name: str, rest: Sequence[AST]) -> str:
+    def _rule(self, name: str, rest: Sequence[Node]) -> str:
         body = [f"{ACTION.name}({self.arguments})", *map(str, rest)]
         return f"{name}({self.number},{self.arguments}) :- {'; '.join(body)}.\n"
 
 
-def _is_comparison(literal: AST) -> bool:
+def _is_comparison(literal: Node) -> bool:
     return literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.Comparison

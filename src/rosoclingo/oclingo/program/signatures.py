@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, BinaryOperator, Sign, UnaryOperator
+from clingo.ast import ASTType, BinaryOperator, Sign, UnaryOperator
 
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 
@@ -17,7 +18,7 @@ from rosoclingo.oclingo.progression.updates import Statement
 class _Occurrence(NamedTuple):
     """What an occurrence is made of."""
 
-    term: AST
+    term: Node
     signature: Signature
     head: bool
     positive: bool
@@ -27,18 +28,18 @@ class Occurrence(_Occurrence):
     """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
 
     @cached_property
-    def arguments(self) -> List[AST]:
+    def arguments(self) -> List[Node]:
         """The atom's arguments."""
         return arguments_of(self.term)
 
 
-def arguments_of(atom: AST) -> List[AST]:
+def arguments_of(atom: Node) -> List[Node]:
     """Return the arguments of an atom's term, which may be classically negated."""
     bare = atom.argument if atom.ast_type == ASTType.UnaryOperation else atom
     return list(bare.arguments) if bare.ast_type == ASTType.Function else []
 
 
-def term_signature(term: AST) -> Signature:
+def term_signature(term: Node) -> Signature:
     """Return the signature of an atom's term."""
     kind = term.ast_type
     if kind == ASTType.UnaryOperation:
@@ -48,7 +49,7 @@ def term_signature(term: AST) -> Signature:
     return Signature(term.name, len(term.arguments))
 
 
-def atom_terms(term: AST) -> Iterator[AST]:
+def atom_terms(term: Node) -> Iterator[Node]:
     """Yield the terms of an atom, one for each alternative of a pool."""
     if term.ast_type == ASTType.Pool:
         for argument in term.arguments:
@@ -57,7 +58,7 @@ def atom_terms(term: AST) -> Iterator[AST]:
         yield term
 
 
-def occurrences(statement: AST) -> List[Occurrence]:
+def occurrences(statement: Node) -> List[Occurrence]:
     """Return all atoms of ``statement``."""
     found: List[Occurrence] = []
     if statement.ast_type == ASTType.Rule:
@@ -70,24 +71,24 @@ def occurrences(statement: AST) -> List[Occurrence]:
     return found
 
 
-def has_weights(statement: AST) -> bool:
+def has_weights(statement: Node) -> bool:
     """Tell whether ``statement`` has an aggregate or a bound on a choice: what rules with weights are ground from."""
     head, body = getattr(statement, "head", None), getattr(statement, "body", ())
     atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
     return any(map(_has_weights, atoms if head is None else [head, *atoms]))
 
 
-def _has_weights(atom: AST) -> bool:
+def _has_weights(atom: Node) -> bool:
     if atom.ast_type == ASTType.Aggregate:
         return not (atom.left_guard is None and atom.right_guard is None)
     return atom.ast_type in (ASTType.BodyAggregate, ASTType.HeadAggregate)
 
 
-def _from_atom(atom: AST, head: bool, positive: bool, found: List[Occurrence]) -> None:
+def _from_atom(atom: Node, head: bool, positive: bool, found: List[Occurrence]) -> None:
     found.extend(Occurrence(term, term_signature(term), head, positive) for term in atom_terms(atom.symbol))
 
 
-def _from_head(head: AST, found: List[Occurrence]) -> None:
+def _from_head(head: Node, found: List[Occurrence]) -> None:
     """Collect the atoms of a head: a literal, a disjunction or an aggregate."""
     if head.ast_type == ASTType.Literal:
         if head.atom.ast_type == ASTType.SymbolicAtom:
@@ -101,7 +102,7 @@ def _from_head(head: AST, found: List[Occurrence]) -> None:
                 _from_body(literal, True, found)
 
 
-def _from_body(literal: AST, positive: bool, found: List[Occurrence]) -> None:
+def _from_body(literal: Node, positive: bool, found: List[Occurrence]) -> None:
     """Collect the atoms of a body literal; in aggregates and conditions those without a sign count as positive."""
     kind = literal.ast_type
     if kind == ASTType.ConditionalLiteral:
@@ -117,7 +118,7 @@ def _from_body(literal: AST, positive: bool, found: List[Occurrence]) -> None:
                 _from_element(element, found)
 
 
-def _from_element(element: AST, found: List[Occurrence]) -> None:
+def _from_element(element: Node, found: List[Occurrence]) -> None:
     if element.ast_type == ASTType.ConditionalLiteral:
         _from_body(element, True, found)
         return
@@ -125,7 +126,7 @@ def _from_element(element: AST, found: List[Occurrence]) -> None:
         _from_body(literal, True, found)
 
 
-def evaluate(term: AST, values: Dict[str, clingo.Symbol]) -> Optional[clingo.Symbol]:
+def evaluate(term: Node, values: Dict[str, clingo.Symbol]) -> Optional[clingo.Symbol]:
     """Return the value of a ground term under constants and parameters, None where it has none or is not simple."""
     if term.ast_type == ASTType.SymbolicTerm:
         symbol = term.symbol
@@ -209,7 +210,7 @@ class Dependencies:
         return False
 
 
-def rule_edges(statement: AST, atoms: Iterable[Occurrence]) -> Tuple[Set[Signature], Set[Signature]]:
+def rule_edges(statement: Node, atoms: Iterable[Occurrence]) -> Tuple[Set[Signature], Set[Signature]]:
     """Return the head signatures and the positive body signatures of a statement with these atoms."""
     found = list(atoms) if statement.ast_type == ASTType.Rule else []
     heads = {one.signature for one in found if one.head}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
-from clingo.ast import AST, Location, Position, parse_string
+from clingo.ast import Position
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
 from rosoclingo.oclingo.program.endings import ended_before
 from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of, translate_documents
-from rosoclingo.oclingo.program.nodes import children_of
+from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.progression.terms import parse_term
 
 _CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
@@ -45,7 +45,7 @@ class Parsed(NamedTuple):
     """A source after parsing."""
 
     source: Source
-    statements: List[AST]
+    statements: List[Node]
 
 
 def read_sources(
@@ -185,13 +185,20 @@ def missing_file(source: Source, wanted: Include) -> Fault:
 def _parse(
     source: Source, text: str, found: Directives, faults: List[Fault], translation: Optional[Translation] = None
 ) -> Parsed:
-    name, messages, statements = source.name, Messages(), []  # type: str, Messages, List[AST]
+    name, messages = source.name, Messages()
     try:
-        parse_string(take_directives(text, name, found), statements.append, logger=messages.log)
+        statements = parse(take_directives(text, name, found), messages.log)
     except RuntimeError as error:
         faults.extend(ended_before(_named(fault, name), text) for fault in messages.faults(error))
+        return Parsed(source, [])
+
+    def place(one: Position) -> Position:
+        """Return where it stands in the file, which may have been translated."""
+        line, column = (one.line, one.column) if translation is None else translation.place(one.line)
+        return Position(name, line, column)
+
     for statement in statements:
-        _relocate(statement, name, translation)
+        statement.move(place)
     return Parsed(source, statements)
 
 
@@ -204,19 +211,6 @@ def _remark(name: str, text: str) -> Fault:
 def _named(fault: Fault, name: str) -> Fault:
     message = fault.message.replace("<string>", name)
     return replace(fault, file=name if fault.file == "<string>" else fault.file, message=message)
-
-
-def _relocate(node: AST, name: str, translation: Optional[Translation] = None) -> None:
-    """Let ``node`` and all below it say that they stand in file ``name``, where it has been translated at its place."""
-    location = getattr(node, "location", None)
-    if location is not None:
-        begin, end = (
-            (one.line, one.column) if translation is None else translation.place(one.line)
-            for one in (location.begin, location.end)
-        )
-        node.location = Location(Position(name, *begin), Position(name, *end))
-    for one in children_of(node):
-        _relocate(one, name, translation)
 
 
 def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:

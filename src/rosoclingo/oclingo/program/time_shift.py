@@ -8,11 +8,11 @@ that do other things with a time, as by a remainder or by ``t > 100``, are told 
 from typing import Dict, FrozenSet, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, BinaryOperator, UnaryOperator
+from clingo.ast import ASTType, BinaryOperator, UnaryOperator
 
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import children_of, nodes_of
+from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
@@ -124,13 +124,13 @@ class TimeShift:
                 found[name] = max(degree, found.get(name, 0))
         return found
 
-    def _degree(self, term: AST, rule: "_Rule", degrees: Mapping[str, int]) -> Optional[int]:
+    def _degree(self, term: Node, rule: "_Rule", degrees: Mapping[str, int]) -> Optional[int]:
         """Return how often the time is added up in a term: 1 of a time, 0 of a difference; None where it is no sum."""
         if term.ast_type == ASTType.Variable:
             return degrees.get(term.name, 0)
         if term.ast_type == ASTType.SymbolicTerm:
             return 1 if str(term) == rule.parameter else 0
-        inner = [self._degree(one, rule, degrees) for one in children_of(term)]
+        inner = [self._degree(one, rule, degrees) for one in term.children]
         if all(one == 0 for one in inner):
             return 0
         if None in inner:
@@ -165,7 +165,7 @@ class TimeShift:
                 plain = all(self._period(one, rule, degrees) or self._degree(one, rule, degrees) == 0 for one in terms)
                 self.readings.append(Reading(period if plain else 0, needs))
 
-    def _period(self, term: AST, rule: "_Rule", degrees: Mapping[str, int]) -> int:
+    def _period(self, term: Node, rule: "_Rule", degrees: Mapping[str, int]) -> int:
         """Return N where a term is a time modulo N, else 0."""
         if term.ast_type != ASTType.BinaryOperation or term.operator_type != BinaryOperator.Modulo:
             return 0
@@ -184,12 +184,12 @@ class _Rule:
 
     """
 
-    def __init__(self, statement: AST, found: List[Occurrence], parameter: str) -> None:
+    def __init__(self, statement: Node, found: List[Occurrence], parameter: str) -> None:
         self.statement, self.found, self.parameter = statement, found, parameter
         self.arguments = list(self._arguments())
         self.variables = [(one, place, term.name) for one, place, term in self.arguments if _is_variable(term)]
 
-    def _arguments(self) -> Iterator[Tuple[Signature, int, AST]]:
+    def _arguments(self) -> Iterator[Tuple[Signature, int, Node]]:
         for one in self.found:
             term = one.term.argument if one.term.ast_type == ASTType.UnaryOperation else one.term
             for place, argument in enumerate(term.arguments if term.ast_type == ASTType.Function else ()):
@@ -203,10 +203,10 @@ class _Rule:
             if one.positive and any(offset is not None and offset < 0 for offset in offsets):
                 yield one.signature
 
-    def compared(self) -> Iterator[List[AST]]:
+    def compared(self) -> Iterator[List[Node]]:
         """Yield the terms that comparisons hold against each other, and the bounds and weights of aggregates alone."""
         for child in _bodies(self.statement):
-            for node in nodes_of(child):
+            for node in child.nodes:
                 if node.ast_type == ASTType.Comparison:
                     yield [node.term, *(guard.term for guard in node.guards)]
                 elif node.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate, ASTType.HeadAggregate):
@@ -216,27 +216,21 @@ class _Rule:
                     yield [node.terms[0], _ZERO]
 
 
-def _is_variable(term: AST) -> bool:
+def _is_variable(term: Node) -> bool:
     return bool(term.ast_type == ASTType.Variable)
 
 
-def names_in_term(term: AST) -> Set[str]:
+def names_in_term(term: Node) -> Set[str]:
     """Return the names of the variables in a term."""
     if term.ast_type == ASTType.Variable:
         return {term.name}
     return set() if term.ast_type == ASTType.SymbolicTerm else set(names_in(term))
 
 
-def _zero() -> AST:
-    found: List[AST] = []
-    clingo.ast.parse_string("x(0).", found.append)
-    return found[-1].head.atom.symbol.arguments[0]
+_ZERO = parse("x(0).")[-1].head.atom.symbol.arguments[0]
 
 
-_ZERO = _zero()
-
-
-def _bodies(statement: AST) -> Iterator[AST]:
-    if hasattr(statement, "head") and isinstance(statement.head, AST):
+def _bodies(statement: Node) -> Iterator[Node]:
+    if hasattr(statement, "head") and isinstance(statement.head, Node):
         yield statement.head
     yield from (statement.body if hasattr(statement, "body") else ())

@@ -3,9 +3,10 @@
 from typing import Dict, Iterator, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
@@ -27,7 +28,7 @@ def time_positions(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -
     return {signature: max(positions) for signature, positions in found.items() if positions}
 
 
-def _heads(part: Part) -> Iterator[AST]:
+def _heads(part: Part) -> Iterator[Node]:
     """Yield what the statements of a part define, declare or show."""
     for _, one in part.atoms:
         if one.head:
@@ -39,11 +40,11 @@ def _heads(part: Part) -> Iterator[AST]:
                     yield term
 
 
-def _bare(term: AST) -> AST:
+def _bare(term: Node) -> Node:
     """Return a term without the sign of classical negation."""
     return term.argument if term.ast_type == ASTType.UnaryOperation else term
 
 
-def _parted(term: AST) -> Tuple[Signature, Sequence[AST]]:
+def _parted(term: Node) -> Tuple[Signature, Sequence[Node]]:
     bare = _bare(term)
     return term_signature(bare), bare.arguments if bare.ast_type == ASTType.Function else ()

@@ -5,9 +5,10 @@ from itertools import islice, product
 from typing import Iterable, Iterator, List, Sequence
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import ProgressionError
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import parse_atom
 
@@ -33,11 +34,11 @@ def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
     return [_filled(kind, names) for text, kind in sorted(kinds.items()) if _is_goal(kind)]
 
 
-def _is_goal(term: AST) -> bool:
+def _is_goal(term: Node) -> bool:
     return bool(term.ast_type == ASTType.Function and term.name not in ("", "cancel") and term.arguments)
 
 
-def _shape(term: AST) -> str:
+def _shape(term: Node) -> str:
     """Return a term's text, whatever its variables are called."""
     if not _is_goal(term):
         return str(term)
@@ -45,7 +46,7 @@ def _shape(term: AST) -> str:
     return f"{term.name}({','.join(arguments)})"
 
 
-def _filled(kind: AST, names: List[str]) -> Iterator[str]:
+def _filled(kind: Node, names: List[str]) -> Iterator[str]:
     """Yield requests of a kind, in which each name stands once, those first whose names are mentioned most."""
     arguments = list(kind.arguments)
     choices = [names if one.ast_type == ASTType.Variable else [str(one)] for one in arguments]

@@ -4,12 +4,12 @@ from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence
 
 import clingo
 from clingo import Symbol
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.action_rules import ACTION, is_action
 from rosoclingo.oclingo.program.domains import binds, fixed_signatures, names_in, plain_literals
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import nodes_of
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
@@ -140,7 +140,7 @@ class _Knowledge:
                 if one.signature == signature and not one.head and part.parameter:
                     yield from self._query(statement, one.term, part.parameter)
 
-    def _query(self, statement: AST, term: AST, parameter: str) -> Iterator[str]:
+    def _query(self, statement: Node, term: Node, parameter: str) -> Iterator[str]:
         values = dict(self._program.values)
         arguments = [
             "1" if time_offset(one, parameter, values) is not None else str(one)
@@ -213,27 +213,27 @@ class _Knowledge:
         return {one for one in lookups if one[0] in self._fixed}, words
 
     def _constants(
-        self, statement: AST, found: Sequence[object], flow: Set[Place], names: Set[str]
+        self, statement: Node, found: Sequence[object], flow: Set[Place], names: Set[str]
     ) -> Iterator[Symbol]:
         """Yield the words that stand where a returned value does, or that one is compared with."""
         for signature, place, term in _arguments(found, head=False):
             if (signature, place) in flow:
                 yield from self._word(term)
         for literal in statement.body if hasattr(statement, "body") else ():
-            for node in nodes_of(literal):
+            for node in literal.nodes:
                 if node.ast_type == ASTType.Comparison:
                     terms = [node.term, *(guard.term for guard in node.guards)]
                     if any(one.ast_type == ASTType.Variable and one.name in names for one in terms):
                         for one in terms:
                             yield from self._word(one)
 
-    def _word(self, term: AST) -> Iterator[Symbol]:
+    def _word(self, term: Node) -> Iterator[Symbol]:
         value = None if term.ast_type == ASTType.Variable else evaluate(term, dict(self._program.values))
         if value is not None and value.type is clingo.SymbolType.Function:
             yield value
 
 
-def _arguments(found: Iterable, head: bool) -> Iterator[Tuple[Signature, int, AST]]:
+def _arguments(found: Iterable, head: bool) -> Iterator[Tuple[Signature, int, Node]]:
     for one in found:
         if one.head == head and one.term.ast_type == ASTType.Function:
             for place, term in enumerate(one.term.arguments):

@@ -3,7 +3,7 @@
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
@@ -11,7 +11,7 @@ from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, part
 from rosoclingo.oclingo.program.lint.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
 from rosoclingo.oclingo.program.lint.term_shapes import is_open
-from rosoclingo.oclingo.program.nodes import nodes_of
+from rosoclingo.oclingo.program.nodes import Node
 
 Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
 """Returns of which terms an action asks for the label, by its parameter."""
@@ -43,7 +43,7 @@ class Actions:
         self._survey = survey
         self.all_known = True
         self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {}
-        self._nodes: Dict[str, AST] = {}
+        self._nodes: Dict[str, Node] = {}
         for rule in values.rules:
             bound = values.bindings(rule) if rule.head.signature == ACTION else None
             if bound is None:
@@ -99,11 +99,11 @@ class Actions:
         mend = likely_value(str(term), names) if names else ""
         return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
 
-    def _where(self, text: str) -> Optional[AST]:
+    def _where(self, text: str) -> Optional[Node]:
         """Return where a term first stands among the facts of a program."""
         for _, statement, found in self._survey.statements:
             fact = statement.ast_type == ASTType.Rule and not statement.body and len(found) == 1 and found[0].head
-            for one in nodes_of(found[0].term) if fact and statement.location.begin.filename != LABELS else ():
+            for one in found[0].term.nodes if fact and statement.location.begin.filename != LABELS else ():
                 if one.ast_type in (ASTType.SymbolicTerm, ASTType.Function) and str(one) == text:
                     return one
         return None

@@ -10,7 +10,7 @@ predicates as there are constants.
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.program.lint.survey import Survey
 from rosoclingo.oclingo.program.lint.term_shapes import (
@@ -28,6 +28,7 @@ from rosoclingo.oclingo.program.lint.term_shapes import (
     shape_of,
     value_of,
 )
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
@@ -38,7 +39,7 @@ Row = List[Values]
 class Condition(NamedTuple):
     """A positive atom on which a rule depends."""
 
-    term: AST
+    term: Node
     signature: Signature
     arguments: Tuple[Shape, ...]
 
@@ -68,7 +69,7 @@ class Rule(NamedTuple):
     equations: List[Equation]
 
 
-def parted(term: AST) -> Tuple[Signature, Sequence[AST]]:
+def parted(term: Node) -> Tuple[Signature, Sequence[Node]]:
     """Return an atom's predicate and its arguments."""
     return term_signature(term), arguments_of(term)
 
@@ -110,7 +111,7 @@ class ArgumentValues:
         arguments = [fixed(one) for one in atom.arguments]
         return self._misfit(signature_of(atom), arguments)
 
-    def misfitting(self, term: AST, step: str) -> Optional[Tuple[int, List[clingo.Symbol]]]:
+    def misfitting(self, term: Node, step: str) -> Optional[Tuple[int, List[clingo.Symbol]]]:
         """Return the same for an atom of a rule in a part with this parameter."""
         signature, arguments = parted(term)
         return self._misfit(signature, [shape_of(one, step, self._constants) for one in arguments])
@@ -122,7 +123,7 @@ class ArgumentValues:
             return found
         return None
 
-    def value(self, term: AST, step: str, bound: Bindings) -> Values:
+    def value(self, term: Node, step: str, bound: Bindings) -> Values:
         """Return what a term may be."""
         return value_of(shape_of(term, step, self._constants), bound)
 
@@ -228,7 +229,7 @@ def _compare(one: Equation, found: Bindings) -> bool:
 _Constants = Mapping[str, clingo.Symbol]
 
 
-def _rules(statement: AST, step: str, constants: _Constants) -> Iterator[Rule]:
+def _rules(statement: Node, step: str, constants: _Constants) -> Iterator[Rule]:
     """Yield what a statement defines or declares."""
     body = list(statement.body) if hasattr(statement, "body") else []
     if statement.ast_type == ASTType.External:
@@ -241,7 +242,7 @@ def _rules(statement: AST, step: str, constants: _Constants) -> Iterator[Rule]:
                     yield _rule(step, term, [*condition, *body], constants)
 
 
-def _rule(step: str, head: AST, literals: Sequence[AST], constants: _Constants) -> Rule:
+def _rule(step: str, head: Node, literals: Sequence[Node], constants: _Constants) -> Rule:
     """Return the rule of a head with what its body and condition say for certain."""
     plain = [one.atom for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
     symbols = [one.symbol for one in plain if one.ast_type == ASTType.SymbolicAtom]
@@ -251,12 +252,12 @@ def _rule(step: str, head: AST, literals: Sequence[AST], constants: _Constants) 
     return Rule(step, _condition(head, step, constants), atoms, equations)
 
 
-def _condition(term: AST, step: str, constants: _Constants) -> Condition:
+def _condition(term: Node, step: str, constants: _Constants) -> Condition:
     signature, arguments = parted(term)
     return Condition(term, signature, tuple(shape_of(one, step, constants) for one in arguments))
 
 
-def _equations(comparison: AST, step: str, constants: _Constants) -> Iterator[Equation]:
+def _equations(comparison: Node, step: str, constants: _Constants) -> Iterator[Equation]:
     guard = comparison.guards[0]
     if guard.comparison in (ComparisonOperator.Equal, ComparisonOperator.NotEqual):
         left, right = (shape_of(one, step, constants) for one in (comparison.term, guard.term))
@@ -265,7 +266,7 @@ def _equations(comparison: AST, step: str, constants: _Constants) -> Iterator[Eq
                 yield Equation(one.variable, other, guard.comparison == ComparisonOperator.Equal)
 
 
-def head_literals(head: AST) -> Iterator[Tuple[AST, Sequence[AST]]]:
+def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
     """Yield the literals of a head, each with its condition."""
     if head.ast_type == ASTType.Literal:
         yield head, ()

@@ -1,17 +1,15 @@
 """Constants that are not there, and values that those of a program cannot have."""
 
-from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import clingo
-from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, UnaryOperator
+from clingo.ast import AggregateFunction, ASTType, ComparisonOperator, UnaryOperator
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.lint.likeness import likely_word
 from rosoclingo.oclingo.program.lint.survey import Survey, fault_at
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
-
-Nodes = Sequence[Tuple[ASTType, AST]]
-"""A statement's nodes, each with its kind."""
 
 
 class _Constant(NamedTuple):
@@ -64,8 +62,8 @@ def _own(survey: Survey) -> Dict[str, _Constant]:
 
 def _mentioned(survey: Survey) -> Set[str]:
     """Return the names of all constants in the statements."""
-    nodes = (pair for _, statement, _ in survey.statements for pair in survey.nodes_of(statement))
-    symbols = (node.symbol for kind, node in nodes if kind == ASTType.SymbolicTerm)
+    nodes = (node for _, statement, _ in survey.statements for node in statement.nodes)
+    symbols = (node.symbol for node in nodes if node.ast_type == ASTType.SymbolicTerm)
     return {one.name for one in symbols if one.type is clingo.SymbolType.Function and not one.arguments}
 
 
@@ -79,7 +77,7 @@ def words_for_numbers(survey: Survey) -> List[Fault]:
     for part, statement, _ in survey.statements:
         # a step's parameter and constants are numbers; those of part headers are the parameters of these
         known = {*own, *survey.constants, part.parameter}
-        for term in _counted(survey.nodes_of(statement)):
+        for term in _counted(statement.nodes):
             name = _word(term)
             if name and name not in known:
                 message = f"{name} stands for a number, but no #const gives it one"
@@ -92,7 +90,7 @@ def _mend(name: str, own: Collection[str]) -> str:
     return likely_word(name, own) or f"write #const {name} = 1. with its value"
 
 
-def _word(term: AST) -> str:
+def _word(term: Node) -> str:
     if term.ast_type == ASTType.Function and not term.arguments and not term.external:
         return str(term.name)
     symbol = term.symbol if term.ast_type == ASTType.SymbolicTerm else None
@@ -100,9 +98,10 @@ def _word(term: AST) -> str:
     return str(symbol.name) if plain and symbol is not None else ""
 
 
-def _counted(nodes: Nodes) -> Iterator[AST]:
+def _counted(nodes: Sequence[Node]) -> Iterator[Node]:
     """Yield the terms of a statement that have to be numbers."""
-    for kind, node in nodes:
+    for node in nodes:
+        kind = node.ast_type
         if kind in (ASTType.BinaryOperation, ASTType.Interval):
             yield from (node.left, node.right)
         elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
@@ -115,7 +114,7 @@ def _counted(nodes: Nodes) -> Iterator[AST]:
             yield from _guards(node)
 
 
-def _ordered(node: AST, nodes: Nodes) -> Iterator[AST]:
+def _ordered(node: Node, nodes: Sequence[Node]) -> Iterator[Node]:
     """Yield what is compared as less or more with what is counted with: a variable that is calculated with, a sum."""
     sides = [node.term, *(guard.term for guard in node.guards)]
     if len(sides) == 2 and node.guards[0].comparison in _ORDERS:
@@ -124,9 +123,9 @@ def _ordered(node: AST, nodes: Nodes) -> Iterator[AST]:
                 yield one
 
 
-def _calculated(nodes: Nodes) -> Set[str]:
+def _calculated(nodes: Sequence[Node]) -> Set[str]:
     """Return the variables with which a statement calculates."""
-    sums = (one for kind, one in nodes if kind == ASTType.BinaryOperation)
+    sums = (one for one in nodes if one.ast_type == ASTType.BinaryOperation)
     return {str(side) for one in sums for side in (one.left, one.right) if side.ast_type == ASTType.Variable}
 
 
@@ -139,7 +138,7 @@ _ORDERS = (
 _COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards may be words
 
 
-def _guards(node: AST) -> Iterator[AST]:
+def _guards(node: Node) -> Iterator[Node]:
     for guard in (node.left_guard, node.right_guard):
         if guard is not None:
             yield guard.term

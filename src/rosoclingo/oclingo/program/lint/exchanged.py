@@ -3,13 +3,14 @@
 from collections import Counter
 from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
 
 _KIND = "exchanged"
 _TIMELESS = "_says"
@@ -40,7 +41,7 @@ def exchanged_words(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(arguments[1], _KIND, message, "write the action as argument 1")
 
 
-def _has_its_cycle_elsewhere(place: Place, arguments: Sequence[AST], survey: Survey) -> bool:
+def _has_its_cycle_elsewhere(place: Place, arguments: Sequence[Node], survey: Survey) -> bool:
     step = place.part.parameter
     found = [time_offset(one, step, survey.constants) is not None for one in arguments] if step else []
     return any(found[:-1]) and not found[-1]
@@ -57,7 +58,7 @@ def _actions(survey: Survey) -> List[Counter]:
     return found
 
 
-def _has_its_action_second(arguments: Sequence[AST], actions: Sequence[Counter]) -> bool:
+def _has_its_action_second(arguments: Sequence[Node], actions: Sequence[Counter]) -> bool:
     name = str(arguments[1])
     swapped = arguments[0].ast_type == ASTType.Variable and arguments[1].ast_type == ASTType.SymbolicTerm
     return swapped and actions[0][name] >= actions[1][name]
@@ -79,7 +80,7 @@ def _of_predicate(atoms: Sequence[Place]) -> Iterator[Fault]:
             )
 
 
-def _variable(term: AST) -> Optional[str]:
+def _variable(term: Node) -> Optional[str]:
     return str(term.name) if term.ast_type == ASTType.Variable and term.name != "_" else None
 
 

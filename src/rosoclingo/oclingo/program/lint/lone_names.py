@@ -4,11 +4,12 @@ from collections import Counter
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.lint.likeness import asked, is_slip
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
+from rosoclingo.oclingo.program.nodes import Node
 
 _PLAIN = clingo.SymbolType.Function
 _DIGITS = "0123456789"
@@ -21,7 +22,7 @@ class _Word(NamedTuple):
     """A constant or a variable in a statement."""
 
     text: str
-    node: AST
+    node: Node
     slot: Slot
 
 
@@ -98,7 +99,7 @@ def _is_slip_of_variable(text: str, other: str) -> bool:
     return is_slip(text, other, shortest=2)
 
 
-def _words(arguments: Iterable[AST], owner: object) -> Iterator[_Word]:
+def _words(arguments: Iterable[Node], owner: object) -> Iterator[_Word]:
     """Yield the constants and variables that are arguments of an atom, or in terms that are."""
     for position, argument in enumerate(arguments):
         kind = argument.ast_type

@@ -2,12 +2,13 @@
 
 from typing import Iterator, List, Optional, Sequence
 
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.lint.survey import OWN, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 
@@ -55,7 +56,7 @@ def early_ends(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(statement, _KIND, message, f"write {part.parameter} for the step")
 
 
-def _is_constraint(statement: AST) -> bool:
+def _is_constraint(statement: Node) -> bool:
     return statement.head.ast_type == ASTType.Literal and statement.head.atom.ast_type == ASTType.BooleanConstant
 
 

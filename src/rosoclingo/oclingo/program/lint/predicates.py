@@ -2,7 +2,7 @@
 
 from typing import Dict, Iterator, List, Optional, Set
 
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
@@ -10,6 +10,7 @@ from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule
 from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_value, slip_of
 from rosoclingo.oclingo.program.lint.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.lint.term_shapes import WILD
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -64,7 +65,7 @@ def _is_used(survey: Survey, signature: Signature) -> bool:
     return any(not _defines_alone(one.statement, signature) for one in survey.using[signature])
 
 
-def _defines_alone(statement: AST, signature: Signature) -> bool:
+def _defines_alone(statement: Node, signature: Signature) -> bool:
     heads = {one.signature for one in occurrences(statement) if one.head}
     return statement.ast_type == ASTType.Rule and heads == {signature}
 
@@ -145,11 +146,11 @@ def contradictions(survey: Survey) -> List[Fault]:
     return found
 
 
-def _body(statement: AST) -> List[AST]:
+def _body(statement: Node) -> List[Node]:
     return list(statement.body) if hasattr(statement, "body") else []
 
 
-def _compares_nothing(literal: AST) -> bool:
+def _compares_nothing(literal: Node) -> bool:
     strict = (ComparisonOperator.NotEqual, ComparisonOperator.LessThan, ComparisonOperator.GreaterThan)
     guards = literal.atom.guards
     same = len(guards) == 1 and str(guards[0].term) == str(literal.atom.term) != "_"

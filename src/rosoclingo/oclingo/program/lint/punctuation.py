@@ -2,11 +2,12 @@
 
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import Kind, Token, statements, tokens
 from rosoclingo.oclingo.program.lint.survey import Survey, fault_at, written
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import term_signature
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -80,13 +81,13 @@ def odd_choices(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(one.literal, KIND, message, "is it a condition? that stands behind ':' and ','")
 
 
-def _elements(statement: AST) -> List[AST]:
+def _elements(statement: Node) -> List[Node]:
     """Return the elements of a choice; none of any other statement."""
     is_rule = statement.ast_type == ASTType.Rule
     return list(statement.head.elements) if is_rule and statement.head.ast_type == ASTType.Aggregate else []
 
 
-def _signature(element: AST) -> Optional[Signature]:
+def _signature(element: Node) -> Optional[Signature]:
     atom = element.literal.atom
     plain = atom.ast_type == ASTType.SymbolicAtom and atom.symbol.ast_type != ASTType.Pool
     return term_signature(atom.symbol) if plain else None

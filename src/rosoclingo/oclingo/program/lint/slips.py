@@ -4,7 +4,7 @@ from collections import Counter
 from typing import Dict, FrozenSet, Iterator, List, Optional, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
@@ -14,6 +14,7 @@ from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -54,7 +55,7 @@ def _tautologies(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(statement.head, "tautology", message, "is another step meant in the body?")
 
 
-def _is_plain(literal: AST) -> bool:
+def _is_plain(literal: Node) -> bool:
     kinds = literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom
     return bool(kinds and literal.sign == Sign.NoSign)
 
@@ -72,10 +73,10 @@ def _lower_case(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(node, "lower-case", message, asked(variable))
 
 
-def _words(statement: AST, survey: Survey) -> Iterator[Tuple[str, AST]]:
+def _words(statement: Node, survey: Survey) -> Iterator[Tuple[str, Node]]:
     """Yield the names in a rule that may be anything's."""
-    for kind, node in survey.nodes_of(statement) if statement.ast_type == ASTType.Rule else ():
-        if kind == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
+    for node in statement.nodes if statement.ast_type == ASTType.Rule else ():
+        if node.ast_type == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
             yield str(node.symbol), node
 
 
@@ -91,7 +92,7 @@ def _same_variables(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(literal, "same-variables", message, mend)
 
 
-def _equal_variables(literal: AST) -> Optional[Tuple[str, str]]:
+def _equal_variables(literal: Node) -> Optional[Tuple[str, str]]:
     """Return the two variables of X = Y, None for what says anything else."""
     if literal.ast_type != ASTType.Literal or literal.sign != Sign.NoSign:
         return None
@@ -181,7 +182,7 @@ def _first_steps(survey: Survey, steps: _Steps) -> Iterator[Fault]:
                     yield place.fault("first-step", message, "write 0 for the step")
 
 
-def _number(term: AST, survey: Survey) -> Optional[int]:
+def _number(term: Node, survey: Survey) -> Optional[int]:
     value = evaluate(term, survey.constants)
     return value.number if value is not None and value.type is clingo.SymbolType.Number else None
 

@@ -4,11 +4,11 @@ import re
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import Opened
-from rosoclingo.oclingo.program.nodes import kinds_of
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.program.sources import Source
@@ -31,7 +31,7 @@ class Place(NamedTuple):
     """An atom in a program."""
 
     part: Part
-    statement: AST
+    statement: Node
     occurrence: Occurrence
 
     @property
@@ -54,18 +54,18 @@ class Place(NamedTuple):
         return fault_at(self.occurrence.term, kind, message, mend)
 
 
-def fault_at(node: AST, kind: str, message: str, mend: str) -> Fault:
+def fault_at(node: Node, kind: str, message: str, mend: str) -> Fault:
     """Return a fault at a statement or a term."""
     begin = node.location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
 
 
-def written(term: AST) -> str:
+def written(term: Node) -> str:
     """Return the term as text, without clingo's brackets around sums and its names of anonymous variables."""
     return _ANONYMOUS.sub("_", _BRACKETS.sub(r"\1", str(term)))
 
 
-def shows(statement: AST) -> bool:
+def shows(statement: Node) -> bool:
     """Tell whether a statement says what of an answer is shown."""
     return statement.ast_type in (ASTType.ShowSignature, ASTType.ShowTerm)
 
@@ -105,22 +105,21 @@ class Survey:
     ) -> None:
         self.parts, self.constants = parts, dict(constants)
         self.opened: Dict[Signature, Opened] = {one.signature: one for one in opened}
-        self.statements: List[Tuple[Part, AST, List[Occurrence]]] = []
+        self.statements: List[Tuple[Part, Node, List[Occurrence]]] = []
         self.defining: Dict[Signature, List[Place]] = {}
         self.declaring: Dict[Signature, List[Place]] = {}
         self.using: Dict[Signature, List[Place]] = {}
-        self.shown: Dict[Signature, AST] = {}
+        self.shown: Dict[Signature, Node] = {}
         self.silenced: Set[Signature] = set()
         self.unvalued: Set[str] = set()
         self.shows = False
         self.values: object = None  # what argument_values finds of it
-        self._nodes: Dict[int, List[Tuple[ASTType, AST]]] = {}
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:
                     self._take(part, statement, found)
 
-    def _take(self, part: Part, statement: AST, found: List[Occurrence]) -> None:
+    def _take(self, part: Part, statement: Node, found: List[Occurrence]) -> None:
         self.statements.append((part, statement, found))
         kind = statement.ast_type
         self.shows |= shows(statement)
@@ -135,13 +134,6 @@ class Survey:
             if not one.signature.name.startswith(OWN):
                 where = self.defining if place.defines else self.declaring if place.declares else self.using
                 where.setdefault(one.signature, []).append(place)
-
-    def nodes_of(self, statement: AST) -> List[Tuple[ASTType, AST]]:
-        """Return a statement and all below it, each with its kind, found once for all who ask."""
-        key = id(statement)  # the survey keeps it
-        if key not in self._nodes:
-            self._nodes[key] = list(kinds_of(statement))
-        return self._nodes[key]
 
     @property
     def known(self) -> Set[Signature]:

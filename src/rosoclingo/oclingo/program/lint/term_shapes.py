@@ -4,9 +4,10 @@ from functools import lru_cache
 from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.domains import names_in
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 
 Values = Optional[FrozenSet[clingo.Symbol]]
@@ -61,7 +62,7 @@ def fixed(symbol: clingo.Symbol) -> Shape:
     return Shape(_FIXED, values=frozenset({symbol}))
 
 
-def shape_of(term: AST, step: str, constants: Mapping[str, clingo.Symbol]) -> Shape:
+def shape_of(term: Node, step: str, constants: Mapping[str, clingo.Symbol]) -> Shape:
     """Return the shape of a term in a part with this parameter, empty in base."""
     kind = term.ast_type
     if kind == ASTType.Variable:
@@ -77,12 +78,12 @@ def shape_of(term: AST, step: str, constants: Mapping[str, clingo.Symbol]) -> Sh
     return Shape(_ANY, names=tuple(names_in(term))) if values is None else Shape(_FIXED, values=values)
 
 
-def _value(term: AST, step: str, constants: Mapping[str, clingo.Symbol]) -> Values:
+def _value(term: Node, step: str, constants: Mapping[str, clingo.Symbol]) -> Values:
     value = None if _mentions(term, step) else evaluate(term, dict(constants))
     return None if value is None else frozenset({value})
 
 
-def _range(term: AST, constants: Mapping[str, clingo.Symbol]) -> Values:
+def _range(term: Node, constants: Mapping[str, clingo.Symbol]) -> Values:
     ends = [evaluate(one, dict(constants)) for one in (term.left, term.right)]
     numbers = [one.number for one in ends if one is not None and one.type == clingo.SymbolType.Number]
     if len(numbers) < 2 or numbers[1] - numbers[0] > MOST:
@@ -90,7 +91,7 @@ def _range(term: AST, constants: Mapping[str, clingo.Symbol]) -> Values:
     return frozenset(clingo.Number(one) for one in range(numbers[0], numbers[1] + 1))
 
 
-def _mentions(term: AST, step: str) -> bool:
+def _mentions(term: Node, step: str) -> bool:
     if term.ast_type == ASTType.SymbolicTerm:
         return bool(step) and str(term) == step
     return any(_mentions(getattr(term, key), step) for key in ("left", "right", "argument") if hasattr(term, key))
