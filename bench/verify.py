@@ -16,8 +16,7 @@ from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning.verifying.likely_events import Wanted
-from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.question import Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 ROOT = Path(__file__).resolve().parents[1]

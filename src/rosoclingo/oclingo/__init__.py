@@ -4,6 +4,9 @@ A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :clas
 :class:`StreamUpdate` and answers each. Pure Python on clingo; no ROS, no threads.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from rosoclingo.oclingo.errors import (
     DroppedError,
     Fault,
@@ -30,7 +33,9 @@ from rosoclingo.oclingo.progression.updates import (
     commitment,
     fact,
 )
-from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult, StreamSolver
+
+if TYPE_CHECKING:
+    from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult, StreamSolver
 
 __all__ = [
     "Answer",
@@ -63,3 +68,12 @@ __all__ = [
     "parse_update",
     "parse_updates",
 ]
+
+_SOLVER = ("Answer", "ReactiveSolver", "SolveOutcome", "SolveResult", "StreamSolver")
+
+
+def __getattr__(name: str) -> Any:
+    """Return what is of the solver, which is not loaded for who only reads programs."""
+    if name not in _SOLVER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module("rosoclingo.oclingo.solving.solver"), name)

@@ -135,7 +135,13 @@ def _matches(text: str) -> Iterator[Tuple[Kind, int, int]]:
     return ((_KINDS[name], start, end) for name, start, end in _scan(text) if name in _KINDS)
 
 
-def _scan(text: str) -> Iterator[Tuple[str, int, int]]:
+@lru_cache(maxsize=32)
+def _scan(text: str) -> Tuple[Tuple[str, int, int], ...]:
+    """Return what a text is made of, with the space and the comments, in order."""
+    return tuple(_pieces(text))
+
+
+def _pieces(text: str) -> Iterator[Tuple[str, int, int]]:
     offset = 0
     while offset < len(text):
         match = _TOKEN.match(text, offset)

@@ -5,7 +5,13 @@ from typing import Dict, Sequence
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 
-__all__ = ["constants_of", "duration", "natural", "port", "positive", "seconds"]
+__all__ = ["TRIAL_SECONDS", "TRIAL_STEPS", "constants_of", "duration", "natural", "port", "positive", "seconds"]
+
+TRIAL_STEPS = 30
+"""Steps that a plan on trial may have."""
+
+TRIAL_SECONDS = 60.0
+"""Seconds of wall time for each request on trial, and again for the reasons where there is no plan."""
 
 
 def positive(text: str) -> int:

@@ -1,12 +1,26 @@
 """The command ``check``: what may be wrong with a program, as a compiler says it; nothing is run."""
 
 import argparse
+import gc
 import json
 import shutil
 import sys
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Protocol, Sequence, TextIO, Tuple
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    TextIO,
+    Tuple,
+)
 
 import clingo
 
@@ -16,9 +30,11 @@ from rosoclingo.oclingo.program.lint.stream_lint import lint_stream
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.oclingo.progression.parser import parse_updates
-from rosoclingo.oclingo.service.arguments import constants_of, positive, seconds
+from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS, constants_of, positive, seconds
 from rosoclingo.oclingo.service.sample_requests import Kinds
-from rosoclingo.oclingo.service.trial_plans import SECONDS, STEPS, Trial, Trials
+
+if TYPE_CHECKING:
+    from rosoclingo.oclingo.service.trial_plans import Trial
 
 CLEAN, FOUND, UNREADABLE = 0, 1, 2
 """The exit codes: nothing was found, something was, a file cannot be read or the command line is wrong."""
@@ -114,14 +130,18 @@ def add_trials(
         "rules forbid it; may be repeated; without REQUEST one of each kind that the program asks for, or of --orders",
     )
     parser.add_argument(
-        "--steps", type=positive, default=STEPS, metavar="N", help=f"steps that a plan may have (default: {STEPS})"
+        "--steps",
+        type=positive,
+        default=TRIAL_STEPS,
+        metavar="N",
+        help=f"steps that a plan may have (default: {TRIAL_STEPS})",
     )
     parser.add_argument(
         "--seconds",
         type=seconds,
-        default=SECONDS,
+        default=TRIAL_SECONDS,
         metavar="S",
-        help=f"time for each plan, and again for the reasons where there is none (default: {SECONDS:g})",
+        help=f"time for each plan, and again for the reasons where there is none (default: {TRIAL_SECONDS:g})",
     )
     if more is not None:
         more.add_arguments(parser)
@@ -155,7 +175,8 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
         sys.stderr.writelines(f"{fault}\n" for fault in unreadable)
         return UNREADABLE
     try:
-        found, files, program = _look(sources, constants, stream, options, more)
+        with _nothing_dropped():
+            found, files, program = _look(sources, constants, stream, options, more)
         usable = program if program is not None and not program.faults else None
         trials = _trials(usable, stream, options, more) if usable is not None else []
         verdict = verifier.run(usable, options, more) if verifier is not None and usable is not None else None
@@ -167,12 +188,26 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
     return FOUND if found or failed else CLEAN
 
 
+@contextmanager
+def _nothing_dropped() -> Iterator[None]:
+    """While all that is made is kept: Python does not look for what could be freed, which takes its time."""
+    on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if on:
+            gc.enable()
+
+
 def _trials(
     program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, more: Optional[More]
-) -> List[Trial]:
+) -> "List[Trial]":
     """Try the requests, if there are any, after the stream; what is wrong with its syntax is told elsewhere."""
     if not options.plan:
         return []
+    from rosoclingo.oclingo.service.trial_plans import Trials  # noqa: PLC0415 much to load, and rarely asked for
+
     trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[Trial]
     for source in stream:
         with suppress(ProgressionError):
@@ -215,7 +250,7 @@ def _read(file: str, unreadable: List[Fault]) -> List[Source]:
 
 
 def _print_text(
-    found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], verdict: Optional[Told], output: TextIO
+    found: Sequence[Finding], files: Dict[str, str], trials: "Sequence[Trial]", verdict: Optional[Told], output: TextIO
 ) -> None:
     lines = {name: text.splitlines() for name, text in files.items()}
     for one in found:
@@ -256,7 +291,7 @@ def _counted(number: int, what: str) -> str:
 
 
 def _print_json(
-    found: Sequence[Finding], files: Dict[str, str], trials: Sequence[Trial], verdict: Optional[Told], output: TextIO
+    found: Sequence[Finding], files: Dict[str, str], trials: "Sequence[Trial]", verdict: Optional[Told], output: TextIO
 ) -> None:
     errors = sum(map(is_error, found))
     told: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}

@@ -15,16 +15,11 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Closed, Item, Statement, StreamUpdate
+from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS
 from rosoclingo.oclingo.service.sample_requests import Kinds, sample_requests
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_log import Plan
-
-STEPS = 30
-"""Steps that a plan may have."""
-
-SECONDS = 60.0
-"""Seconds of wall time for each request, and again for the reasons where there is no plan."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +69,7 @@ class Trials:
     Plans are shortest, and have at most ``steps`` steps beyond the present one.
     """
 
-    def __init__(self, program: ReactiveProgram, steps: int = STEPS, seconds: float = SECONDS) -> None:
+    def __init__(self, program: ReactiveProgram, steps: int = TRIAL_STEPS, seconds: float = TRIAL_SECONDS) -> None:
         self._program, self._steps, self._seconds = program, steps, seconds
         self._solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
         self._played = False

@@ -14,8 +14,8 @@ from rosoclingo.oclingo.progression.updates import Literal, Statement, StreamUpd
 from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveResult
 from rosoclingo.oclingo.solving.stream_log import Taken
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.reasoning.verifying.findings import Finding, Kind
-from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.findings import Finding
+from rosoclingo.reasoning.verifying.question import Kind, Limits
 from rosoclingo.reasoning.verifying.trial_core import NO_ANSWER, BrokenError, TrialCore
 
 Chosen = Dict[int, FrozenSet[clingo.Symbol]]

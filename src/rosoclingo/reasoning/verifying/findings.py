@@ -1,22 +1,9 @@
 """What was found wrong with a program, and the stream that shows it."""
 
-from enum import Enum
 from typing import Any, Dict, FrozenSet, List, NamedTuple, Set, Tuple
 
+from rosoclingo.reasoning.verifying.question import Kind
 from rosoclingo.reasoning.verifying.ways import Step
-
-
-class Kind(Enum):
-    """What can be wrong, in words."""
-
-    NO_ANSWER = "no-answer"
-    FORBIDDEN = "forbidden"
-    REPEATED = "repeated"
-    FAILURE_AS_SUCCESS = "failure-as-success"
-    NEVER_ENDED = "never-ended"
-    PUT_OFF = "put-off"
-    MALFORMED = "malformed"
-
 
 _WORDS = {
     Kind.NO_ANSWER: "the program has no answer after this, {}: the core could only doubt what it was told",

@@ -1,6 +1,6 @@
 """What may come to a program, read from its rules: goals, facts, and the reasons for which actions fail."""
 
-from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
 
 import clingo
 from clingo import Symbol
@@ -18,6 +18,7 @@ from rosoclingo.oclingo.service.trial_plans import Trials
 from rosoclingo.oclingo.solving.universe_solver import Streams
 from rosoclingo.reasoning.keywords import FAILED, RESERVED, RETURN, name_of, request
 from rosoclingo.reasoning.verifying.moves import FAILURE, Repertory
+from rosoclingo.reasoning.verifying.question import Wanted
 
 TRIED = 8
 """Requests of a kind that are tried for some that there is something to do for."""
@@ -29,25 +30,6 @@ _THING = "__verified_thing"
 _FACT = "__verified_fact"
 
 Place = Tuple[Signature, int]
-
-
-class Wanted(NamedTuple):
-    """What a user has said of what may come; what is empty is read from the program.
-
-    Attributes:
-        goals: what may be asked for.
-        facts: predicates of the facts that may be told.
-        reasons: further reasons, by interface.
-        most: goals of each kind, and facts of each predicate, at most.
-        kinds: requests of each kind that are likely.
-
-    """
-
-    goals: Tuple[Symbol, ...] = ()
-    facts: Tuple[str, ...] = ()
-    reasons: Mapping[str, Sequence[Symbol]] = {}
-    most: int = 2
-    kinds: Kinds = ()
 
 
 def likely_repertory(program: ReactiveProgram, wanted: Wanted) -> Repertory:

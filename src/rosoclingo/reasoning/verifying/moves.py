@@ -11,6 +11,7 @@ from rosoclingo.oclingo.solving.universe_solver import retimed
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Clock
 from rosoclingo.reasoning.keywords import FAILED, Action, Return, name_of
+from rosoclingo.reasoning.verifying.question import Limits
 
 FAILURE = Function("failed")
 """A reason that says nothing but that an action was not done."""
@@ -61,27 +62,6 @@ class Move(NamedTuple):
     def failures(self) -> Tuple[Answer, ...]:
         """The answers that are no success."""
         return tuple(one for one in self.answers if one.fails)
-
-
-class Limits(NamedTuple):
-    """What is tried.
-
-    Attributes:
-        events: of a stream.
-        together: of them between two updates.
-        steps: that a plan may have.
-        late: cycles that a fact may be late.
-        early: cycles that a fact may be early.
-        all_plans: whether all shortest plans are tried, or the one that the solver finds.
-
-    """
-
-    events: int = 3
-    together: int = 2
-    steps: int = 20
-    late: int = 2
-    early: int = 1
-    all_plans: bool = True
 
 
 class Repertory(NamedTuple):

@@ -17,8 +17,9 @@ from rosoclingo.reasoning.explanations import text_of
 from rosoclingo.reasoning.keywords import cancellation, request
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.verifying.beliefs import Belief, Beliefs
-from rosoclingo.reasoning.verifying.findings import Finding, Kind, Suspicion
-from rosoclingo.reasoning.verifying.moves import Deed, Limits, Move, Moves, Repertory, done_after, thing_of
+from rosoclingo.reasoning.verifying.findings import Finding, Suspicion
+from rosoclingo.reasoning.verifying.moves import Deed, Move, Moves, Repertory, done_after, thing_of
+from rosoclingo.reasoning.verifying.question import Kind, Limits
 from rosoclingo.reasoning.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.reasoning.verifying.ways import Node, Step, circles
 

@@ -5,13 +5,11 @@ from typing import Any, Callable, Dict, FrozenSet, List, NamedTuple, Optional, T
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.reasoning.verifying.confirmation import Confirmation, confirm
-from rosoclingo.reasoning.verifying.findings import Finding, Kind
-from rosoclingo.reasoning.verifying.likely_events import Wanted, likely_repertory
-from rosoclingo.reasoning.verifying.moves import Limits, Repertory
+from rosoclingo.reasoning.verifying.findings import Finding
+from rosoclingo.reasoning.verifying.likely_events import likely_repertory
+from rosoclingo.reasoning.verifying.moves import Repertory
+from rosoclingo.reasoning.verifying.question import SECONDS, Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.stream_search import Progress, Search
-
-SECONDS = 60.0
-"""Seconds of processor time."""
 
 
 class Fault(NamedTuple):

@@ -3,20 +3,19 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import TYPE_CHECKING, List, Optional, Sequence
 
 from clingo import Symbol
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.service import check_command, command
+from rosoclingo.oclingo.service import check_command
 from rosoclingo.oclingo.service.arguments import natural, positive, seconds
-from rosoclingo.reasoning.goals import GoalError, read_goal
-from rosoclingo.reasoning.verifying.findings import Kind
-from rosoclingo.reasoning.verifying.likely_events import Wanted
-from rosoclingo.reasoning.verifying.moves import Limits
-from rosoclingo.reasoning.verifying.verification import SECONDS, Verdict, verify
+from rosoclingo.reasoning.verifying.question import SECONDS, Kind, Limits, Wanted
+
+if TYPE_CHECKING:
+    from rosoclingo.reasoning.verifying.verification import Verdict
 
 _DEPTH = 2
 _LIMITS = Limits()
@@ -72,10 +71,12 @@ class VerifyOption:
     @staticmethod
     def run(
         program: ReactiveProgram, options: argparse.Namespace, more: Optional[check_command.More]
-    ) -> Optional[Verdict]:
+    ) -> "Optional[Verdict]":
         """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
         if options.verify is None:
             return None
+        from rosoclingo.reasoning.verifying.verification import verify  # noqa: PLC0415 much to load, and rarely asked for
+
         if not program.declares_external("_request", 2):
             raise ProgramError([_fault("the program takes no goals", "declare #external _request/2.")])
         facts = tuple(options.fact)
@@ -94,6 +95,8 @@ class VerifyOption:
 
 
 def _goal(text: str) -> Symbol:
+    from rosoclingo.reasoning.goals import GoalError, read_goal  # noqa: PLC0415 for this option alone
+
     try:
         return read_goal(text.strip().rstrip("."))
     except GoalError as error:
@@ -115,6 +118,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def oclingo(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command ``oclingo``, whose ``--check`` has this option; return its exit code."""
+    from rosoclingo.oclingo.service import command  # noqa: PLC0415 for this command alone
+
     return command.main(arguments, lambda: (None, VerifyOption()))
 
 

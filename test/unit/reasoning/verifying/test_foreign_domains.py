@@ -7,9 +7,7 @@ from foreign_programs import GRIPPER, LIFT, PATROL, SOUND, VACUUM
 from verified_programs import edited, more, play
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
-from rosoclingo.reasoning.verifying.findings import Kind
-from rosoclingo.reasoning.verifying.likely_events import Wanted
-from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 NO_ANSWER, TAKEN, REPEATED = Kind.NO_ANSWER, Kind.FAILURE_AS_SUCCESS, Kind.REPEATED

@@ -9,8 +9,8 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse
 from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.verifying.likely_events import Wanted
-from rosoclingo.reasoning.verifying.moves import Answer, Happening, Limits, Move
+from rosoclingo.reasoning.verifying.moves import Answer, Happening, Move
+from rosoclingo.reasoning.verifying.question import Limits, Wanted
 from rosoclingo.reasoning.verifying.trial_core import PUT_OFF, BrokenError, TrialCore
 from rosoclingo.reasoning.verifying.verification import verify
 from rosoclingo.reasoning.verifying.ways import Node, Step, circles

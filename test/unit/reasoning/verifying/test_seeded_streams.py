@@ -6,9 +6,7 @@ import pytest
 from verified_programs import CARRIES, ECHO, VISITS, edited, more, play
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
-from rosoclingo.reasoning.verifying.findings import Kind
-from rosoclingo.reasoning.verifying.likely_events import Wanted
-from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 FAILED = "failed(P,t) :- _action_lib(go,P,t), _return(go,V,t), V != P."

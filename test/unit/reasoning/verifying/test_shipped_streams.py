@@ -9,9 +9,7 @@ from verified_programs import play
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning.verifying.findings import Kind
-from rosoclingo.reasoning.verifying.likely_events import Wanted
-from rosoclingo.reasoning.verifying.moves import Limits
+from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 ROOT = Path(__file__).resolve().parents[4]
