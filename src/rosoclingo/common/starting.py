@@ -42,8 +42,9 @@ def missing(module: str) -> str:
 
 def leave(code: int) -> NoReturn:
     """End the process with this exit code and what it has written, but do not take apart what it has in memory."""
-    sys.stdout.flush()
-    sys.stderr.flush()
+    with contextlib.suppress(BrokenPipeError):  # nobody reads on
+        sys.stdout.flush()
+        sys.stderr.flush()
     os._exit(code)
 
 
