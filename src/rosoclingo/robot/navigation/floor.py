@@ -1,6 +1,5 @@
 """The floor of a map as a program sees it: places, which are next to each other, and how far they are apart."""
 
-from itertools import combinations
 from typing import Dict, List, NamedTuple, Tuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from rosoclingo.robot.navigation.costmap import Costmap, CostmapLimits
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import load_map
 from rosoclingo.robot.navigation.grid_planner import GridPlanner, PlanOutcome
+from rosoclingo.robot.navigation.inflated_ways import InflatedWays
 
 #: A place is on the way between two others where the way over it is longer by no more than this part.
 DETOUR = 0.1
@@ -47,9 +47,10 @@ class Floor(NamedTuple):
 
 
 def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Floor:
-    """Plan between all pairs of labels on the map alone, with the costmap's radius; raises FloorError.
+    """Plan between all pairs of labels on the map alone, with the costmap's limits; raises FloorError.
 
-    A place is on the way between two others where the way over it is longer by the part ``detour`` at most.
+    Ways are as long as those of navfn, which keep away from walls as the limits' inflation tells. A place is on the way
+    between two others where the way over it is longer by the part ``detour`` at most.
     """
     planner, faults = GridPlanner(), []
     for label in labels:
@@ -57,16 +58,21 @@ def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Fl
         faults += [fault] if fault else []
     if faults:
         raise FloorError("\n".join(faults))
-    names, distances = tuple(sorted(labels.names)), {}
-    for a, b in combinations(names, 2):
-        plan = planner.plan(costmap, _pose(labels[a]), _pose(labels[b]), 0.0)
-        if plan.outcome is PlanOutcome.FOUND:
-            distances[a, b] = plan.length
+    names, distances, ways = tuple(sorted(labels.names)), {}, InflatedWays(costmap)
+    for number, a in enumerate(names):
+        others = names[number + 1 :]
+        lengths = ways.lengths_to(_pose(labels[a]), [_pose(labels[b]) for b in others])
+        for b, length in zip(others, lengths):
+            plan = planner.plan(costmap, _pose(labels[a]), _pose(labels[b]), 0.0)
+            if plan.outcome is PlanOutcome.FOUND:
+                distances[a, b] = plan.length if length is None else length
     return Floor(names, distances, tuple(pair for pair in distances if not _between(names, distances, pair, detour)))
 
 
-def floor_program(map_file: str, labels_file: str, radius: float, detour: float = DETOUR, start: str = "") -> str:
-    """The floor of files (YAML) as a program, with ways that keep ``radius`` (m) from what is on the map.
+def floor_program(
+    map_file: str, labels_file: str, limits: CostmapLimits, detour: float = DETOUR, start: str = ""
+) -> str:
+    """The floor of files (YAML) as a program, with ways on a costmap with these limits.
 
     The robot is at the label ``start`` at first, if one is named. Raises MapError, LabelError, FloorError.
     """
@@ -75,7 +81,7 @@ def floor_program(map_file: str, labels_file: str, radius: float, detour: float 
     labels.check(LabelError)
     if start and start not in table.names:
         raise FloorError(f"{labels_file}: there is no label {start}: it has {', '.join(sorted(table.names))}")
-    floor = floor_of(Costmap(load_map(map_file), CostmapLimits(robot_radius=radius)), table, detour)
+    floor = floor_of(Costmap(load_map(map_file), limits), table, detour)
     head = f"% The floor of {map_file} with {labels_file}, made by rosoclingo's command places."
     return f"{head}\n\n#program base.\n\n{floor._replace(start=start).facts()}"
 

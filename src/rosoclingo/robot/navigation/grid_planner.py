@@ -182,7 +182,7 @@ class GridPlanner(GlobalPlanner):
 
     def _weights(self, costmap: Costmap) -> CostWeights:
         comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
-        return CostWeights(comfort / costmap.resolution, self.limits.comfort_weight)
+        return CostWeights(max(1.0, comfort / costmap.resolution), self.limits.comfort_weight)
 
     def _in_metres(self, costmap: Costmap, points: np.ndarray) -> np.ndarray:
         """Return the points in m, with more of them put in at ``spacing``."""

@@ -7,21 +7,39 @@ import pytest
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, PlanOutcome, Pose2D
 from rosoclingo.robot.navigation.grid import load_map
+from rosoclingo.robot.navigation.inflated_ways import InflatedWays
 
 ROOT = Path(__file__).resolve().parents[4]
 LENGTHS = json.loads((ROOT / "test" / "data" / "navfn_lengths.json").read_text())
 NEAR = 0.03  # of navfn's length
+WIDER = 0.04  # the same for the planner, which keeps half a cell more free
+PLAIN, INFLATED = (0.0, 10.0), (0.55, 10.0)  # radius (m), scaling (1/m)
+
+pytestmark = [pytest.mark.slow, pytest.mark.once]
 
 
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("name", ["office", "house"])
-def test_ways_are_as_long_as_those_of_navfn(name):
-    costmap = Costmap(load_map(ROOT / "worlds" / f"{name}.yaml"), CostmapLimits(robot_radius=0.18))
-    ways = [one[1:] for one in LENGTHS if one[0] == name]
+def measured(name, inflation):
+    """A map with inflation, and poses on it, two by two, with the length of navfn's way."""
+    costmap = Costmap(load_map(ROOT / "worlds" / f"{name}.yaml"), CostmapLimits(0.18, *inflation))
+    ways = [one[3:] for one in LENGTHS if one[:3] == [name, *inflation]]
     assert len(ways) == 60
-    for column, row, last_column, last_row, length in ways[::2]:
-        ends = [Pose2D(*costmap.grid.centre(*cell), 0.0) for cell in ((row, column), (last_row, last_column))]
-        plan = GridPlanner().plan(costmap, *ends, 0.0)
+    at = costmap.grid.centre
+    return costmap, [(Pose2D(*at(b, a), 0.0), Pose2D(*at(d, c), 0.0), length) for a, b, c, d, length in ways]
+
+
+@pytest.mark.parametrize("name", ["office", "house"])
+@pytest.mark.parametrize("inflation", [PLAIN, INFLATED])
+def test_places_tells_the_lengths_of_navfn(name, inflation):
+    costmap, found = measured(name, inflation)
+    ways = InflatedWays(costmap)
+    for goal, start, length in found[::4]:
+        assert ways.lengths_to(goal, [start]) == [pytest.approx(length, rel=NEAR)]
+
+
+@pytest.mark.parametrize("name", ["office", "house"])
+def test_the_planner_s_ways_are_as_long_as_the_shortest_of_navfn(name):
+    costmap, found = measured(name, PLAIN)
+    for start, goal, length in found[::4]:
+        plan = GridPlanner().plan(costmap, start, goal, 0.0)
         assert plan.outcome is PlanOutcome.FOUND
-        assert plan.length == pytest.approx(length, rel=NEAR)
+        assert plan.length == pytest.approx(length, rel=WIDER)
