@@ -76,6 +76,9 @@ def floor_program(
 
     The robot is at the label ``start`` at first, if one is named. Raises MapError, LabelError, FloorError.
     """
+    for measure in ("robot_radius", "inflation_radius", "cost_scaling_factor"):
+        if not 0.0 <= getattr(limits, measure) < np.inf:
+            raise FloorError(f"{measure} is {getattr(limits, measure):g}, but must be a number from 0 on")
     labels = read_yaml(labels_file, "labels", LabelError)
     table = LabelTable.read(labels)
     labels.check(LabelError)

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.robot.navigation import Costmap, CostmapLimits, load_map
-from rosoclingo.robot.navigation.floor import Floor, FloorError, floor_of
+from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D, load_map
+from rosoclingo.robot.navigation.floor import Floor, FloorError, floor_of, floor_program
 from rosoclingo.robot.navigation.grid import OccupancyGrid
+from rosoclingo.robot.navigation.inflated_ways import InflatedWays
 
 ROOT = Path(__file__).resolve().parents[4]
 OFFICE = (ROOT / "worlds" / "office.yaml", ROOT / "config" / "office_labels.yaml")
@@ -59,8 +60,24 @@ def test_who_is_on_the_way_stands_between(hall):
 
 
 def test_a_way_goes_round_walls(hall):
-    floor = floor_of(hall, table(above=(5.5, 5.0), beyond=(6.5, 5.0)))
-    assert 3.3 < floor.distances["above", "beyond"] < 4.5, "by the door, and not the metre through the wall"
+    places = table(above=(5.5, 5.0), beyond=(6.5, 5.0))
+    shortest = floor_of(Costmap(hall.grid, CostmapLimits(inflation_radius=0.0)), places).distances["above", "beyond"]
+    assert 3.3 < shortest < 4.5, "by the door, and not the metre through the wall"
+    assert shortest < floor_of(hall, places).distances["above", "beyond"] < 5.0, "navfn keeps away from the walls"
+
+
+@pytest.mark.parametrize("measure", ["robot_radius", "inflation_radius", "cost_scaling_factor"])
+@pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
+def test_measures_are_numbers_from_0_on(measure, value):
+    with pytest.raises(FloorError, match=f"{measure} is .*must be a number from 0 on"):
+        floor_program(*map(str, OFFICE), CostmapLimits()._replace(**{measure: value}))
+
+
+def test_a_label_at_a_wall_is_joined_to_the_ways_and_one_far_in_it_is_not(hall):
+    ways = InflatedWays(hall)
+    start, near, far = Pose2D(2.0, 3.0, 0.0), Pose2D(2.0, 0.15, 0.0), Pose2D(6.02, 1.0, 0.0)
+    assert ways.lengths_to(start, [near, far]) == [pytest.approx(2.85, rel=0.02), None]
+    assert ways.lengths_to(far, [start, near]) == [None, None]
 
 
 def test_what_cannot_be_reached_has_no_distance(hall):
