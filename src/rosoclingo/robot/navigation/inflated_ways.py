@@ -56,7 +56,8 @@ class InflatedWays:
         gaps = np.hypot(*(free - (end.row, end.column)).T)
         if not len(gaps) or gaps.min() > NEAR:
             return None
-        return _End(*map(float, free[gaps.argmin()]), float(gaps.min()))
+        row, column = free[gaps.argmin()]
+        return _End(float(row), float(column), float(gaps.min()))
 
 
 def costs_of(costmap: Costmap) -> np.ndarray:
