@@ -7,6 +7,7 @@ from typing import Optional, Sequence
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.sources import Collector, Source
+from rosoclingo.oclingo.unread import ends_unread
 
 GOOD, FAULTY, UNREADABLE = 0, 1, 2
 """The exit codes: all is well, there are faults, a file cannot be read or the command line is wrong."""
@@ -19,6 +20,7 @@ tells what is wrong with them and with those that they include, by line and colu
 _EPILOG = "Exit code: 0 all is well; 1 there are faults; 2 a file can't be read, or the command line is wrong."
 
 
+@ends_unread
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command with the command line's arguments, or those given; return its exit code."""
     parser = argparse.ArgumentParser(prog="golog", description=_DESCRIPTION, epilog=_EPILOG)

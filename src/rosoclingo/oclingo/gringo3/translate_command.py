@@ -9,10 +9,12 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.dialect import Dialect
 from rosoclingo.oclingo.gringo3.lexer import TranslationError
 from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
+from rosoclingo.oclingo.unread import ends_unread
 
 _DESCRIPTION = "Prints programs written for oClingo (2012), in gringo 3's language, in clingo 5's language."
 
 
+@ends_unread
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command with the command line's arguments, or those given; returns the exit code."""
     parser = argparse.ArgumentParser(prog="gringo3to5", description=_DESCRIPTION)

@@ -32,6 +32,7 @@ from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.oclingo.progression.parser import parse_updates
 from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS, constants_of, positive, seconds
 from rosoclingo.oclingo.service.sample_requests import Kinds
+from rosoclingo.oclingo.unread import ends_unread
 
 if TYPE_CHECKING:
     from rosoclingo.oclingo.service.trial_plans import Trial
@@ -149,6 +150,7 @@ def add_trials(
         verifier.add_arguments(parser)
 
 
+@ends_unread
 def main(
     arguments: Optional[Sequence[str]] = None, more: Optional[More] = None, verifier: Optional[Verifier] = None
 ) -> int:

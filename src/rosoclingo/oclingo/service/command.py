@@ -21,6 +21,7 @@ from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.solver import StreamSolver
+from rosoclingo.oclingo.unread import ends_unread
 
 DEFAULT_HOST = "127.0.0.1"
 
@@ -130,6 +131,7 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     )
 
 
+@ends_unread
 def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (None, None)) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]
@@ -159,9 +161,8 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
     except (ProgramError, SolverError) as error:
         _say(str(error))
         return 1
-    except BrokenPipeError:  # who read the output has gone; nothing may be left to flush
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+    except BrokenPipeError:
+        raise
     except OSError as error:
         _say(f"error: {error}")
         return 1

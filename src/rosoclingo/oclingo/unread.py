@@ -1,0 +1,24 @@
+"""Commands whose output nobody reads to its end, as in ``golog FILE | head``."""
+
+import os
+import sys
+from functools import wraps
+from typing import Any, Callable, TypeVar, cast
+
+Main = TypeVar("Main", bound=Callable[..., int])
+
+
+def ends_unread(main: Main) -> Main:
+    """A command that ends with exit code 1, and without a word, once whoever read its output has gone."""
+
+    @wraps(main)
+    def run(*arguments: Any, **named: Any) -> int:
+        try:
+            code = main(*arguments, **named)
+            sys.stdout.flush()
+            return code
+        except BrokenPipeError:  # nothing may be left to flush when Python ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 1
+
+    return cast(Main, run)

@@ -1,0 +1,27 @@
+"""Commands whose output nobody reads any more, as behind ``| head``: they end, and say nothing of it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
+COMMANDS = [
+    ("rosoclingo.languages.golog.golog_command", "golog/elevator.golog"),
+    ("rosoclingo.oclingo.gringo3.translate_command", "paper.lp"),
+    ("rosoclingo.oclingo.service.check_command", "paper.lp"),
+]
+
+
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize(("module", "file"), COMMANDS)
+def test_a_command_whose_reader_has_gone_ends_without_words(module, file):
+    reading, writing = os.pipe()
+    os.close(reading)
+    run = f"import sys; from {module} import main; sys.exit(main(sys.argv[1:]))"
+    words = [sys.executable, "-c", run, str(ENCODINGS / file)]
+    done = subprocess.run(words, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=120)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (1, "")
