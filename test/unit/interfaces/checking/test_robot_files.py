@@ -84,6 +84,7 @@ SEEDS = [
     ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "is office2 meant?"),
     ("mailbot", "labels.yaml", "office3:", "@ofice3:", "idle-label", "is office3 meant?"),
     ("house", "labels.yaml", "study: [6.0, 9.0]\n", "@garage: [6.0, 9.0]\n", "idle-label", "places are bathroom"),
+    ("house", "home.lp", "thing(towel,bathroom)", "thing(towel,@basement)", "no-label", "all others that stand here"),
     ("garden", "garden.lp", "plant(palm).", "plant(@plam).", "no-label", "is palm meant?"),
     ("garden", "labels.yaml", "tap:", "@tab:", "idle-label", "is tap meant?"),
     ("garden", "garden.lp", "place(home). place(tap).", "place(@hom). place(tap).", "no-label", "is home meant?"),

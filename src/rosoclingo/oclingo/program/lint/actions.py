@@ -1,6 +1,19 @@
 """Which actions a program may plan, with which parameters; against interfaces and labels."""
 
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
+from typing import (
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 import clingo
 from clingo.ast import ASTType
@@ -12,9 +25,14 @@ from rosoclingo.oclingo.program.lint.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
 from rosoclingo.oclingo.program.lint.term_shapes import is_open
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.progression.terms import Signature
 
 Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
 """Returns of which terms an action asks for the label, by its parameter."""
+
+
+MANY = 3
+"""So many other facts of a predicate name labels where a fact is odd that does not."""
 
 
 class Named(NamedTuple):
@@ -89,9 +107,26 @@ class Actions:
             for term in terms:
                 if str(term) not in names:
                     yield self._no_label(action, term, names)
+        for node in self._odd_in_rows(names):
+            if str(node) not in needed:
+                message = f"there is no label {node}, though all others that stand here are labels"
+                yield fault_at(node, "no-label", message, likely_value(str(node), names))
         for one in labels if certain and needed else ():
             if one.name not in needed:
                 yield one.fault("idle-label", f"no action ever asks for the label {one.name}", _meant(one.name, needed))
+
+    def _odd_in_rows(self, names: Set[str]) -> Iterator[Node]:
+        """Yield the constants in facts that are no labels, where those of all other facts of a predicate are."""
+        rows: Dict[Tuple[Signature, int], Dict[str, Node]] = {}
+        for _, statement, found in self._survey.statements:
+            if statement.ast_type == ASTType.Rule and not statement.body and all(one.head for one in found):
+                for one in found:
+                    for position, argument in enumerate(one.arguments):
+                        rows.setdefault((one.signature, position), {}).setdefault(str(argument), argument)
+        for row in rows.values():
+            odd = [node for text, node in row.items() if text not in names]
+            if len(odd) == 1 and len(row) > MANY and odd[0].ast_type == ASTType.SymbolicTerm:
+                yield odd[0]
 
     def _no_label(self, action: str, term: clingo.Symbol, names: Set[str]) -> Fault:
         message = f"there is no label {term}: the action {action} will return unknown_label for it"

@@ -69,6 +69,16 @@ class Rule(NamedTuple):
     equations: List[Equation]
 
 
+class Disjoint(NamedTuple):
+    """A variable that has no value in common for an atom, ``its``, and for those up to another, ``others``."""
+
+    variable: str
+    atom: Condition
+    its: FrozenSet[clingo.Symbol]
+    other: Condition
+    others: FrozenSet[clingo.Symbol]
+
+
 def parted(term: Node) -> Tuple[Signature, Sequence[Node]]:
     """Return an atom's predicate and its arguments."""
     return term_signature(term), arguments_of(term)
@@ -121,6 +131,25 @@ class ArgumentValues:
         found: Bindings = {}
         if all(self._bind(atom, found) for atom in rule.atoms) and all(_compare(one, found) for one in rule.equations):
             return found
+        return None
+
+    def disjoint(self, rule: Rule) -> Optional[Disjoint]:
+        """Return where a rule joins what has nothing in common; None where it does not, or an atom is never true."""
+        found: Bindings = {}
+        telling: Dict[str, Condition] = {}
+        for atom in rule.atoms:
+            before = dict(found)
+            if not self._bind(atom, found):
+                return self._apart(atom, before, telling)
+            telling.update(dict.fromkeys((one.variable for one in atom.arguments if one.variable), atom))
+        return None
+
+    def _apart(self, atom: Condition, before: Bindings, telling: Mapping[str, Condition]) -> Optional[Disjoint]:
+        alone: Bindings = {}
+        if self._bind(atom, alone):
+            for name, its in alone.items():
+                if name in telling and name in before and not common(before[name], its):
+                    return Disjoint(name, atom, its, telling[name], before[name])
         return None
 
     def value(self, term: Node, step: str, bound: Bindings) -> Values:

@@ -11,7 +11,7 @@ from rosoclingo.oclingo.program.lint.exchanged import exchanged, exchanged_words
 from rosoclingo.oclingo.program.lint.kinds import ERROR, KINDS, WARNING, Finding
 from rosoclingo.oclingo.program.lint.lone_names import odd_words
 from rosoclingo.oclingo.program.lint.other_steps import early_ends, other_steps
-from rosoclingo.oclingo.program.lint.predicates import contradictions, never_matching, unfounded, unused
+from rosoclingo.oclingo.program.lint.predicates import contradictions, disjoint, never_matching, unfounded, unused
 from rosoclingo.oclingo.program.lint.punctuation import odd_choices, odd_marks
 from rosoclingo.oclingo.program.lint.silence import Silences
 from rosoclingo.oclingo.program.lint.slips import slips, slips_of_words
@@ -44,7 +44,8 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     """
     survey, values = program.survey, ArgumentValues.of_survey(program.survey)
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
-    found += [*unused(survey), *never_matching(survey, values), *unfounded(survey, values), *contradictions(survey)]
+    found += [*unused(survey), *never_matching(survey, values), *disjoint(values)]
+    found += [*unfounded(survey, values), *contradictions(survey)]
     found += [*stepless(survey), *slips(survey), *words_for_numbers(survey)]
     found += [*exchanged(survey), *odd_choices(survey)]
     found += odd_marks([(one.name, one.text) for one in program.texts if language_of(one.name) is None])

@@ -1,7 +1,7 @@
 """Constants and variables that stand once and look like slips of others."""
 
 from collections import Counter
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
@@ -16,6 +16,9 @@ _DIGITS = "0123456789"
 
 Slot = Tuple[object, int]
 """An argument's place: the predicate, or the name and number of arguments of a term, and the position."""
+
+
+_COMPARED: Slot = ("comparison", 0)
 
 
 class _Word(NamedTuple):
@@ -33,14 +36,15 @@ def odd_words(survey: Survey) -> List[Fault]:
     """
     constants, variables = _Words(), _Words()
     known = {*survey.constants} | {one.signature.name for _, _, found in survey.statements for one in found}
-    for part, _, found in survey.statements:
-        for one in found:
-            for word in _words(one.arguments, one.signature):
-                if word.node.ast_type == ASTType.Variable:
-                    variables.add(word)
-                elif word.text not in known and word.text != part.parameter:
-                    constants.add(word)
-    return [*_constants(constants), *_variables(variables)]
+    for part, statement, found in survey.statements:
+        words = [word for one in found for word in _words(one.arguments, one.signature)]
+        for word in (*words, *_compared(statement)):
+            if word.node.ast_type == ASTType.Variable:
+                variables.add(word)
+            elif word.text not in known and word.text != part.parameter:
+                constants.add(word)
+    own = [one for one in survey.constants if len(one) > 1]
+    return [*_constants(constants, own), *_variables(variables)]
 
 
 class _Words:
@@ -64,9 +68,19 @@ class _Words:
                 yield word
 
 
-def _constants(words: _Words) -> Iterator[Fault]:
+def _compared(statement: Node) -> Iterator[_Word]:
+    """Yield the constants in comparisons."""
+    for one in statement.nodes:
+        if one.ast_type == ASTType.Comparison:
+            for term in (one.term, *(guard.term for guard in one.guards)):
+                yield from (word for word in _words_in(term, _COMPARED) if word.node.ast_type != ASTType.Variable)
+
+
+def _constants(words: _Words, own: Sequence[str]) -> Iterator[Fault]:
+    """Yield the lone constants; ``own`` are those to which a ``#const`` of the program gives a value."""
     for word in words.lonely():
         near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
+        near += [one for one in own if word.slot == _COMPARED and is_slip(word.text, one)]
         meant = max(near, key=lambda one: words.count[one], default=None)
         if meant is not None:
             yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
@@ -102,17 +116,20 @@ def _is_slip_of_variable(text: str, other: str) -> bool:
 def _words(arguments: Iterable[Node], owner: object) -> Iterator[_Word]:
     """Yield the constants and variables that are arguments of an atom, or in terms that are."""
     for position, argument in enumerate(arguments):
-        kind = argument.ast_type
-        if kind == ASTType.Variable:
-            if argument.name != "_":
-                yield _Word(argument.name, argument, (owner, position))
-        elif kind == ASTType.SymbolicTerm:
-            symbol = argument.symbol
-            if symbol.type is _PLAIN and not symbol.arguments and symbol.name:
-                yield _Word(symbol.name, argument, (owner, position))
-        elif kind == ASTType.Function:
-            inner = list(argument.arguments)
-            yield from _words(inner, (argument.name, len(inner)))
-        elif kind == ASTType.Pool:
-            for one in argument.arguments:
-                yield from _words(one.arguments if one.ast_type == ASTType.Function else (), (owner, position))
+        yield from _words_in(argument, (owner, position))
+
+
+def _words_in(argument: Node, slot: Slot) -> Iterator[_Word]:
+    kind = argument.ast_type
+    if kind == ASTType.Variable:
+        if argument.name != "_":
+            yield _Word(argument.name, argument, slot)
+    elif kind == ASTType.SymbolicTerm:
+        symbol = argument.symbol
+        if symbol.type is _PLAIN and not symbol.arguments and symbol.name:
+            yield _Word(symbol.name, argument, slot)
+    elif kind == ASTType.Function:
+        yield from _words(argument.arguments, (argument.name, len(argument.arguments)))
+    elif kind == ASTType.Pool:
+        for one in argument.arguments:
+            yield from _words_in(one, slot)

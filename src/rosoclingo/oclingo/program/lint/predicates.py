@@ -1,7 +1,8 @@
 """Predicates that nothing defines or nothing looks at, atoms that cannot be true, names that look misspelt."""
 
-from typing import Dict, Iterator, List, Optional, Set
+from typing import Dict, Iterable, Iterator, List, Optional, Set
 
+import clingo
 from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
@@ -13,6 +14,8 @@ from rosoclingo.oclingo.program.lint.term_shapes import WILD
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.progression.terms import Signature
+
+MANY = 6  # values that a message lists
 
 #: What others tell a program; the other keywords they hear of it, besides what it shows.
 TOLD = ("_request", "_return", "_failed", "_cancel")
@@ -101,6 +104,22 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
         known = sorted(str(one).replace(str(WILD), "_") for one in may_be)
         message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
+
+
+def disjoint(values: ArgumentValues) -> Iterator[Fault]:
+    """Yield the rules of which two atoms share a variable, but no value of it."""
+    for rule in values.rules:
+        found = values.disjoint(rule)
+        if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
+            name, atom, other = found.variable, written(found.atom.term), written(found.other.term)
+            message = f"the rule never applies: no {name} fits both {other} and {atom}"
+            mend = f"it is {_listed(found.others)} in the one, {_listed(found.its)} in the other"
+            yield fault_at(found.atom.term, "no-match", message, mend)
+
+
+def _listed(values: Iterable[clingo.Symbol]) -> str:
+    known = sorted(str(one).replace(str(WILD), "_") for one in values)
+    return ", ".join(known[:MANY]) + " ..." * (len(known) > MANY)
 
 
 def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
