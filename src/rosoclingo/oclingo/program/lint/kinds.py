@@ -48,7 +48,7 @@ _ALL = {
     ),
     "mark": (WARNING, "a comma, dot, colon or semicolon that makes another statement of what is written"),
     "unfounded": (WARNING, "a predicate whose rules all need what follows from it alone, so that it is never true"),
-    "no-match": (WARNING, "an atom with a value that no rule and no #external gives the predicate"),
+    "no-match": (WARNING, "an atom with a value that nothing gives its predicate, or two with none in common"),
     "contradiction": (WARNING, "a body that holds an atom and its negation, or a comparison that never holds"),
     "tautology": (WARNING, "a rule that needs its own head, as where t stands for t-1: it gives nothing"),
     "same-variables": (WARNING, "X = Y for two variables that atoms bind: != may be meant, or one of them is enough"),

@@ -263,15 +263,8 @@ SEEDS = [
     # constants, and what clingo has to say
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
     ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
-    (
-        "mailbot",
-        "delivery/faults.lp",
-        "N >= tries.\n\n%! the way",
-        "N >= @tires.\n\n%! the way",
-        "misspelt",
-        "is tries meant",
-    ),
-    ("mailbot", "delivery/faults.lp", "(blocked;unr", "(@blokced;unr", "misspelt", "is blocked meant?"),
+    ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "is tries meant?"),
+    ("mailbot", FAULTS, "(blocked;unr", "(@blokced;unr", "misspelt", "is blocked meant?"),
     ("mailbot", "office.lp", "start(office1)", "start(hall)", "no-match", "no L fits both start(L) and place(L)"),
     ("mailbot", "delivery/search.lp", "t-T < _window.", "t-T < @_windw+0.", "no-number", "is _window meant?"),
     ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
