@@ -25,7 +25,7 @@ from rosoclingo.interfaces.templates import (
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.lint.actions import Actions, Labelled, Named
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
-from rosoclingo.oclingo.program.lint.likeness import likely_external
+from rosoclingo.oclingo.program.lint.likeness import likely_external, likely_word
 from rosoclingo.oclingo.program.lint.survey import label_facts
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -109,6 +109,7 @@ class RobotFiles:
         specs = survey(reader)
         faults += [file.fault(text, "configuration") for text in reader.faults]
         faults += [file.fault(text, "message-type") for text in _type_faults(specs.values())]
+        faults += [file.fault(text, "idle-reason") for text in _idle_reasons(specs, file.data)]
         return specs
 
     def _interface_faults(self, actions: Actions, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
@@ -131,6 +132,17 @@ class RobotFiles:
 
 #: Reasons of the interface layer itself.
 _OWN_REASONS = tuple(one for status, one in DEFAULT_RETURNS.items() if status != SUCCEEDED)
+
+
+def _idle_reasons(specs: Mapping[str, InterfaceSpec], entries: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the reasons to send a goal again with which an interface never returns."""
+    for key, spec in specs.items():
+        returned = {str(one).partition("(")[0] for one in (*_OWN_REASONS, *(rule.returns for rule in spec.rules))}
+        given = isinstance(entries[key], dict) and "retry_on" in entries[key]
+        for reason in spec.retry_on if given and not any("$" in one for one in returned) else ():
+            if reason not in returned:
+                mend = likely_word(reason, returned) or f"it returns {', '.join(sorted(returned))}"
+                yield f"{key}.retry_on: the interface never returns {reason} ({mend})"
 
 
 def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:

@@ -94,6 +94,14 @@ SEEDS = [
     ("garden", "labels.yaml", "tap: [2.5", "tap: ]@[2.5", "configuration", "no YAML"),
     ("mailbot", "interfaces.yaml", "pickup:", "@pick_up:", "idle-interface", "is pickup meant?"),
     ("mailbot", "delivery/rules.lp", "{ _action_lib(pickup,Id", "{ _action_lib(@picup,Id", "no-interface", "is pickup"),
+    (
+        "mailbot",
+        "interfaces.yaml",
+        "retry_on: [server_lost]",
+        "@retry_on: [serverlost]",
+        "idle-reason",
+        "is server_lost",
+    ),
     ("garden", "interfaces.yaml", "fill:", "@fil:", "idle-interface", "is fill meant?"),
     ("garden", "interfaces.yaml", "fill:", "fil:", "no-interface", "is fil meant?"),
     (

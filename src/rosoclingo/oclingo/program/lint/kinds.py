@@ -84,6 +84,7 @@ _ALL = {
     # actions, interfaces, labels
     "no-interface": (WARNING, "an action of the program that no interface drives"),
     "idle-interface": (WARNING, "an interface that no action of the program drives"),
+    "idle-reason": (WARNING, "a reason to send a goal again with which the interface never returns"),
     "no-label": (WARNING, "a place of the program that the labels do not have, where an action asks for its pose"),
     "idle-label": (WARNING, "a label that no action of the program ever names"),
     "unheard-fact": (WARNING, "a fact of an interface that the program does not declare external"),

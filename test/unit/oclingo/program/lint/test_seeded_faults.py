@@ -308,7 +308,7 @@ def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
 def test_each_kind_is_seeded(kind):
     elsewhere = {
         "translation", "unknown-constant", "constant-value", "negative-constant", "stream-syntax", "stream-fact",
-        "no-interface", "idle-interface", "no-label", "idle-label", "unheard-fact", "unheard-order",
+        "no-interface", "idle-interface", "idle-reason", "no-label", "idle-label", "unheard-fact", "unheard-order",
         "configuration", "message-type",
     }  # fmt: skip
     assert kind in elsewhere or any(seed[4] == kind for seed in SEEDS)
