@@ -79,8 +79,10 @@ def _compared(statement: Node) -> Iterator[_Word]:
 def _constants(words: _Words, own: Sequence[str]) -> Iterator[Fault]:
     """Yield the lone constants; ``own`` are those to which a ``#const`` of the program gives a value."""
     for word in words.lonely():
-        near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
-        near += [one for one in own if word.slot == _COMPARED and is_slip(word.text, one)]
+        if word.slot == _COMPARED:
+            near = [one for one in own if is_slip(word.text, one)]
+        else:
+            near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
         meant = max(near, key=lambda one: words.count[one], default=None)
         if meant is not None:
             yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
