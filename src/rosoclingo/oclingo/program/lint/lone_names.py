@@ -34,17 +34,20 @@ def odd_words(survey: Survey) -> List[Fault]:
 
     A constant that is the name of a predicate, too, as in golog_holds(asleep,t) :- asleep(t), is none of them.
     """
-    constants, variables = _Words(), _Words()
+    constants, variables, compared = _Words(), _Words(), _Words()
     known = {*survey.constants} | {one.signature.name for _, _, found in survey.statements for one in found}
     for part, statement, found in survey.statements:
-        words = [word for one in found for word in _words(one.arguments, one.signature)]
-        for word in (*words, *_compared(statement)):
-            if word.node.ast_type == ASTType.Variable:
-                variables.add(word)
-            elif word.text not in known and word.text != part.parameter:
-                constants.add(word)
-    own = [one for one in survey.constants if len(one) > 1]
-    return [*_constants(constants, own), *_variables(variables)]
+        for one in found:
+            for word in _words(one.arguments, one.signature):
+                if word.node.ast_type == ASTType.Variable:
+                    variables.add(word)
+                elif word.text not in known and word.text != part.parameter:
+                    constants.add(word)
+        for word in _compared(statement):
+            if word.text not in known and word.text != part.parameter:
+                compared.add(word)
+    values = [one for one in survey.constants if len(one) > 1]
+    return [*_constants(constants, compared), *_for_values(compared, constants, values), *_variables(variables)]
 
 
 class _Words:
@@ -76,15 +79,20 @@ def _compared(statement: Node) -> Iterator[_Word]:
                 yield from (word for word in _words_in(term, _COMPARED) if word.node.ast_type != ASTType.Variable)
 
 
-def _constants(words: _Words, own: Sequence[str]) -> Iterator[Fault]:
-    """Yield the lone constants; ``own`` are those to which a ``#const`` of the program gives a value."""
+def _constants(words: _Words, compared: _Words) -> Iterator[Fault]:
+    """Yield the constants in atoms that stand once; those that are compared, too, do not."""
     for word in words.lonely():
-        if word.slot == _COMPARED:
-            near = [one for one in own if is_slip(word.text, one)]
-        else:
-            near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
+        near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
         meant = max(near, key=lambda one: words.count[one], default=None)
-        if meant is not None:
+        if meant is not None and word.text not in compared.count:
+            yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
+
+
+def _for_values(compared: _Words, words: _Words, values: Sequence[str]) -> Iterator[Fault]:
+    """Yield those that are compared once, and may be one of the names to which a ``#const`` gives ``values``."""
+    for word in compared.lonely():
+        meant = next((one for one in values if is_slip(word.text, one)), None)
+        if meant is not None and word.text not in words.count:
             yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
 
 
