@@ -110,6 +110,7 @@ def test_facts():
     floor = Floor(("a", "b", "c"), {("a", "b"): 1.26, ("b", "c"): 0.01}, (("a", "b"),))
     assert floor.facts() == (
         "place(a). place(b). place(c).\n\nconnection(a,b).\n\n"
+        "% check: ok unused (for programs that prefer short drives)\n"
         "distance(a,b,13). distance(b,a,13).\ndistance(b,c,1). distance(c,b,1).\n"
     )
 
