@@ -73,11 +73,18 @@ class Timed:
         self.is_due = journal.is_due
 
     def write(self, *state_and_times):
-        """Have the state on disk."""
-        start = time.process_time()
-        self._journal.write(*state_and_times)
-        self.spent += time.process_time() - start
+        """Write the state."""
         self.count += 1
+        self._do(lambda: self._journal.write(*state_and_times))
+
+    def settle(self, now):
+        """Have on disk what was written."""
+        self._do(lambda: self._journal.settle(now))
+
+    def _do(self, action):
+        start = time.process_time()
+        action()
+        self.spent += time.process_time() - start
         if self._journal.fault:
             raise SystemExit(self._journal.fault)
 
