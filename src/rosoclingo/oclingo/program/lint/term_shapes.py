@@ -171,14 +171,14 @@ def _depth(symbol: clingo.Symbol) -> int:
 
 def common(one: FrozenSet[clingo.Symbol], other: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
     """Return what both sets may hold; too much where parts of values may be anything."""
-    if not any(map(is_open, one)) and not any(map(is_open, other)):
-        return one & other
-    return frozenset(
-        value
-        for mine, its in ((one, other), (other, one))
-        for value in mine
-        if value in its or any(_may_equal(value, x) for x in its)
-    )
+    open_one, open_other = (frozenset(filter(is_open, values)) for values in (one, other))
+    found = set(one & other)
+    for mine, its, open_its in ((one, other, open_other), (other, one, open_one)):
+        for value in mine - its if open_one or open_other else ():
+            # two values that are fixed are one or they are not
+            if any(_may_equal(value, x) for x in (its if is_open(value) else open_its)):
+                found.add(value)
+    return frozenset(found)
 
 
 @lru_cache(maxsize=1 << 12)
@@ -188,6 +188,7 @@ def is_open(symbol: clingo.Symbol) -> bool:
     return symbol == WILD or bool(compound and any(map(is_open, symbol.arguments)))
 
 
+@lru_cache(maxsize=1 << 14)
 def _may_equal(one: clingo.Symbol, other: clingo.Symbol) -> bool:
     if one == other or WILD in (one, other):
         return True
