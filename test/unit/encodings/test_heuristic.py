@@ -134,6 +134,13 @@ def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, numbe
     assert len(plan(control)) < fewest
 
 
+@pytest.mark.parametrize(("end", "steps"), [(9, 16), (4, 23)], ids=["far ahead", "not far"])
+def test_it_goes_back_a_place_for_what_it_had_no_room_for_if_that_goes_far_ahead(end, steps):
+    """With room for two it passes office 2, and has room again at office 3."""
+    control, _ = ground(mailbot(ROW[:8], 2), [(1, 3), (1, 9), (2, end)], 30)
+    assert len(plan(control)) == steps
+
+
 @pytest.mark.slow
 @pytest.mark.once
 def test_without_a_heuristic_so_few_conflicts_do_not_do():
