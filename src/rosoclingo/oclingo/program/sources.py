@@ -94,10 +94,9 @@ class Collector:
     def add(self, source: Source) -> None:
         """Take a source and all that it includes."""
         language, number = language_of(source.name), len(self.sources)
+        if not self._whole and self._is_known(source, number):
+            return
         if language is not None:
-            path = Path(source.name).resolve()
-            if not self._whole and self._numbers.setdefault(path, number) != number:
-                return  # a file that is included, and named as well
             self._documents[number] = language.read(source.text, source.name)
             includes = self._documents[number].includes
         else:
@@ -108,6 +107,11 @@ class Collector:
         self._includes.append([])
         for one in includes:
             self._includes[number].append((one, None if self._whole else self._include(source, one)))
+
+    def _is_known(self, source: Source, number: int) -> bool:
+        """Whether this is a file that was included, or named, before; else it is the one of this ``number``."""
+        known = self._numbers.setdefault(Path(source.name).resolve(), number)
+        return known is not None and known != number and self.sources[known].text == source.text
 
     def _include(self, source: Source, wanted: Include) -> Optional[int]:
         path = found_file(source, wanted.name)

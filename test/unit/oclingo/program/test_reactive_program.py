@@ -4,6 +4,7 @@ import clingo
 import pytest
 
 from rosoclingo.oclingo import ProgramError, ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.oclingo.program.sources import Source
 
 STEPS = "#program cumulative(t).\n{ m(t) }.\n#program volatile(t).\n"
 
@@ -62,6 +63,23 @@ def test_includes(tmp_path):
     program = ReactiveProgram.from_files([tmp_path / "main.lp"])
     result = ReactiveSolver(program).solve()
     assert sorted(map(str, result.answers[0])) == ["a", "b(1)"]
+
+
+@pytest.mark.parametrize(
+    "named", [("main.lp", "world.lp"), ("world.lp", "main.lp"), ("world.lp", "world.lp", "main.lp")]
+)
+def test_a_file_that_is_included_and_named_counts_once(tmp_path, named):
+    (tmp_path / "main.lp").write_text('#include "world.lp".\n#program cumulative(t). b(n,t).\n', encoding="utf-8")
+    (tmp_path / "world.lp").write_text("#const n = 2.\n", encoding="utf-8")
+    program = ReactiveProgram.from_files([tmp_path / name for name in named])
+    assert list(map(str, ReactiveSolver(program).solve().answers[0])) == ["b(2,1)"]
+
+
+def test_texts_of_one_name_are_two():
+    program = ReactiveProgram(
+        [Source("text", "a. #program cumulative(t)."), Source("text", "b. #program cumulative(t).")]
+    )
+    assert sorted(map(str, ReactiveSolver(program).solve().answers[0])) == ["a", "b"]
 
 
 def test_externals_are_known():

@@ -1,7 +1,7 @@
 """Terms of rules, made ready once to be compared with many ground terms: clingo's own nodes are slow to ask."""
 
 from functools import lru_cache
-from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple, Union
 
 import clingo
 from clingo.ast import ASTType
@@ -15,6 +15,9 @@ Values = Optional[FrozenSet[clingo.Symbol]]
 
 Bindings = Dict[str, FrozenSet[clingo.Symbol]]
 """The values that variables may have; one that is not there may have any."""
+
+Head = Union[clingo.Symbol, Tuple[str, bool, int]]
+"""Values with different ones are never equal, but for WILD: name, sign and arity, or a value without arguments."""
 
 Inside = Dict[str, Set[clingo.Symbol]]
 
@@ -171,14 +174,44 @@ def _depth(symbol: clingo.Symbol) -> int:
 
 def common(one: FrozenSet[clingo.Symbol], other: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
     """Return what both sets may hold; too much where parts of values may be anything."""
-    open_one, open_other = (frozenset(filter(is_open, values)) for values in (one, other))
-    found = set(one & other)
-    for mine, its, open_its in ((one, other, open_other), (other, one, open_one)):
-        for value in mine - its if open_one or open_other else ():
-            # two values that are fixed are one or they are not
-            if any(_may_equal(value, x) for x in (its if is_open(value) else open_its)):
-                found.add(value)
+    found, open_one, open_other = set(one & other), _open(one), _open(other)
+    if open_one or open_other:  # two values that are fixed are one or they are not
+        for mine, its, open_its in ((one - other, other, open_other), (other - one, one, open_one)):
+            all_of, open_of = _by_head(its), _by_head(open_its)
+            for value in mine:
+                candidates = all_of if is_open(value) else open_of
+                alike = candidates.get(_parts(value).head, ())
+                if (value == WILD and its) or WILD in candidates or any(_may_equal(value, x) for x in alike):
+                    found.add(value)
     return frozenset(found)
+
+
+@lru_cache(maxsize=1 << 10)
+def _open(values: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
+    return frozenset(filter(is_open, values))
+
+
+@lru_cache(maxsize=1 << 10)
+def _by_head(values: FrozenSet[clingo.Symbol]) -> Dict[Head, List[clingo.Symbol]]:
+    found: Dict[Head, List[clingo.Symbol]] = {}
+    for value in values:
+        found.setdefault(_parts(value).head, []).append(value)
+    return found
+
+
+class Parts(NamedTuple):
+    """A value taken apart: what two values have in common that may be equal, and the arguments of a compound one."""
+
+    head: Head
+    arguments: Tuple[clingo.Symbol, ...] = ()
+
+
+@lru_cache(maxsize=1 << 14)
+def _parts(symbol: clingo.Symbol) -> Parts:
+    if symbol.type != clingo.SymbolType.Function or not symbol.arguments:
+        return Parts(symbol)
+    arguments = tuple(symbol.arguments)
+    return Parts((symbol.name, symbol.positive, len(arguments)), arguments)
 
 
 @lru_cache(maxsize=1 << 12)
@@ -192,11 +225,8 @@ def is_open(symbol: clingo.Symbol) -> bool:
 def _may_equal(one: clingo.Symbol, other: clingo.Symbol) -> bool:
     if one == other or WILD in (one, other):
         return True
-    function = clingo.SymbolType.Function
-    if one.type != function or other.type != function or one.name != other.name or one.positive != other.positive:
-        return False
-    pairs = list(zip(one.arguments, other.arguments))
-    return bool(pairs) and len(one.arguments) == len(other.arguments) and all(_may_equal(*pair) for pair in pairs)
+    mine, its = _parts(one), _parts(other)
+    return bool(mine.arguments) and mine.head == its.head and all(map(_may_equal, mine.arguments, its.arguments))
 
 
 def restrict(found: Bindings, name: str, values: FrozenSet[clingo.Symbol]) -> bool:
