@@ -85,6 +85,7 @@ class SentGoal:
 
     def _on_feedback(self, _handle: ClientGoalHandle, feedback: ROSoClingoFeedback) -> None:
         self.feedback = feedback
+        self.silence.end(self._client.last_status_msg)
         self._on_change()
 
 
@@ -133,14 +134,15 @@ class CoreClient:
         That is so once nothing was heard of a goal for some seconds of wall time, and the server does not answer
         either, was started anew, or tells of its goals without this one. Takes some seconds where nothing answers.
         """
-        fresh = self._client.last_status_msg is not self._latest
-        self._latest = self._client.last_status_msg
-        known = {one.goal_id.id for one in self._latest.status_list} if fresh and self._latest is not None else set()
+        before, self._latest = self._latest, self._client.last_status_msg
+        fresh = self._latest if self._latest is not before else None
+        known = {one.goal_id.id for one in fresh.status_list} if fresh is not None else set()
         for goal in [one for one in self.goals if not one.ended]:
             if goal.identifier in known:
                 goal.silence.end()
                 continue
-            goal.silence.denied |= fresh
+            if fresh is not None:
+                goal.silence.deny(fresh)
             turns = goal.silence.turn()
             fault = self._watch.fault() if turns and self._watch is not None else ""
             if not fault and turns >= UNHEARD and goal.silence.denied:

@@ -1,12 +1,14 @@
 """Whether an action server is still the one that goals were sent to, whatever ROS time does."""
 
 import os
+import threading
 import time
 from contextlib import suppress
 from typing import Optional
 
 import rosgraph
 import rospy
+from actionlib_msgs.msg import GoalStatusArray
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
@@ -49,21 +51,28 @@ class ServerWatch:
 
 
 class Silence:
-    """Counts the turns of SILENCE seconds of wall time in which nothing was heard of a goal.
-
-    Attributes:
-        denied: whether the server's status was heard meanwhile, without the goal in it.
-
-    """
+    """Counts the turns of SILENCE seconds of wall time in which nothing was heard of a goal."""
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()  # feedback comes in a thread of its own
         self.end()
 
-    def end(self) -> None:
-        """Start counting anew: the goal was heard of."""
-        self._since = time.monotonic()
-        self._turns = 0
-        self.denied = False
+    def end(self, status: Optional[GoalStatusArray] = None) -> None:
+        """Start counting anew: the goal was heard of, when ``status`` was the last one of the server."""
+        with self._lock:
+            self._since = time.monotonic()
+            self._turns = 0
+            self._status, self._denied = status, False
+
+    def deny(self, status: GoalStatusArray) -> None:
+        """The server has told its status without the goal in it."""
+        with self._lock:
+            self._denied |= status is not self._status
+
+    @property
+    def denied(self) -> bool:
+        """Whether the server's status was heard since, without the goal in it."""
+        return self._denied
 
     def turn(self) -> int:
         """Return how many turns have passed where one ends just now, else 0."""
