@@ -29,10 +29,10 @@ class GoalWindow:
     Few goals begin, so that the first plan is there soon. With each plan for new goals there is room for so many that
     the next one takes a ``SHARE`` of the time for a search, as it grows with the square of their number: goals times
     steps. It is a large share, since a plan for some goals sends the robot past the places of others. Goals join in
-    batches, as each time the program is ground anew: once there is no room left, none joins before half of it is free
-    or there is room for all. Where no plan was found in time there is room for the goals that were kept. ``most`` goals
-    have room, 0 for any number; ``seconds`` is the time for a search, 0 for no limit: then there is room for any number
-    as long as a plan is found.
+    batches, as each time the program is ground anew: once there is no room left, none joins before half of it is free,
+    there is room for all, or a plan for new goals has made room for half as many again, four at least. Where no plan
+    was found in time there is room for the goals that were kept. ``most`` goals have room, 0 for any number;
+    ``seconds`` is the time for a search, 0 for no limit: then there is room for any number as long as a plan is found.
     """
 
     def __init__(self, most: int = 0, seconds: float = 0.0) -> None:
@@ -72,6 +72,7 @@ class GoalWindow:
         size = math.ceil(goals * max(1 / FASTER, min(factor, self._growth)))
         if factor < 1 or goals >= self._size:
             self._size = size
+        self._full = self._full and self._size - goals < max(FIRST, goals) // 2
 
     def shrink(self, kept: int) -> None:
         """No plan was found in time; so many goals are kept."""
