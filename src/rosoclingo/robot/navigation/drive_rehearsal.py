@@ -8,6 +8,7 @@ from rosoclingo.robot.navigation.follower import RolloutFollower
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OccupancyGrid
 from rosoclingo.robot.navigation.grid_planner import GridPlanner
+from rosoclingo.robot.navigation.inflated_ways import InflatedWays
 from rosoclingo.robot.navigation.local_planner import Velocity, way_radii
 from rosoclingo.robot.navigation.navigator import Navigator
 from rosoclingo.robot.navigation.squeeze import Squeeze
@@ -46,6 +47,7 @@ def _plan(costmap: Costmap) -> None:
         pass
     planner.plan(costmap, START, GOAL)
     planner.plan(costmap, START, Pose2D(0.15, 0.15))  # next to the wall: looks for the nearest place
+    InflatedWays(costmap).lengths_to(GOAL, [START])
     navigator = Navigator(costmap, planner, RolloutFollower(radius=RADIUS), [])
     navigator.set_goal(0.0, GOAL)
     for time in (0.1, 0.2):

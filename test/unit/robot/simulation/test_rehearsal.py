@@ -15,6 +15,7 @@ HERE = Path(__file__).resolve().parents[2]
 SOURCES = Path(compiling.__file__).parents[3]  # by the same way as here, which what is kept is for
 # Other tests hand over what no robot does: so this runs in a process of its own.
 DRIVES = """
+import importlib, pkgutil, sys
 from navigation_worlds import LONG, Drive, room, simulation
 from rosoclingo.robot.navigation import Pose2D
 from rosoclingo.robot.navigation.compiled.jit import FUNCTIONS
@@ -25,6 +26,10 @@ from rosoclingo.robot.simulation.simulation_rehearsal import rehearse as rehears
 def compiled():
     return {(one.py_func.__module__, one.__name__): one.signatures for one in FUNCTIONS}
 
+for part in ("navigation", "simulation"):  # else what is kept is taken for old by whoever imports more
+    package = importlib.import_module(f"rosoclingo.robot.{part}.compiled")
+    for one in pkgutil.iter_modules(package.__path__, package.__name__ + "."):
+        assert one.name in sys.modules, f"{one.name} is not rehearsed"
 rehearse_navigation(), rehearse_simulation()
 before = compiled()
 for name, signatures in before.items():
