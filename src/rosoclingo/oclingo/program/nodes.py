@@ -4,12 +4,16 @@ Each attribute of clingo's nodes is fetched anew, through several calls into its
 program's rules are looked at many times: a :class:`Node` fetches each attribute once, when it is first read.
 """
 
-from typing import Any, Callable, Dict, FrozenSet, Iterator, List, Optional, Tuple
+from inspect import signature
+from typing import Any, Callable, Dict, FrozenSet, Iterator, List, Mapping, Optional, Tuple
 
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
 
 #: The attributes of nodes of a kind, and those of them that have nodes; clingo works them out anew for each node.
 _KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
+
+#: About every second node, and clingo says nothing of one alone: its ``AST`` need not know where it stands.
+_LEAVES = (ASTType.Variable, ASTType.SymbolicTerm)
 
 
 class Node:
@@ -43,6 +47,8 @@ class Node:
             value = str(self.ast)
         elif name[:1] != "_" and name in _KEYS[self.ast_type][0]:
             value = _plain(getattr(self.ast, name))
+            if name == "location" and "place" in self.__dict__:
+                value = _moved(value, self.place)
         else:
             raise AttributeError(f"no attribute: {name}")
         self.__dict__[name] = value
@@ -80,15 +86,18 @@ class Node:
     def update(self, **attributes: Any) -> "Node":
         """Return a copy with other values of some attributes; the others are shared."""
         twin = Node(self.ast.update(**{name: _given(value) for name, value in attributes.items()}))
-        made = {"ast", "ast_type", "children", "text", *attributes}
+        made = {"ast", "ast_type", "children", "nodes", "text", *attributes}
         twin.__dict__.update({name: value for name, value in self.__dict__.items() if name not in made})
+        twin.__dict__.update(_of_nodes(attributes))
         return twin
 
     def move(self, place: Callable[[Position], Position]) -> None:
         """Let it and all below it stand elsewhere; for nodes that nobody has looked at."""
+        if self.ast_type in _LEAVES:
+            self.__dict__["place"] = place
+            return
         if "location" in _KEYS[self.ast_type][0]:
-            location = self.ast.location
-            self.ast.location = self.__dict__["location"] = Location(place(location.begin), place(location.end))
+            self.ast.location = self.__dict__["location"] = _moved(self.ast.location, place)
         for one in self.children:
             one.move(place)
 
@@ -97,6 +106,16 @@ def _plain(value: Any) -> Any:
     if isinstance(value, AST):
         return Node(value)
     return [_plain(one) for one in value] if isinstance(value, (ASTSequence, StrSequence)) else value
+
+
+def _moved(location: Location, place: Callable[[Position], Position]) -> Location:
+    return Location(place(location.begin), place(location.end))
+
+
+def _of_nodes(attributes: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return the attributes that are nodes: what is known of them need not be found again."""
+    given = {name: value if isinstance(value, list) else [value] for name, value in attributes.items()}
+    return {name: attributes[name] for name, row in given.items() if all(isinstance(one, Node) for one in row)}
 
 
 def _given(value: Any) -> Any:
@@ -117,4 +136,6 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:
     """Return a new node, made by a constructor of :mod:`clingo.ast` from plain values."""
-    return Node(constructor(*map(_given, values)))
+    made = Node(constructor(*map(_given, values)))
+    made.__dict__.update(_of_nodes(dict(zip(signature(constructor).parameters, values))))
+    return made

@@ -192,13 +192,14 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
 
 @contextmanager
 def _nothing_dropped() -> Iterator[None]:
-    """While all that is made is kept: Python does not look for what could be freed, which takes its time."""
+    """While all that is made is kept, as it is to the end: Python does not look for what could be freed."""
     on = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if on:
+            gc.freeze()
             gc.enable()
 
 
