@@ -68,6 +68,7 @@ def _changes(line: Line, say: Callable[[str], None]) -> Tell:
     shown = ""
 
     def tell(feedback: ROSoClingoFeedback) -> None:
+        """Say its line, if it is another one."""
         nonlocal shown
         text = line(feedback)
         if text != shown:

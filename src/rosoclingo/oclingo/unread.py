@@ -13,6 +13,7 @@ def ends_unread(main: Main) -> Main:
 
     @wraps(main)
     def run(*arguments: Any, **named: Any) -> int:
+        """Run the command."""
         try:
             code = main(*arguments, **named)
             sys.stdout.flush()

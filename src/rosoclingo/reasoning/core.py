@@ -3,7 +3,7 @@
 from contextlib import suppress
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, Statement
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
@@ -236,7 +236,7 @@ class Core:
     def _taken(self, batch: Batch) -> None:
         """Remember the facts of an update that is in force."""
         self._feeder.taken(batch)
-        present = {item.head for item in self._planner.in_force.items if isinstance(item, Statement)}
+        present = self._planner.in_force.heads
         self._execution.taken(batch.facts, present)
         self._goals.taken(batch.goals, present)
 

@@ -217,7 +217,7 @@ class _Mender:
         """The update with some observations otherwise; those of before are withdrawn."""
         atoms = frozenset(one.atom for one in doubted)
         update = self._case.taken
-        present = {item.head for item in update.items if isinstance(item, Statement)}
+        present = update.heads
         before = [Withdraw(one.atom) for one in doubted if one.atom not in present]
         kept = update.less(atoms)
         new = [Statement(atom) for atom in dict.fromkeys(moved.values()) if atom not in present - atoms]

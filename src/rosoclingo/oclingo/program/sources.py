@@ -126,7 +126,6 @@ class Collector:
                 self.faults.extend(error.faults)
                 self._numbers[key] = None
             else:
-                self._numbers[key] = len(self.sources)
                 self.add(included)
         return self._numbers[key]
 

@@ -204,6 +204,11 @@ class StreamUpdate:
                 yield section, item
 
     @property
+    def heads(self) -> FrozenSet[Optional[clingo.Symbol]]:
+        """The heads of the update's statements; None is that of a constraint."""
+        return frozenset(item.head for item in self.items if isinstance(item, Statement))
+
+    @property
     def committed(self) -> FrozenSet[clingo.Symbol]:
         """The atoms that the update commits to."""
         statements = (item for item in self.items if isinstance(item, Statement))

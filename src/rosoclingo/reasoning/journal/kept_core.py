@@ -4,7 +4,7 @@ from typing import Any, FrozenSet, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import SolveResult, Statement
+from rosoclingo.oclingo import SolveResult
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.goals import Goal
@@ -99,8 +99,7 @@ class KeptCore(Core):
 
     def _succeeded(self, actions: Tuple[Action, ...]) -> bool:
         """Whether the update in force says so of all of these."""
-        heads = {item.head for item in self._planner.in_force.items if isinstance(item, Statement)}
-        return all(success_of(action) in heads for action in actions)
+        return all(success_of(action) in self._planner.in_force.heads for action in actions)
 
     def record(self) -> Record:
         """Return the state by sections."""

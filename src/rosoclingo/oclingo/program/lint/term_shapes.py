@@ -129,6 +129,8 @@ def matches(shape: Shape, symbol: clingo.Symbol, inside: Inside) -> bool:
 def value_of(shape: Shape, bound: Bindings) -> Values:
     """Return what a term may be where variables are as ``bound``."""
     found = _value_of(shape, bound)
+    if shape.kind == _VARIABLE:  # what it has was looked at when it was found
+        return found
     return None if found is None or len(found) > MOST or any(_depth(one) > _DEEPEST for one in found) else found
 
 
@@ -164,9 +166,7 @@ def _union(parts: Iterable[Values]) -> Values:
 
 @lru_cache(maxsize=1 << 12)
 def _depth(symbol: clingo.Symbol) -> int:
-    if symbol.type != clingo.SymbolType.Function or not symbol.arguments:
-        return 0
-    return 1 + max(map(_depth, symbol.arguments))
+    return max((1 + _depth(one) for one in _parts(symbol).arguments), default=0)
 
 
 # ---- sets of values -------------------------------------------------------------------------------------------------
@@ -217,8 +217,7 @@ def _parts(symbol: clingo.Symbol) -> Parts:
 @lru_cache(maxsize=1 << 12)
 def is_open(symbol: clingo.Symbol) -> bool:
     """Tell whether a part of a value may be anything."""
-    compound = symbol.type == clingo.SymbolType.Function and symbol.arguments
-    return symbol == WILD or bool(compound and any(map(is_open, symbol.arguments)))
+    return symbol == WILD or any(map(is_open, _parts(symbol).arguments))
 
 
 @lru_cache(maxsize=1 << 14)
