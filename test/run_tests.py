@@ -57,6 +57,7 @@ ONCE = (
     "servers_absent",
     "simulated_time_interfaces",
     "verified_stream",
+    "web_page",
 )
 # in these little is computed, or only at times: they go beside the others, of which there is one for each core: with
 # more at a time all take longer than one after the other, since simulated time, and what it costs, goes on meanwhile.
