@@ -12,7 +12,8 @@ from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequenc
 #: The attributes of nodes of a kind, and those of them that have nodes; clingo works them out anew for each node.
 _KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
 
-#: About every second node, and clingo says nothing of one alone: its ``AST`` need not know where it stands.
+#: About every second node; where one is an atom's argument clingo says nothing of it alone, and its ``AST`` need not
+#: know where it stands.
 _LEAVES = (ASTType.Variable, ASTType.SymbolicTerm)
 
 
@@ -91,15 +92,16 @@ class Node:
         twin.__dict__.update(_of_nodes(attributes))
         return twin
 
-    def move(self, place: Callable[[Position], Position]) -> None:
+    def move(self, place: Callable[[Position], Position], in_atom: bool = False) -> None:
         """Let it and all below it stand elsewhere; for nodes that nobody has looked at."""
-        if self.ast_type in _LEAVES:
+        if in_atom and self.ast_type in _LEAVES:
             self.__dict__["place"] = place
             return
         if "location" in _KEYS[self.ast_type][0]:
             self.ast.location = self.__dict__["location"] = _moved(self.ast.location, place)
+        in_atom = self.ast_type == ASTType.SymbolicAtom or (in_atom and self.ast_type == ASTType.Function)
         for one in self.children:
-            one.move(place)
+            one.move(place, in_atom)
 
 
 def _plain(value: Any) -> Any:
