@@ -68,7 +68,7 @@ def included_files(text: str) -> List[Tuple[str, int]]:
 
     A program's files have to be translated together, so whoever loads them needs to know before the translation.
     """
-    found = tokens(text)
+    found = tokens(text) if "#include" in text else []
     pairs = zip(found, found[1:])
     return [
         (name.text[1:-1], name.line) for word, name in pairs if word.text == "#include" and name.kind is Kind.STRING

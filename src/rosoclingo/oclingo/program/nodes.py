@@ -12,9 +12,11 @@ from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequenc
 #: The attributes of nodes of a kind, and those of them that have nodes; clingo works them out anew for each node.
 _KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
 
-#: About every second node; where one is an atom's argument clingo says nothing of it alone, and its ``AST`` need not
-#: know where it stands.
-_LEAVES = (ASTType.Variable, ASTType.SymbolicTerm)
+#: Arguments of atoms of which clingo says nothing alone, so that their ``AST`` need not know where they stand; with the
+#: literals of atoms, of which it says nothing either, two of three nodes.
+_ARGUMENTS = (ASTType.Variable, ASTType.SymbolicTerm, ASTType.Function)
+
+_COMMENTS = (getattr(ASTType, "Comment", None),)  # of clingo 5.7 and later
 
 
 class Node:
@@ -35,8 +37,10 @@ class Node:
     def __init__(self, ast: AST) -> None:
         self.ast = ast
         self.ast_type = kind = ast.ast_type
-        if kind not in _KEYS:
-            _KEYS[kind] = frozenset(ast.keys()), ast.child_keys
+        keys = _KEYS.get(kind)
+        if keys is None:
+            keys = _KEYS[kind] = frozenset(ast.keys()), ast.child_keys
+        self._keys = keys
 
     def __getattr__(self, name: str) -> Any:
         """Fetch an attribute that has not been read before."""
@@ -46,7 +50,7 @@ class Node:
             value = list(self._all())
         elif name == "text":
             value = str(self.ast)
-        elif name[:1] != "_" and name in _KEYS[self.ast_type][0]:
+        elif name[:1] != "_" and name in self._keys[0]:
             value = _plain(getattr(self.ast, name))
             if name == "location" and "place" in self.__dict__:
                 value = _moved(value, self.place)
@@ -57,7 +61,7 @@ class Node:
 
     def _below(self) -> List["Node"]:
         found: List[Node] = []
-        for key in _KEYS[self.ast_type][1]:
+        for key in self._keys[1]:
             child = getattr(self, key)
             if isinstance(child, Node):
                 found.append(child)
@@ -87,21 +91,25 @@ class Node:
     def update(self, **attributes: Any) -> "Node":
         """Return a copy with other values of some attributes; the others are shared."""
         twin = Node(self.ast.update(**{name: _given(value) for name, value in attributes.items()}))
-        made = {"ast", "ast_type", "children", "nodes", "text", *attributes}
+        made = {"_keys", "ast", "ast_type", "children", "nodes", "text", *attributes}
         twin.__dict__.update({name: value for name, value in self.__dict__.items() if name not in made})
         twin.__dict__.update(_of_nodes(attributes))
         return twin
 
-    def move(self, place: Callable[[Position], Position], in_atom: bool = False) -> None:
-        """Let it and all below it stand elsewhere; for nodes that nobody has looked at."""
-        if in_atom and self.ast_type in _LEAVES:
+    def move(self, place: Callable[[Position], Position], above: Optional[ASTType] = None) -> None:
+        """Let it and all below it stand elsewhere; for nodes that nobody has looked at.
+
+        What is ``above`` is told to the terms of an atom.
+        """
+        kind = self.ast_type
+        argument = above == ASTType.Function and kind in _ARGUMENTS
+        if argument or (kind == ASTType.Literal and self.atom.ast_type == ASTType.SymbolicAtom):
             self.__dict__["place"] = place
-            return
-        if "location" in _KEYS[self.ast_type][0]:
+        elif "location" in self._keys[0]:
             self.ast.location = self.__dict__["location"] = _moved(self.ast.location, place)
-        in_atom = self.ast_type == ASTType.SymbolicAtom or (in_atom and self.ast_type == ASTType.Function)
+        terms = kind == ASTType.SymbolicAtom or (kind == ASTType.Function and above is not None)
         for one in self.children:
-            one.move(place, in_atom)
+            one.move(place, kind if terms else None)
 
 
 def _plain(value: Any) -> Any:
@@ -133,7 +141,7 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
     """
     found: List[AST] = []
     parse_string(text, found.append, logger=logger)
-    return [Node(one) for one in found]
+    return [Node(one) for one in found if one.ast_type not in _COMMENTS]
 
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:

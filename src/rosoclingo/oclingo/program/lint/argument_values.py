@@ -7,6 +7,7 @@ predicate have a constant as their first argument, as those of ``_action_lib(pic
 predicates as there are constants.
 """
 
+from heapq import heappop, heappush
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -159,18 +160,23 @@ class ArgumentValues:
     # ---- the search ------------------------------------------------------------------------------------------------
 
     def _spread(self) -> None:
-        """Go through the rules until nothing changes."""
+        """Go through the rules until nothing changes; what a rule depends on comes first, unless that goes round."""
         users: Dict[Signature, List[int]] = {}
         for number, rule in enumerate(self.rules):
             for atom in rule.atoms:
                 users.setdefault(atom.signature, []).append(number)
-        waiting = dict.fromkeys(range(len(self.rules)))
-        while waiting:
-            number = next(iter(waiting))
-            del waiting[number]
+        waiting = set(range(len(self.rules)))
+        order = _sources_first(self.rules)
+        places = {number: place for place, number in enumerate(order)}
+        turns = list(range(len(order)))  # a heap of places
+        while turns:
+            number = order[heappop(turns)]
+            waiting.discard(number)
             changed = self._apply(self.rules[number])
-            if changed is not None:
-                waiting.update(dict.fromkeys(users.get(changed, ())))
+            for user in users.get(changed, ()) if changed is not None else ():
+                if user not in waiting:
+                    waiting.add(user)
+                    heappush(turns, places[user])
 
     def _apply(self, rule: Rule) -> Optional[Signature]:
         """Add what a rule gives its head; return the head's predicate where there is something new."""
@@ -314,6 +320,25 @@ def _tagged(rules: Sequence[Rule]) -> Set[Signature]:
         tag = len(arguments) > 1 and arguments[0].is_constant
         found[signature] = tag and found.get(signature, True)
     return {signature for signature, tag in found.items() if tag}
+
+
+def _sources_first(rules: Sequence[Rule]) -> List[int]:
+    """Return the rules' numbers, each behind those of the rules that define what it depends on, as far as can be."""
+    defining: Dict[Signature, List[int]] = {}
+    for number, rule in enumerate(rules):
+        defining.setdefault(rule.head.signature, []).append(number)
+    found: Dict[int, None] = {}
+    seen: Set[int] = set()
+    waiting = [(number, False) for number in reversed(range(len(rules)))]
+    while waiting:
+        number, done = waiting.pop()
+        if done:
+            found[number] = None
+        elif number not in seen:
+            seen.add(number)
+            waiting.append((number, True))
+            waiting += [(one, False) for atom in rules[number].atoms for one in defining.get(atom.signature, ())]
+    return list(found)
 
 
 def _joined(rows: Iterable[Row]) -> Row:
