@@ -5,7 +5,7 @@ hold at it are worth the same to all that comes later. What it takes is that req
 facts decide all that rules say of the past; where something stays open, steps from there on are ground as ever.
 """
 
-from typing import List, Optional, Set
+from typing import Iterator, List, Optional, Set
 
 import clingo
 
@@ -38,7 +38,7 @@ def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:
         return False
     state.tried = state.keep_from
     _close(state, grounding, start, before)
-    fixed = look(grounding, start, before)
+    fixed = look(grounding, start, before, _named(state))
     if fixed.first <= start:
         return False
     statements = _Statements(program, state, grounding, fixed)
@@ -55,6 +55,15 @@ def _close(state: StreamState, grounding: Grounding, start: int, before: int) ->
         if atom not in defined:
             grounding.atoms.close(atom)
             state.forgotten.add(atom)
+
+
+def _named(state: StreamState) -> Iterator[clingo.Symbol]:
+    """Yield the atoms that the stream has spoken of."""
+    yield from state.open_atoms
+    for statement in [*state.permanent, *(entry.statement for entry in state.lapsing)]:
+        yield from (literal.atom for literal in statement.body)
+        if statement.head is not None:
+            yield statement.head
 
 
 class _Statements:

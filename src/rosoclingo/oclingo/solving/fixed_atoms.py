@@ -5,7 +5,7 @@ for a search would take longer than to ground them, and of most steps nobody wan
 """
 
 from functools import cached_property
-from typing import AbstractSet, Dict, FrozenSet, Optional, Sequence, Set, Tuple
+from typing import AbstractSet, Dict, FrozenSet, Iterable, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Observer
@@ -85,9 +85,15 @@ class FixedAtoms(Propagator):
 
     """
 
-    def __init__(self, rules: StepRules, names: Dict[clingo.Symbol, int], start: int) -> None:
-        """Look at the blocks of steps from ``start`` on that ``rules`` tell of; base has the ``names``."""
+    def __init__(
+        self, rules: StepRules, names: Dict[clingo.Symbol, int], start: int, further: Iterable[clingo.Symbol] = ()
+    ) -> None:
+        """Look at the blocks of steps from ``start`` on that ``rules`` tell of; base has the ``names``.
+
+        Atoms that are neither of these nor ``further`` ones are not looked at: most of them are of steps to come.
+        """
         self._rules, self._names = rules, names
+        self._wanted = frozenset(further).union(*rules.atoms.values())
         self._blocks = [steps for steps in rules.atoms if steps[0] >= start]
         self._decided: Dict[range, FrozenSet[clingo.Symbol]] = {}
         self.first = start
@@ -101,7 +107,8 @@ class FixedAtoms(Propagator):
         if self._read or self._rules.opaque or not init.propagate():
             return
         self._read = True
-        self.literals = {**self._names, **{one.symbol: one.literal for one in init.symbolic_atoms}}
+        known = map(init.symbolic_atoms.__getitem__, self._wanted | self._names.keys())
+        self.literals = {**self._names, **{one.symbol: one.literal for one in known if one is not None}}
         for atom, literal in self.literals.items():
             value = _fixed(init, literal)
             if value is not None:
@@ -139,8 +146,11 @@ def _fixed(init: PropagateInit, atom: int) -> Optional[bool]:
     return init.assignment.value(literal) if init.assignment.is_fixed(literal) else None
 
 
-def look(grounding: Grounding, start: int, before: int) -> FixedAtoms:
-    """Return what is fixed for good in ``grounding``, looking at the steps from ``start`` to before ``before``."""
-    fixed = FixedAtoms(StepRules(grounding, before), grounding.names, start)
+def look(grounding: Grounding, start: int, before: int, further: Iterable[clingo.Symbol] = ()) -> FixedAtoms:
+    """Return what is fixed for good in ``grounding`` of the steps from ``start`` to before ``before``.
+
+    Base and ``further`` atoms are looked at as well.
+    """
+    fixed = FixedAtoms(StepRules(grounding, before), grounding.names, start, further)
     grounding.show(fixed)
     return fixed
