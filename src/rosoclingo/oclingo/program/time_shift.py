@@ -47,6 +47,8 @@ class TimeShift:
         """Look through the parts of a program with these values of constants."""
         self._constants = dict(constants)
         self._degrees: Dict[Place, int] = {}
+        self._times: Dict[clingo.Symbol, Optional[int]] = {}  # of atoms that were asked for
+        self._found_places: Dict[Signature, List[int]] = {}
         self.unclear: Set[Signature] = set()
         self.readings: List[Reading] = []
         every = [(part.parameter, statement, found) for part in parts for statement, found in part.found]
@@ -61,10 +63,12 @@ class TimeShift:
 
     def time_of(self, atom: clingo.Symbol) -> Optional[int]:
         """Return the time of an atom, the last argument that is one; None where it has none."""
-        for place in reversed(self._places(signature_of(atom))):
-            if atom.arguments[place].type is clingo.SymbolType.Number:
-                return int(atom.arguments[place].number)
-        return None
+        if atom not in self._times:
+            arguments = atom.arguments
+            times = (arguments[place] for place in reversed(self._places(signature_of(atom))))
+            numbers = (int(one.number) for one in times if one.type is clingo.SymbolType.Number)
+            self._times[atom] = next(numbers, None)
+        return self._times[atom]
 
     def moved(self, atom: clingo.Symbol, by: int) -> clingo.Symbol:
         """Return an atom with all its times later by so many steps."""
@@ -78,7 +82,10 @@ class TimeShift:
         return clingo.Function(atom.name, arguments, atom.positive)
 
     def _places(self, signature: Signature) -> List[int]:
-        return [n for n in range(signature.arity) if self._degrees.get((signature, n)) == 1]
+        if signature not in self._found_places:
+            times = [n for n in range(signature.arity) if self._degrees.get((signature, n)) == 1]
+            self._found_places[signature] = times
+        return self._found_places[signature]
 
     def phase(self, step: int, visible: FrozenSet[Signature]) -> Tuple[int, ...]:
         """Return what of ``step`` itself matters to who sees, of earlier steps, atoms of the predicates ``visible``."""

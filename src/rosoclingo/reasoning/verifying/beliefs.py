@@ -92,7 +92,9 @@ class Beliefs:
             empty = 0 if seen else empty + 1
             if empty == _EMPTY_LAYERS:
                 break
-        yield from universe.timeless(self.shift.time_of)
+        if universe.horizon not in self._timeless:
+            self._timeless[universe.horizon] = universe.timeless(self.shift.time_of)
+        yield from self._timeless[universe.horizon]
 
     def _is_visible(self, atom: clingo.Symbol) -> bool:
         """Tell whether the rules from step 0 on see an atom of before."""
