@@ -48,7 +48,6 @@ class TimeShift:
         self._constants = dict(constants)
         self._degrees: Dict[Place, int] = {}
         self._times: Dict[clingo.Symbol, Optional[int]] = {}  # of atoms that were asked for
-        self._found_places: Dict[Signature, List[int]] = {}
         self.unclear: Set[Signature] = set()
         self.readings: List[Reading] = []
         every = [(part.parameter, statement, found) for part in parts for statement, found in part.found]
@@ -58,6 +57,9 @@ class TimeShift:
         rules = [_Rule(statement, found, parameter) for parameter, statement, found in every if parameter]
         for sure in (True, False):
             self._infer(rules, sure)
+        self._places: Dict[Signature, List[int]] = {}  # the arguments that are times, in order
+        for signature, place in sorted(place for place, degree in self._degrees.items() if degree == 1):
+            self._places.setdefault(signature, []).append(place)
         for one in rules:
             self._judge(one)
 
@@ -65,14 +67,14 @@ class TimeShift:
         """Return the time of an atom, the last argument that is one; None where it has none."""
         if atom not in self._times:
             arguments = atom.arguments
-            times = (arguments[place] for place in reversed(self._places(signature_of(atom))))
+            times = (arguments[place] for place in reversed(self._places.get(signature_of(atom), ())))
             numbers = (int(one.number) for one in times if one.type is clingo.SymbolType.Number)
             self._times[atom] = next(numbers, None)
         return self._times[atom]
 
     def moved(self, atom: clingo.Symbol, by: int) -> clingo.Symbol:
         """Return an atom with all its times later by so many steps."""
-        places = self._places(signature_of(atom))
+        places = self._places.get(signature_of(atom))
         if not places:
             return atom
         arguments = list(atom.arguments)
@@ -80,12 +82,6 @@ class TimeShift:
             if arguments[place].type is clingo.SymbolType.Number:
                 arguments[place] = clingo.Number(arguments[place].number + by)
         return clingo.Function(atom.name, arguments, atom.positive)
-
-    def _places(self, signature: Signature) -> List[int]:
-        if signature not in self._found_places:
-            times = [n for n in range(signature.arity) if self._degrees.get((signature, n)) == 1]
-            self._found_places[signature] = times
-        return self._found_places[signature]
 
     def phase(self, step: int, visible: FrozenSet[Signature]) -> Tuple[int, ...]:
         """Return what of ``step`` itself matters to who sees, of earlier steps, atoms of the predicates ``visible``."""

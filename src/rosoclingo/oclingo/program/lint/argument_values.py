@@ -161,22 +161,21 @@ class ArgumentValues:
 
     def _spread(self) -> None:
         """Go through the rules until nothing changes; what a rule depends on comes first, unless that goes round."""
+        rules = _sources_first(self.rules)
         users: Dict[Signature, List[int]] = {}
-        for number, rule in enumerate(self.rules):
+        for number, rule in enumerate(rules):
             for atom in rule.atoms:
                 users.setdefault(atom.signature, []).append(number)
-        waiting = set(range(len(self.rules)))
-        order = _sources_first(self.rules)
-        places = {number: place for place, number in enumerate(order)}
-        turns = list(range(len(order)))  # a heap of places
+        turns = list(range(len(rules)))  # a heap
+        waiting = set(turns)
         while turns:
-            number = order[heappop(turns)]
-            waiting.discard(number)
-            changed = self._apply(self.rules[number])
+            number = heappop(turns)
+            waiting.remove(number)
+            changed = self._apply(rules[number])
             for user in users.get(changed, ()) if changed is not None else ():
                 if user not in waiting:
                     waiting.add(user)
-                    heappush(turns, places[user])
+                    heappush(turns, user)
 
     def _apply(self, rule: Rule) -> Optional[Signature]:
         """Add what a rule gives its head; return the head's predicate where there is something new."""
@@ -322,23 +321,23 @@ def _tagged(rules: Sequence[Rule]) -> Set[Signature]:
     return {signature for signature, tag in found.items() if tag}
 
 
-def _sources_first(rules: Sequence[Rule]) -> List[int]:
-    """Return the rules' numbers, each behind those of the rules that define what it depends on, as far as can be."""
+def _sources_first(rules: Sequence[Rule]) -> List[Rule]:
+    """Return the rules, each behind those that define what it depends on, as far as can be."""
     defining: Dict[Signature, List[int]] = {}
     for number, rule in enumerate(rules):
         defining.setdefault(rule.head.signature, []).append(number)
-    found: Dict[int, None] = {}
+    found: List[Rule] = []
     seen: Set[int] = set()
     waiting = [(number, False) for number in reversed(range(len(rules)))]
     while waiting:
         number, done = waiting.pop()
         if done:
-            found[number] = None
+            found.append(rules[number])
         elif number not in seen:
             seen.add(number)
             waiting.append((number, True))
             waiting += [(one, False) for atom in rules[number].atoms for one in defining.get(atom.signature, ())]
-    return list(found)
+    return found
 
 
 def _joined(rows: Iterable[Row]) -> Row:
