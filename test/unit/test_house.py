@@ -19,7 +19,8 @@ MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "oclingo/progression": {"oclingo"},
     "oclingo/program": {"oclingo", "oclingo/progression", "oclingo/gringo3"},
     "oclingo/gringo3": {"oclingo"},
-    "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program"},
+    "oclingo/reordering": set(),
+    "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/reordering"},
     "oclingo/explaining": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving"},
     "oclingo/remote": {
         "oclingo",

@@ -1,14 +1,15 @@
 """Shorter plans by large neighbourhoods: most of a plan stays, a part of it is free.
 
-Two kinds of parts are free in turns. Of a *window* of steps, what lies before it stays and what lies behind it is done
+Three kinds of questions take turns. Of a *window* of steps, what lies before it stays and what lies behind it is done
 one step earlier (Shaw's large neighbourhood search, 1998). Where an action is *put off* the plan is left: for some
 steps anything is done but this action, and all is free from there on (a wide form of Harvey and Ginsberg's limited
 discrepancy search, 1995); with ``#heuristic`` the rest is then what these statements advise. Which kinds of actions are
-put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). A plan may
-also be far too long, where it was found among many steps only: each round over a long one begins with the question for
-any plan of a quarter and of half the steps, with what ``#heuristic`` advises and without. Where a round brings nothing,
-the next has larger windows and more conflicts. What is found is pushed together: no step is left at which nothing is
-done, where that is a plan.
+put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large neighbourhood search, 2006). And where
+the same is done in another *order*, which reordered_plans.py finds, nothing is free: the solver tells whether it is a
+plan. A plan may also be far too long, where it was found among many steps only: each round over a long one begins with
+the question for any plan of a quarter and of half the steps, with what ``#heuristic`` advises and without. Where a
+round brings nothing, the next has larger windows and more conflicts. What is found is pushed together: no step is left
+at which nothing is done, where that is a plan.
 """
 
 from itertools import product
@@ -19,6 +20,7 @@ import clingo
 
 from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.solving.reordered_plans import ReorderedPlans
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 SIZE = 16
@@ -58,6 +60,7 @@ class Part(NamedTuple):
         span: nor within so many steps.
         share: so many times fewer steps are left to the plan.
         advised: whether what ``#heuristic`` says counts.
+        instead: a plan that is asked for, in which nothing is free; None for one of which a part is.
 
     """
 
@@ -67,13 +70,20 @@ class Part(NamedTuple):
     span: int = 1
     share: int = 1
     advised: bool = True
+    instead: Optional[Plan] = None
 
     def given(self, plan: Plan) -> Given:
         """Return what is assumed of the actions of ``plan``: those behind the part are done one step earlier."""
+        if self.instead is not None:
+            return [(action, True) for action in self.instead.actions]
         given = [one for action in plan.actions for one in self._assumed(action)]
         if self.put_off is not None:
             given += [(_moved(self.put_off, steps), False) for steps in range(self.span)]
         return given
+
+    def last_horizon(self, begin: int, length: int) -> int:
+        """Return the last horizon to look at, where the least is ``begin`` and the plan's is ``length`` steps later."""
+        return begin + length // self.share if self.instead is None else max(begin, self.instead.horizon)
 
     def _assumed(self, action: clingo.Symbol) -> Given:
         cycle = cycle_of(action)
@@ -82,6 +92,10 @@ class Part(NamedTuple):
         if self.last is not None and cycle > self.last:
             return [(_moved(action, -1), True)]
         return []
+
+
+END = Part(-1)
+"""Nothing is left to try."""
 
 
 class Improvement:
@@ -94,6 +108,7 @@ class Improvement:
         self._random = Random(0)
         self._shortened = False  # in this round
         self._brought: Dict[clingo.Symbol, Tuple[int, int]] = {}  # kind of actions -> put off, how often of use
+        self._orders = ReorderedPlans()
         self._parts = self._rounds()
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
@@ -107,14 +122,16 @@ class Improvement:
         """Return a shorter plan as soon as one is found; None where ``halt`` came first, or nothing is left to try."""
         present = self._present(grounding)
         while not halt():
-            part = next(self._parts, None)
+            part = next(self._parts, END)
             if part is None:
+                continue
+            if part is END:
                 break
             if not part.advised and not (grounding.program.advises and self._length // part.share <= FEW_STEPS):
                 continue
             given = [*present, *part.given(self._plan.since(self._step + 1))]
             conflicts = self._conflicts * part.share // (1 if part.put_off is None else FEWER)
-            last = min(self._plan.horizon - 1, grounding.horizon, self._begin + self._length // part.share)
+            last = min(self._plan.horizon - 1, grounding.horizon, part.last_horizon(self._begin, self._length))
             found = self._ask(grounding, halt, last, given, conflicts, part.advised)
             if found.satisfiable:
                 return self._take(grounding, halt, present, found)
@@ -152,7 +169,7 @@ class Improvement:
 
     # ---- Which parts -------------------------------------------------------------------------------------------------
 
-    def _rounds(self) -> Iterator[Part]:
+    def _rounds(self) -> Iterator[Optional[Part]]:
         """Yield parts until a round over all of the plan has brought nothing, however hard it was tried."""
         while self._length > 0:
             whole = self._size >= self._length
@@ -163,8 +180,12 @@ class Improvement:
                     return
                 self._size, self._conflicts = self._size * 3 // 2, min(self._conflicts * 2, MOST_CONFLICTS)
 
-    def _round(self) -> Iterator[Part]:
-        """Yield windows from the present to the end, which overlap by half; after each some actions are put off."""
+    def _round(self) -> Iterator[Optional[Part]]:
+        """Yield other orders, then windows to the end, which overlap by half; after each some actions are put off."""
+        horizon = self._plan.horizon + 1
+        while self._plan.horizon < horizon:
+            horizon = self._plan.horizon
+            yield from self._reordered()
         first = self._step + 1
         for share, advised in product(SHARES, (True, False)):
             if self._length >= 2 * SIZE:
@@ -172,8 +193,10 @@ class Improvement:
         while first <= self._plan.horizon and self._length > 0:
             last = first + self._size - 1
             yield Part(first, last if last < self._plan.horizon else None)
+            yield from self._reordered()
             for _ in range(PUT_OFFS):
                 yield from self._without_one()
+                yield from self._reordered()
             first = max(self._step + 1, first + self._size // 2)
 
     def _without_one(self) -> Iterator[Part]:
@@ -189,6 +212,29 @@ class Improvement:
         yield Part(cycle_of(action), put_off=action, span=self._random.choice(SPANS))
         tried, useful = self._brought.get(kind, (1, 1))
         self._brought[kind] = tried + 1, useful + (self._plan.horizon < horizon)
+
+    def _reordered(self) -> Iterator[Optional[Part]]:
+        """Yield the shortest of some plans that do the same in another order; half as short a one where it is none.
+
+        Yields None between, as it takes a while to find orders.
+        """
+        tried = True
+        while tried:  # once more where the robot has gone on meanwhile
+            step, horizon = self._step, self._plan.horizon
+            shorter: List[Plan] = []
+            for one in self._orders.shorter(self._plan, step):
+                if one is not None:
+                    shorter.append(one)
+                yield None
+                if self._step != step:
+                    break
+            tried = bool(shorter)
+            while shorter and self._step == step and self._plan.horizon == horizon:
+                yield Part(step + 1, instead=shorter[-1])
+                shorter = shorter[: len(shorter) // 2]
+            if tried and self._step == step:
+                self._orders.learn(useful=self._plan.horizon < horizon)
+                return
 
     @property
     def _length(self) -> int:
