@@ -106,10 +106,17 @@ class Deeds:
 
 
 def _parts(parameter: clingo.Symbol) -> Set[clingo.Symbol]:
-    """Return what a parameter is made of."""
-    if parameter.type is not clingo.SymbolType.Function or not parameter.arguments:
-        return {parameter}
-    return {part for argument in parameter.arguments for part in _parts(argument)}
+    """Return what a parameter is made of, however deep; what is there many times is looked at once."""
+    seen, left, parts = {parameter}, [parameter], set()
+    while left:
+        part = left.pop()
+        if part.type is clingo.SymbolType.Function and part.arguments:
+            new = set(part.arguments) - seen
+            seen |= new
+            left += new
+        else:
+            parts.add(part)
+    return parts
 
 
 def _ends(longer: Sequence[clingo.Symbol], chain: Sequence[clingo.Symbol]) -> bool:

@@ -1,5 +1,6 @@
 """What is read in a plan: moves, tasks, chains, places."""
 
+import clingo
 import pytest
 from plain_deeds import deeds_of
 
@@ -56,6 +57,14 @@ def test_what_moves_is_known_from_a_longer_rest():
 )
 def test_tasks_about_the_same_thing_keep_their_order(plan, chains):
     assert read(plan).chains == chains
+
+
+def test_parameters_may_be_as_deep_as_clingo_has_them():
+    term = clingo.Number(1)
+    for _ in range(5000):
+        term = clingo.Function("f", [term, term])
+    deep, moves = (clingo.Function("take"), term), deeds_of("go a; go b; go a; put 1")
+    assert Deeds([], [*moves, deep], back=True).chains == [(1, 2)]
 
 
 def test_a_chain_that_ends_as_a_longer_one_was_begun_before():
