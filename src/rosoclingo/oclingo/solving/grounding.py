@@ -54,7 +54,7 @@ class Grounding:
             shortest.
         names: the literals of the atoms that base has; clingo lets go of the names of those that are false for good.
         shown: the shown atoms of the last answer.
-        satisfied: whether the last search had an answer, and nothing was added since but what was foreseen.
+        satisfied: whether a search had an answer, and nothing was added since but what was foreseen.
 
     """
 
@@ -304,11 +304,12 @@ class Grounding:
             refuted = Search(False, timeless=not horizon)
             if assumed and result.satisfiable is False:
                 refuted = assumed.refuted_by(handle, horizon)
-        self.satisfied = bool(result.satisfiable or answers)
+        satisfied = bool(result.satisfiable or answers)
+        self.satisfied = self.satisfied or satisfied
         if (result.interrupted or result.unknown) and (proven or not answers):
             return Search(None)
         kept_answers = tuple(answers if proven else answers[-1:])
-        return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1]) if self.satisfied else refuted
+        return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1]) if satisfied else refuted
 
     def _complete(self) -> None:
         """Add the rules that wait for all others."""

@@ -59,8 +59,8 @@ def ask(solver, text, closing=()):
     return sorted(map(str, answer)), executed
 
 
-def drive(solver, cycles, margin):
-    """Go round and round; return all answers."""
+def drive(solver, cycles, margin, improves=False):
+    """Go round and round; return all answers. In each cycle it may be looked for better plans until there are none."""
     answers, before = [], []
     for cycle in range(1, cycles + 1):
         goal = "abc"[cycle % 3]
@@ -70,7 +70,19 @@ def drive(solver, cycles, margin):
             solver.forget_before(cycle - margin)
         answer, before = ask(solver, text + "#endstep.")
         answers.append(answer)
+        if improves:
+            solver.log.plan = solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False)
+            while solver.improve() is not None:
+                pass
     return answers
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cycles", [12, 13])
+def test_steps_are_retired_though_a_better_plan_was_looked_for_in_vain(cycles):
+    solver = ReactiveSolver(ReactiveProgram.from_text(WALK), shortest=True, oclingo_strings=False, plan_time=0.0)
+    drive(solver, cycles, 0, improves=True)
+    assert solver.state.past.first == cycles - 1
 
 
 @pytest.mark.slow
