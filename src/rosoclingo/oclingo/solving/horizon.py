@@ -55,13 +55,14 @@ class ExternalIndex(AtomIndex):
         control: clingo.Control,
         program: ReactiveProgram,
         blocks: Mapping[int, range],
-        opened: Container[Signature] = (),
+        opened: Collection[Signature] = (),
     ) -> None:
         """Take the ``blocks`` of steps ground at once, by the first of each; what is ``opened`` belongs to no step."""
         super().__init__(control, program.external_signatures - {BEYOND})
         self._program, self._blocks, self._opened = program, blocks, opened
         self.declared: Dict[int, int] = {}
         self.stepless: Set[clingo.Symbol] = set()
+        self._unsorted: Dict[int, List[clingo.Symbol]] = {}  # by the first steps of their blocks
         self._atoms: Dict[int, List[clingo.Symbol]] = {}  # by their steps
         self._of_base: FrozenSet[int] = frozenset()
         self._base_atoms: Set[clingo.Symbol] = set()
@@ -79,14 +80,23 @@ class ExternalIndex(AtomIndex):
     def between(self, first: int, last: int, base: bool) -> List[clingo.Symbol]:
         """Return what steps first..last declare, with what ``base`` declares, which counts as 1, or without."""
         for atom, literal in self.fresh():
-            if literal in self.declared and atom not in self.stepless and signature_of(atom) not in self._opened:
-                step = self.declared[literal]
-                block = self._blocks.get(step, range(step, step + 1))
-                self._atoms.setdefault(self._program.declaring_step(atom, block), []).append(atom)
+            if literal in self.declared and atom not in self.stepless and not self._is_opened(atom):
+                self._unsorted.setdefault(self.declared[literal], []).append(atom)
                 if literal in self._of_base:
                     self._base_atoms.add(atom)
+        for step in [one for one in self._unsorted if one <= last]:  # of later ones nobody wants to know yet
+            self._sort(step, self._unsorted.pop(step))
         found = [atom for step, atoms in self._atoms.items() if first <= step <= last for atom in atoms]
         return found if base else [atom for atom in found if atom not in self._base_atoms]
+
+    def _is_opened(self, atom: clingo.Symbol) -> bool:
+        return bool(self._opened) and signature_of(atom) in self._opened
+
+    def _sort(self, step: int, atoms: Iterable[clingo.Symbol]) -> None:
+        """Sort the atoms of the block that begins with ``step``."""
+        block = self._blocks.get(step, range(step, step + 1))
+        for atom in atoms:
+            self._atoms.setdefault(self._program.declaring_step(atom, block), []).append(atom)
 
 
 class CycleIndex(AtomIndex):
