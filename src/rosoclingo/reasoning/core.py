@@ -201,7 +201,7 @@ class Core:
             try:
                 result = self._planner.update(batch.update)
             except SolverError as error:
-                result = feed_less(self._planner, batch, error, self._goals.end, self._problem)
+                result = feed_less(self._planner, batch, error, self._goals.end, self._problem, bool(self._goals.fed))
         except DisturbedError as disturbance:
             self._leave(disturbance)
             if disturbance.kept:

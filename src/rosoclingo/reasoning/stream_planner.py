@@ -298,12 +298,14 @@ def feed_less(
     error: SolverError,
     end: Callable[[Sequence[Goal], Outcome, str], None],
     problem: Callable[[str], None],
+    others: bool = False,
 ) -> SolveResult:
     """Feed what can be taken of a batch that came to an ``error``, and search; raises SolverError where nothing can.
 
-    Of an update that is refused, the new goals are left out, then all but the commitments. One that was dropped since
-    its search would not end is first fed without looking ahead: then it is known, whatever the search does. Goals that
-    are refused ``end``; those that are left out since that took too long do not.
+    Of an update that is refused, the new goals are left out, then all but the commitments. Where one was dropped since
+    it took too long, the new goals are left out as well if there are ``others``, for which there was a plan; else it is
+    first fed without looking ahead: then it is known, whatever the search does. Goals that are refused ``end``; those
+    that are left out since that took too long do not.
     """
 
     def refused(error: SolverError, goals: Sequence[Goal]) -> None:
@@ -317,12 +319,13 @@ def feed_less(
 
     if isinstance(error, DroppedError):
         refused(error, ())
-        take, fewer = planner.take, [batch.update, batch.without_goals, batch.commitments]
+        first = (planner.update, batch.without_goals) if batch.goals and others else (planner.take, batch.update)
+        ways = [first, (planner.take, batch.without_goals), (planner.take, batch.commitments)]
     else:
         refused(error, batch.goals)
-        take, fewer = planner.update, [batch.without_goals, batch.commitments]
-    for number, update in enumerate(fewer):
-        if update not in fewer[:number]:
+        ways = [(planner.update, batch.without_goals), (planner.update, batch.commitments)]
+    for number, (take, update) in enumerate(ways):
+        if (take, update) not in ways[:number]:
             try:
                 return take(update)
             except SolverError as again:

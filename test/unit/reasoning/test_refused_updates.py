@@ -42,7 +42,7 @@ class Ends:
         self.ends += [(goal.key, outcome, why) for goal in goals]
 
 
-def fed(planner, facts=True):
+def fed(planner, facts=True, others=False):
     """What came of feeding a batch, how its goal ended, and the problems."""
     feeder, goal, ended, problems = InputFeeder(), Goal("a", parse_term("g(1)"), lambda _goal, _event: None), Ends(), []
     feeder.add_goal(goal)
@@ -51,7 +51,7 @@ def fed(planner, facts=True):
     feeder.add_executed([action_of(parse_atom("_action_lib(a,x,4)"))])
     batch = feeder.next_update(5)
     error = planner.errors.pop(0)
-    return feed_less(planner, batch, error, ended.end, problems.append), ended.ends, problems
+    return feed_less(planner, batch, error, ended.end, problems.append, others), ended.ends, problems
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -74,6 +74,16 @@ def test_one_that_was_dropped_is_fed_without_looking_ahead(times):
     assert problems == ["update 5 is dropped: it took too long: ended"] * times
     calls = [f"{COMMITMENT} {REQUEST} {FACT}", f"{COMMITMENT} {FACT}", COMMITMENT]
     assert planner.calls == [f"take {call}" for call in calls][:times]
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_of_one_that_was_dropped_new_goals_are_left_out_where_there_is_a_plan_for_others(times):
+    planner = Planner(*[DroppedError("ended")] * times, ended_by="it took too long")
+    result, ends, problems = fed(planner, others=True)
+    assert result is RESULT
+    assert ends == []
+    assert problems == ["update 5 is dropped: it took too long: ended"] * times
+    assert planner.calls == [f"update {COMMITMENT} {FACT}", f"take {COMMITMENT} {FACT}", f"take {COMMITMENT}"][:times]
 
 
 @pytest.mark.parametrize(("kind", "times"), [(SolverError, 2), (DroppedError, 3)])
