@@ -17,10 +17,13 @@ MOST_PATIENCE = 8
 FIRST = 8
 
 #: The part of the time for a search that a plan with new goals is to take.
-SHARE = 0.3
+SHARE = 0.6
 
 #: So many times as many goals as before there may be at the next time, and after a search took too long.
-FASTER, SLOWLY = 2.0, 1.25
+FASTER, SLOWLY = 4.0, 1.25
+
+#: And so many times as many at least.
+FEWER = 0.5
 
 
 class GoalWindow:
@@ -69,7 +72,7 @@ class GoalWindow:
         if self._size is None or seconds is None:
             return
         factor = math.sqrt(self._wanted / seconds) if self._wanted and seconds else self._growth
-        size = math.ceil(goals * max(1 / FASTER, min(factor, self._growth)))
+        size = math.ceil(goals * max(FEWER, min(factor, self._growth)))
         if factor < 1 or goals >= self._size:
             self._size = size
         self._full = self._full and self._size - goals < max(FIRST, goals) // 2

@@ -9,6 +9,7 @@ from office_world import OFFICES, World
 from shipped import shipped
 
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
+from rosoclingo.reasoning.waiting_queue import SHARE
 
 MANY = min(1000, 3 * settings.default.max_examples // 2)  # goals in a long run
 
@@ -90,7 +91,7 @@ def test_there_is_slowly_room_for_more_goals_again():
 def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
     driver = ask(BusyDriver(most=99), *range(1, 60))
-    driver.seconds = lambda goals: 3.0 * (goals / 12) ** 2
+    driver.seconds = lambda goals: SHARE * CoreSettings.search_timeout * (goals / 12) ** 2
     driver.run().finish()
     assert len(ends(driver)) == 59
     assert max(driver.searches) == 12
