@@ -281,7 +281,7 @@ def main():
     parser.add_argument(
         "--action-time",
         type=float,
-        default=0.2,
+        default=0.5,
         help="seconds to improve the plan while an action runs; robots take longer (default: %(default)s)",
     )
     parser.add_argument(

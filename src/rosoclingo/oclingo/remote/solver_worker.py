@@ -180,12 +180,12 @@ class Worker:
             result = solver.solve(stopped, self._commands.dropped)
         else:
             result = solver.update(update, stopped, self._commands.dropped)
-        log, checkpoint = solver.log, None
-        if isinstance(log.entry, Checkpoint):
-            checkpoint = log.entry.message
-            if log.before is not None:
-                self._known.keep(log.before)
-        self._known.keep(log)
+        log = solver.log
+        checkpoint = log.entry.message if isinstance(log.entry, Checkpoint) else None
+        last = log.last
+        for one in (last and last.before, last, log):  # some go back to before the update
+            if one is not None:
+                self._known.keep(one)
         return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
 
     def _telling(self, solver: ReactiveSolver) -> Callable[[], bool]:

@@ -10,7 +10,7 @@ from typing import Iterator, List, Optional, Set
 import clingo
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.oclingo.progression.updates import Literal, Statement, StreamUpdate
 from rosoclingo.oclingo.solving.fixed_atoms import FixedAtoms, look
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
@@ -23,6 +23,18 @@ COMPACT_ALONG = 16
 
 SHOWN_STEPS = 10
 """For so many steps answers still tell what was shown of a retired step."""
+
+
+def is_due(setting: Setting, state: StreamState, grounding: Grounding, update: Optional[StreamUpdate]) -> bool:
+    """Tell whether steps to retire are so many, or so many for an update for which the program is ground anew.
+
+    Not where the update takes back what was told, whose consequences would stay.
+    """
+    over = setting.steps_over(state)
+    if over < min(COMPACT_ALONG, COMPACT_AFTER) or (update is not None and update.withdrawn):
+        return False
+    new = [head for head in setting.open_heads(update) if not grounding.atoms.knows(head)]
+    return over >= COMPACT_AFTER or setting.program.may_see(new, setting.first_step(state), grounding.horizon)
 
 
 def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:

@@ -252,8 +252,7 @@ class ReactiveSolver(ForeseeingSolver):
             return None
         transaction = Transaction(self._setting, self.state.copy(), self._grounding)
         with self._taking(transaction):
-            start = time.perf_counter()
-            found = self._shorten(plan, transaction, self._halting(stopped))
+            start, found = time.perf_counter(), self._shorten(plan, transaction, self._halting(stopped))
             spent = {"solve": time.perf_counter() - start, "ground": 0.0}
         if found is None:
             return None
@@ -346,8 +345,9 @@ class ReactiveSolver(ForeseeingSolver):
         self.read(update)
         self._check(update)
         transaction = Transaction(self._setting, self.state.copy(), self._grounding, dropped)
-
         with self._taking(transaction):
+            if transaction.retire(update):
+                self._log = self._read = self._log.in_form(transaction.state.copy())
             result = self._search(transaction, update, self._halting(stopped))
         log = self._log.then(Taken(update, transaction.state.horizon))
         log.state = transaction.state

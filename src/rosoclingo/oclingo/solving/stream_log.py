@@ -7,6 +7,7 @@ of it: the horizon that an update led to, and, as a checkpoint, which steps are 
 
 import hashlib
 import json
+from copy import copy
 from dataclasses import dataclass
 from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
 
@@ -170,7 +171,7 @@ class StreamLog:
     @property
     def state(self) -> Optional[StreamState]:
         """The state to which it leads, None where no solver has read it yet; nobody changes it."""
-        return self.entry.state if isinstance(self.entry, Checkpoint) else self._state
+        return self.entry.state if self._state is None and isinstance(self.entry, Checkpoint) else self._state
 
     @state.setter
     def state(self, state: StreamState) -> None:
@@ -181,6 +182,12 @@ class StreamLog:
         log = self
         for entry in entries:
             log = StreamLog(log, entry)
+        return log
+
+    def in_form(self, state: StreamState) -> "StreamLog":
+        """Return the same log, whose state is known in another form, which is worth the same."""
+        log = copy(self)
+        log.state = state
         return log
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamLog":

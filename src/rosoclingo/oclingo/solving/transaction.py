@@ -105,6 +105,18 @@ class Transaction:
         elif isinstance(entry, Withdrawal):
             self._withdraw(entry.facts)
 
+    def retire(self, update: Optional[StreamUpdate]) -> bool:
+        """Let go of steps that are over, before ``update``, if it is worth it; tell whether it was tried.
+
+        The state is another form of the same then, which stays one whatever becomes of the update.
+        """
+        if self.grounding is None or not compaction.is_due(self._setting, self.state, self.grounding, update):
+            return False
+        if compaction.compact(self._setting, self.state, self.grounding):
+            self.grounding = None
+        self.compacted = True
+        return True
+
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
         if update is not None:
@@ -116,7 +128,6 @@ class Transaction:
             self._update = update
             self.warnings.extend(update.warnings)
             self._lapse(lambda lifetime: lifetime == UPDATE)
-            self._compact(compaction.COMPACT_AFTER)
             if update.step is not None:
                 state.step, state.settled = update.step, max(state.settled, update.step)
                 state.bound = None if update.bound is None else update.step + update.bound
@@ -201,19 +212,10 @@ class Transaction:
             new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]
             first = self._setting.first_step(self.state)
             if self.program.may_see(new, first, self.grounding.horizon):
-                self._compact(compaction.COMPACT_ALONG)
                 self.grounding = None
             elif new:
                 self._given = {atom for atom in new if fresh[atom]}
                 self.grounding.declare(new, self._given)
-
-    def _compact(self, enough: int) -> None:
-        """Let go of the steps that are over, if they are ``enough``: the program is then ground anew without them."""
-        if self._again or self.grounding is None or self._setting.steps_over(self.state) < enough:
-            return
-        tried = self.state.tried
-        self.grounding = None if compaction.compact(self._setting, self.state, self.grounding) else self.grounding
-        self.compacted = self.compacted or self.state.tried != tried
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         grounding = self._standing()

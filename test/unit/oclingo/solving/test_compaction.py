@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from stream_logs import copied, cut
 from test_solver_properties import PARTS, UPDATES, without_strangers
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Forget, Literal, Statement
 from rosoclingo.oclingo.solving import compaction, grounding
 from rosoclingo.oclingo.solving import solver as solver_module
@@ -228,6 +228,21 @@ def test_few_steps_are_retired_along_with_another_grounding(monkeypatch):
     assert solver.state.past is None
     solver.update(parse_update("#step 8. sees(x,3). #endstep."))
     assert solver.state.past is not None, "steps that could have seen it are ground anew"
+
+
+def test_steps_stay_retired_where_the_update_is_dropped(monkeypatch):
+    """What has taken time need not be done again, and is of no other worth than before."""
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 100)
+    solver, other = walk(), walk()
+    for one in (solver, other):
+        drive(one, 8, 1)
+    with pytest.raises(DroppedError):
+        solver.update(parse_update("#step 9. sees(x,3). #endstep."), dropped=lambda: True)
+    assert solver.state.past is not None
+    assert (solver.log.key, solver.state.step) == (other.log.key, 8)
+    assert ask(solver, "#step 9. _request(goal(c,99),10). #endstep.") == ask(
+        other, "#step 9. _request(goal(c,99),10). #endstep."
+    )
 
 
 def test_solvers_that_are_not_shortest_forget_nothing():
