@@ -304,8 +304,7 @@ class Grounding:
             refuted = Search(False, timeless=not horizon)
             if assumed and result.satisfiable is False:
                 refuted = assumed.refuted_by(handle, horizon)
-        satisfied = bool(result.satisfiable or answers)
-        self.satisfied = self.satisfied or satisfied
+        self.satisfied = (satisfied := bool(result.satisfiable or answers)) or self.satisfied
         if (result.interrupted or result.unknown) and (proven or not answers):
             return Search(None)
         kept_answers = tuple(answers if proven else answers[-1:])
