@@ -30,11 +30,11 @@ def is_due(setting: Setting, state: StreamState, grounding: Grounding, update: O
 
     Not where the update takes back what was told, whose consequences would stay.
     """
-    over = setting.steps_over(state)
-    if over < min(COMPACT_ALONG, COMPACT_AFTER) or (update is not None and update.withdrawn):
+    if update is not None and update.withdrawn:
         return False
     new = [head for head in setting.open_heads(update) if not grounding.atoms.knows(head)]
-    return over >= COMPACT_AFTER or setting.program.may_see(new, setting.first_step(state), grounding.horizon)
+    anew = setting.program.may_see(new, setting.first_step(state), grounding.horizon)
+    return setting.steps_over(state) >= (COMPACT_ALONG if anew else COMPACT_AFTER)
 
 
 def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:

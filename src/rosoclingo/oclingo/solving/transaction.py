@@ -110,7 +110,8 @@ class Transaction:
 
         The state is another form of the same then, which stays one whatever becomes of the update.
         """
-        if self.grounding is None or not compaction.is_due(self._setting, self.state, self.grounding, update):
+        few = self._setting.steps_over(self.state) < min(compaction.COMPACT_ALONG, compaction.COMPACT_AFTER)
+        if few or not (self.grounding and compaction.is_due(self._setting, self.state, self.grounding, update)):
             return False
         if compaction.compact(self._setting, self.state, self.grounding):
             self.grounding = None
