@@ -252,6 +252,7 @@ class ReactiveSolver(ForeseeingSolver):
             return None
         transaction = Transaction(self._setting, self.state.copy(), self._grounding)
         with self._taking(transaction):
+            self._log = self._read = transaction.retire(self._log)  # while nothing waits for that
             start, found = time.perf_counter(), self._shorten(plan, transaction, self._halting(stopped))
             spent = {"solve": time.perf_counter() - start, "ground": 0.0}
         if found is None:
@@ -346,13 +347,12 @@ class ReactiveSolver(ForeseeingSolver):
         self._check(update)
         transaction = Transaction(self._setting, self.state.copy(), self._grounding, dropped)
         with self._taking(transaction):
-            if transaction.retire(update):
-                self._log = self._read = self._log.in_form(transaction.state.copy())
+            self._log = self._read = transaction.retire(self._log, update)
             result = self._search(transaction, update, self._halting(stopped))
         log = self._log.then(Taken(update, transaction.state.horizon))
         log.state = transaction.state
         log.plan = (result.plan if self.shortest else None) or log.plan
-        self._log = self._read = log.checkpoint() if transaction.compacted or log.is_longer(self._log_limit) else log
+        self._log = self._read = log.checkpoint() if log.is_longer(self._log_limit) else log
         self._has_answered(result)
         return result
 

@@ -136,10 +136,23 @@ class StreamLog:
         over: what concerns steps before it is over.
         plan: the last plan, where a search may begin; None where none is known. It is no part of the history.
         foreseen: whether the answer before the last entry is known to be one after it; no part of the history, either.
+        reformed: whether the state was put in another form since the last checkpoint, which only a checkpoint tells.
 
     """
 
-    __slots__ = ("_key", "_state", "before", "entry", "foreseen", "horizon", "length", "over", "plan", "step")
+    __slots__ = (
+        "_key",
+        "_state",
+        "before",
+        "entry",
+        "foreseen",
+        "horizon",
+        "length",
+        "over",
+        "plan",
+        "reformed",
+        "step",
+    )
 
     def __init__(self, before: Optional["StreamLog"] = None, entry: Optional[Entry] = None) -> None:
         """Make the log ``before`` with one more ``entry``; without arguments that of a stream that begins."""
@@ -152,6 +165,7 @@ class StreamLog:
         self.over: int = 0 if before is None else before.over
         self.plan: Optional[Plan] = None if before is None else before.plan
         self.foreseen = False
+        self.reformed: bool = before is not None and before.reformed and not isinstance(entry, Checkpoint)
         if isinstance(entry, Taken):
             self._reach(entry)
         elif isinstance(entry, Over):
@@ -187,7 +201,7 @@ class StreamLog:
     def in_form(self, state: StreamState) -> "StreamLog":
         """Return the same log, whose state is known in another form, which is worth the same."""
         log = copy(self)
-        log.state = state
+        log.state, log.reformed = state, True
         return log
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamLog":
@@ -210,9 +224,12 @@ class StreamLog:
         return self
 
     def is_longer(self, limit: int) -> bool:
-        """Whether so much more than ``limit`` entries followed the last checkpoint that another is worth its while."""
+        """Whether so much more than ``limit`` entries followed the last checkpoint that another is worth its while.
+
+        It always is for a state in another form.
+        """
         assert self.state is not None
-        return self.length > max(limit, self.state.size // 100)
+        return self.reformed or self.length > max(limit, self.state.size // 100)
 
     @property
     def last(self) -> Optional["StreamLog"]:

@@ -31,7 +31,7 @@ from rosoclingo.oclingo.progression.updates import (
 )
 from rosoclingo.oclingo.solving import compaction
 from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
-from rosoclingo.oclingo.solving.stream_log import Close, Entry, Taken, Withdrawal
+from rosoclingo.oclingo.solving.stream_log import Close, Entry, StreamLog, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
     FOREVER,
     UPDATE,
@@ -58,7 +58,6 @@ class Transaction:
         state: the state as it will be; the caller keeps it if all goes well.
         grounding: the grounding that fits :attr:`state`, None where it has to be made anew.
         warnings: what was ignored.
-        compacted: True once it was tried to retire steps, which only a checkpoint tells.
 
     """
 
@@ -82,7 +81,6 @@ class Transaction:
         self._coming, self._doubted = coming, doubted
         self._again = False
         self.warnings: List[str] = []
-        self.compacted = False
         self._limit = setting.horizon_limit
         self._shortest = setting.shortest
         self._given: Set[clingo.Symbol] = set()  # facts of this update that the grounding knows already
@@ -105,18 +103,17 @@ class Transaction:
         elif isinstance(entry, Withdrawal):
             self._withdraw(entry.facts)
 
-    def retire(self, update: Optional[StreamUpdate]) -> bool:
-        """Let go of steps that are over, before ``update``, if it is worth it; tell whether it was tried.
+    def retire(self, log: StreamLog, update: Optional[StreamUpdate] = None) -> StreamLog:
+        """Let go of steps that are over, before ``update``, if it is worth it; return the ``log`` that leads here.
 
         The state is another form of the same then, which stays one whatever becomes of the update.
         """
         few = self._setting.steps_over(self.state) < min(compaction.COMPACT_ALONG, compaction.COMPACT_AFTER)
         if few or not (self.grounding and compaction.is_due(self._setting, self.state, self.grounding, update)):
-            return False
+            return log
         if compaction.compact(self._setting, self.state, self.grounding):
             self.grounding = None
-        self.compacted = True
-        return True
+        return log.in_form(self.state.copy())
 
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""

@@ -82,7 +82,7 @@ def drive(solver, cycles, margin, improves=False):
 def test_steps_are_retired_though_a_better_plan_was_looked_for_in_vain(cycles):
     solver = ReactiveSolver(ReactiveProgram.from_text(WALK), shortest=True, oclingo_strings=False, plan_time=0.0)
     drive(solver, cycles, 0, improves=True)
-    assert solver.state.past.first == cycles - 1
+    assert solver.state.past.first == cycles
 
 
 @pytest.mark.slow
@@ -243,6 +243,27 @@ def test_steps_stay_retired_where_the_update_is_dropped(monkeypatch):
     assert ask(solver, "#step 9. _request(goal(c,99),10). #endstep.") == ask(
         other, "#step 9. _request(goal(c,99),10). #endstep."
     )
+    reader = walk()
+    reader.restore(copied(solver.log))
+    assert reader.state.past == solver.state.past, "the log tells it"
+
+
+def test_steps_are_retired_while_a_better_plan_is_looked_for(monkeypatch):
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 100)
+    solver, other = (
+        ReactiveSolver(ReactiveProgram.from_text(WALK), shortest=True, oclingo_strings=False, plan_time=0.0)
+        for _ in range(2)
+    )
+    for one in (solver, other):
+        drive(one, 8, 1)
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
+    solver.log.plan = solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False)
+    while solver.improve() is not None:
+        pass
+    assert solver.state.past is not None
+    monkeypatch.setattr(compaction, "COMPACT_AFTER", 100)
+    text = "#step 9. _request(goal(c,99),10). #endstep."
+    assert ask(solver, text) == ask(other, text)
 
 
 def test_solvers_that_are_not_shortest_forget_nothing():

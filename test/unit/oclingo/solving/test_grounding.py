@@ -231,3 +231,17 @@ def test_rules_are_heard_of_only_where_they_may_define_externals(monkeypatch, ru
     grounding = Grounding(program, [], set(), shortest=True, foresees=foresees)
     grounding.ground_to(3)
     assert any(type(one).rule is not clingo.backend.Observer.rule for one in observers) is heard
+
+
+def test_a_program_that_had_an_answer_has_one_whatever_was_asked_for_then():
+    program = ReactiveProgram.from_text("#program cumulative(t). { a(t) }. #external e(t).")
+    grounding = Grounding(program, [], set(), shortest=True)
+    grounding.ground_to(1)
+    assert not grounding.satisfied
+    assert grounding.search(1, lambda: False, 1, 1).satisfiable
+    (atom,) = [one for one in grounding.known if str(one) == "a(1)"]
+    refused = grounding.search(1, lambda: False, 1, 1, [(atom, True), (atom, False)])
+    assert refused.satisfiable is False
+    assert grounding.satisfied
+    grounding.ground_to(2)
+    assert not grounding.satisfied
