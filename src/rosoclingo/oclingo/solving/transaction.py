@@ -79,7 +79,6 @@ class Transaction:
         self._setting = setting
         self._dropped = dropped or (lambda: False)
         self._coming, self._doubted = coming, doubted
-        self._again = False
         self.warnings: List[str] = []
         self._limit = setting.horizon_limit
         self._shortest = setting.shortest
@@ -90,7 +89,6 @@ class Transaction:
 
     def take_again(self, entry: Optional[Entry]) -> None:
         """Take what was taken before, without a search."""
-        self._again = True
         if isinstance(entry, Taken):
             self.begin(entry.update, lambda: self.state.horizon >= entry.horizon)
             while self.state.horizon < entry.horizon:
@@ -111,9 +109,10 @@ class Transaction:
         few = self._setting.steps_over(self.state) < min(compaction.COMPACT_ALONG, compaction.COMPACT_AFTER)
         if few or not (self.grounding and compaction.is_due(self._setting, self.state, self.grounding, update)):
             return log
+        tried = self.state.tried
         if compaction.compact(self._setting, self.state, self.grounding):
             self.grounding = None
-        return log.in_form(self.state.copy())
+        return log if self.state.tried == tried else log.in_form(self.state.copy())
 
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
