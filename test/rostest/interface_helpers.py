@@ -19,8 +19,15 @@ from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import comes_to
 from rosoclingo.common.greeting import Greeting, greet_first
+from rosoclingo.common.registration import Registration
 
 PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on how fast the machine is, or how busy
+
+
+def init_node(name):
+    """Make the test a node, which hears publishers that rospy has missed as the package's own nodes do."""
+    rospy.init_node(name)
+    Registration()
 
 
 def wait_until(condition, what):

@@ -1,6 +1,10 @@
 """A node's entry at the master, made again where the master was restarted; rospy makes it only once.
 
 What is connected stays connected without a master. But a new one knows no node, and so nobody new finds them.
+
+Publishers that rospy has missed are connected as well. Where a topic is subscribed to and published at the same moment,
+the master's news of the publisher can come before its reply to the subscription, which has none: rospy takes what came
+last, connects to nobody, and is never told again.
 """
 
 import threading
@@ -24,6 +28,8 @@ PERIOD = 2.0
 class Registration:
     """Asks the master whether it knows this node, and tells it the topics, services and private parameters it lacks.
 
+    rospy is told of publishers that the master lists and that it is not connected to, once each.
+
     Made by a node that has read its parameters and asked for all it wants; asks until the node ends, in a thread of
     its own, as a master may take seconds to answer.
     """
@@ -36,6 +42,8 @@ class Registration:
         self._period = period
         self._missing: List[Entries] = [set(), set(), set()]  # publications, subscriptions and services
         self._lost = False
+        self._unheard: Entries = set()  # topic, type and a node that publishes it, and is not connected
+        self._told: Entries = set()  # those of them that rospy was told of
         rospy.on_shutdown(self._ended.set)
         threading.Thread(target=self._run, name="registration", daemon=True).start()
 
@@ -49,6 +57,7 @@ class Registration:
 
     def _ask(self) -> None:
         lists = self._master.getSystemState(self._name)[2]
+        unheard_before, self._unheard = self._unheard, _unheard(dict(lists[0]))
         listed = [{name for name, nodes in entries if self._name in nodes} for entries in lists]
         missing = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._own(), listed)]
         before, self._missing = self._missing, missing
@@ -58,6 +67,7 @@ class Registration:
         if any(twice):
             self._lose("the ROS master was restarted and does not know all of this node: it is told again")
             self._register(*twice)
+        self._connect(self._unheard & unheard_before - self._told)
         if self._parameters is None:
             self._parameters = _parameters(self._name)
         self._lost = False
@@ -76,18 +86,35 @@ class Registration:
         self._restore_parameters()
         for topic, kind in publications:
             self._master.registerPublisher(self._name, topic, kind, self._uri)
+        self._subscribe(subscriptions)
+        for service, uri in services:
+            self._master.registerService(self._name, service, uri, self._uri)
+
+    def _subscribe(self, subscriptions: Entries) -> None:
         for topic, kind in subscriptions:
             code, _, publishers = self._master.registerSubscriber(self._name, topic, kind, self._uri)
             if code == 1:
                 api(self._uri).publisherUpdate("/master", topic, publishers)
-        for service, uri in services:
-            self._master.registerService(self._name, service, uri, self._uri)
+
+    def _connect(self, unheard: Entries) -> None:
+        """Let rospy connect, once: it asks a node that does not answer again itself, and one it cannot hear it told."""
+        self._told = (self._told | unheard) & self._unheard
+        self._subscribe({(topic, kind) for topic, kind, _ in unheard})
 
     def _restore_parameters(self) -> None:
         """Set what the node was started with, for a process that takes its place; what is there already stays."""
         for name, value in (self._parameters or {}).items():
             if not self._master.hasParam(self._name, name)[2]:
                 self._master.setParam(self._name, name, value)
+
+
+def _unheard(publishers: Dict[str, List[str]]) -> Entries:
+    """Subscriptions with their types, each with a node among its publishers that rospy is not connected to."""
+    topics, found = get_topic_manager(), set()
+    for topic, kind in topics.get_subscriptions():
+        heard = {one.callerid_pub for one in getattr(topics.get_subscriber_impl(topic), "connections", ())}
+        found |= {(topic, kind, node) for node in publishers.get(topic, ()) if node not in heard}
+    return found
 
 
 def _parameters(node: str) -> Dict[str, Any]:

@@ -20,7 +20,7 @@ from rosoclingo.common.action_clients import cancel_goal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_for_server
+from interface_helpers import init_node, wait_for_server
 
 
 class CrowdClient:
@@ -60,7 +60,7 @@ class CrowdClient:
 
 if __name__ == "__main__":
     number, offices, cancels, goals = map(int, rospy.myargv()[1:])
-    rospy.init_node(f"crowd_client_{number}")
+    init_node(f"crowd_client_{number}")
     crowd_client = CrowdClient(number, offices, bool(cancels), goals)
     print("connected", flush=True)
     sys.stdin.readline()

@@ -21,7 +21,7 @@ from rosoclingo.reasoning import Outcome
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, SentGoal, Told, Updates
-from interface_helpers import PATIENCE, executable, wait_until
+from interface_helpers import PATIENCE, executable, init_node, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
 PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
@@ -30,7 +30,7 @@ PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
 class Core(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_test")
+        init_node("core_test")
         cls.hands = Hands()
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()

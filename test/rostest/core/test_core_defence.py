@@ -15,7 +15,7 @@ from rosoclingo.msg import InterfaceIO
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import wait_to_hear, wait_until
+from interface_helpers import init_node, wait_to_hear, wait_until
 
 CORES = ("/rosoclingo", "/arms/rosoclingo", "/lonely/rosoclingo")
 ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
@@ -50,7 +50,7 @@ class Diagnostics:
 class CoreDefence(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_defence_test")
+        init_node("core_defence_test")
         cls.diagnostics = Diagnostics()
         cls.hands = Hands()
         cls.hands.wait_for("/rosoclingo")

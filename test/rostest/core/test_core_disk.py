@@ -23,6 +23,7 @@ from interface_helpers import (
     Process,
     executable,
     full_disk,
+    init_node,
     is_another,
     process_of,
     wait_for_diagnosis,
@@ -120,7 +121,7 @@ class CoreDisk(unittest.TestCase):
 
 if __name__ == "__main__":
     CoreDisk.folder = rospy.myargv()[1]
-    rospy.init_node("core_disk_test")
+    init_node("core_disk_test")
     try:
         rostest.rosrun("rosoclingo", "core_disk", CoreDisk, sys.argv)
     finally:

@@ -9,14 +9,13 @@ import unittest
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates
-from interface_helpers import Process, executable, process_of, wait_until
+from interface_helpers import Process, executable, init_node, process_of, wait_until
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
 
@@ -86,7 +85,7 @@ def kept_busy(node):
 class CoreInterrupted(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_interrupted_test")
+        init_node("core_interrupted_test")
 
     def serves(self, namespace, goal, updates):
         """The core serves another goal."""

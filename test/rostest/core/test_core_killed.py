@@ -26,7 +26,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, process_of, wait_until
+from interface_helpers import PATIENCE, init_node, process_of, wait_until
 
 SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "10")))
 SUCCEEDED, RECALLED, PREEMPTED = GoalStatus.SUCCEEDED, GoalStatus.RECALLED, GoalStatus.PREEMPTED
@@ -225,5 +225,5 @@ class CoreKilled(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("core_killed_test")
+    init_node("core_killed_test")
     rostest.rosrun("rosoclingo", "core_killed", CoreKilled, sys.argv)

@@ -20,7 +20,7 @@ from rosoclingo.msg import TaskPlan
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands
-from interface_helpers import PATIENCE, Process, executable, is_another, process_of, wait_until
+from interface_helpers import PATIENCE, Process, executable, init_node, is_another, process_of, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 NODE = "/rosoclingo"
@@ -92,7 +92,7 @@ def core_launch(environment=None, port=None, **arguments):
 class CoreLaunch(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_launch_test")
+        init_node("core_launch_test")
 
     @staticmethod
     def wait_for_core():

@@ -15,7 +15,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import wait_to_hear
+from interface_helpers import init_node, wait_to_hear
 from navigation_helpers import Driver
 
 
@@ -50,5 +50,5 @@ class CorePreempt(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("core_preempt_test")
+    init_node("core_preempt_test")
     rostest.rosrun("rosoclingo", "core_preempt", CorePreempt, sys.argv)

@@ -15,7 +15,7 @@ from rosoclingo.msg import TaskPlan
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates
-from interface_helpers import Process, executable, wait_until
+from interface_helpers import Process, executable, init_node, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
@@ -29,7 +29,7 @@ def core(namespace, **parameters):
 class CoreStart(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_start_test")
+        init_node("core_start_test")
 
     def fails_with(self, text, namespace, **parameters):
         with core(namespace, **parameters) as process:

@@ -26,7 +26,7 @@ from rosoclingo.robot.simulation.office_packages import PackageOffice
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_to_hear, wait_until
+from interface_helpers import init_node, wait_to_hear, wait_until
 
 LIMIT = 600.0  # seconds of wall time
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
@@ -122,5 +122,5 @@ class Crowd(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("crowd_test")
+    init_node("crowd_test")
     rostest.rosrun("rosoclingo", "crowd", Crowd, sys.argv)

@@ -21,7 +21,7 @@ from rosoclingo.srv import Explain
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands
-from interface_helpers import PATIENCE, process_of, wait_until
+from interface_helpers import PATIENCE, init_node, process_of, wait_until
 
 
 class ExplainGoals(unittest.TestCase):
@@ -96,5 +96,5 @@ class ExplainGoals(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("explain_test")
+    init_node("explain_test")
     rostest.rosrun("rosoclingo", "explain", ExplainGoals)

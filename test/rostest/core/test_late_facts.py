@@ -20,7 +20,7 @@ from std_msgs.msg import UInt32
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import PATIENCE, executable, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, executable, init_node, wait_to_hear, wait_until
 
 DATA = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data")
 
@@ -50,7 +50,7 @@ def ahead(atoms, cycle):
 class LateFacts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("late_facts_test")
+        init_node("late_facts_test")
         cls.said = []
         cls.log = rospy.Subscriber("/rosout", Log, lambda message: cls.said.append(message.msg))
         cls.battery, cls.house = Side(""), Side("/house")

@@ -26,7 +26,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, kill, wait_for_server, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, init_node, kill, wait_for_server, wait_to_hear, wait_until
 
 SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "10")))
 OFFICES = ("office1", "office2", "office3", "office4")
@@ -172,5 +172,5 @@ class MailbotKilled(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("mailbot_killed_test")
+    init_node("mailbot_killed_test")
     rostest.rosrun("rosoclingo", "mailbot_killed", MailbotKilled, sys.argv)

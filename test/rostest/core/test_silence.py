@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Log
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import Process, Server, executable, wait_to_hear, wait_until
+from interface_helpers import Process, Server, executable, init_node, wait_to_hear, wait_until
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 NEEDS_TF2 = unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "tf2_ros is not there for this Python")
@@ -110,5 +110,5 @@ class Suite(unittest.TestSuite):
 
 
 if __name__ == "__main__":
-    rospy.init_node("silence_test")
+    init_node("silence_test")
     rostest.rosrun("rosoclingo", "silence", "test_silence.Suite", sys.argv)

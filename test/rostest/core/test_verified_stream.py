@@ -14,7 +14,7 @@ from rosgraph_msgs.msg import Log
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import wait_to_hear, wait_until
+from interface_helpers import init_node, wait_to_hear, wait_until
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.verifying.question import Kind, Limits
@@ -25,7 +25,7 @@ PROGRAM = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data", 
 
 class VerifiedStream(unittest.TestCase):
     def setUp(self):
-        rospy.init_node("verified_stream_test")
+        init_node("verified_stream_test")
         self.said = []
         log = rospy.Subscriber("/rosout", Log, lambda message: self.said.append(message.msg))
         self.hands = Hands()

@@ -36,7 +36,7 @@ from rosoclingo.interfaces.hosting import InterfacesNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, CoreSide, Process, Server, executable, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, CoreSide, Process, Server, executable, init_node, wait_to_hear, wait_until
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -48,7 +48,7 @@ def arm(**settings):
 class ConfiguredInterfaces(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_side")
+        init_node("core_side")
         cls.core = CoreSide()
         cls.oracle = Server("oracle", TestRequestAction)
         cls.count = Server("count", TestAction)

@@ -23,6 +23,7 @@ from interface_helpers import (
     Process,
     Server,
     full_disk,
+    init_node,
     is_another,
     process_of,
     wait_for_diagnosis,
@@ -42,7 +43,7 @@ def is_idle(report):
 class ExactlyOnce(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_side")
+        init_node("core_side")
         cls.servers = {name: Server(name, TestAction) for name in NAMES}
         cls.shelved = rospy.Publisher("shelved", Int32MultiArray, latch=True, queue_size=1)
         cls.shelved.publish(Int32MultiArray())

@@ -7,7 +7,6 @@ import sys
 import unittest
 from pathlib import Path
 
-import rospy
 import rostest
 from actionlib import ActionClient, GoalStatus
 from actionlib.action_client import CommState
@@ -16,13 +15,13 @@ from rosoclingo.msg import DeliverAction, PickupAction, ROSoClingoAction, ROSoCl
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Server, process_of, wait_for_server, wait_until
+from interface_helpers import CoreSide, Server, init_node, process_of, wait_for_server, wait_until
 
 
 class InterfaceRespawn(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("robot_side")
+        init_node("robot_side")
         cls.move_base = Server("move_base", MoveBaseAction)
         cls.pickup = Server("pickup", PickupAction)
         cls.deliver = Server("deliver", DeliverAction)

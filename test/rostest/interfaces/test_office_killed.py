@@ -16,7 +16,7 @@ from rosoclingo.srv import PutPackage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, kill, wait_until
+from interface_helpers import CoreSide, init_node, kill, wait_until
 
 OFFICE3 = (9.9, 0.0)
 
@@ -35,7 +35,7 @@ def stand_at(x, y):
 class OfficeKilled(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_side")
+        init_node("core_side")
         cls.robot = stand_at(*OFFICE3)
         cls.places, cls.sender = {}, ""
         rospy.Subscriber("packages", PackageStates, cls.note)

@@ -5,7 +5,6 @@ import sys
 import unittest
 from pathlib import Path
 
-import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseAction
@@ -14,7 +13,7 @@ from rosoclingo.msg import DeliverAction, PickupAction
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import Server
+from interface_helpers import Server, init_node
 
 
 class ServersAbsent(unittest.TestCase):
@@ -34,5 +33,5 @@ class ServersAbsent(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("servers_absent_test")
+    init_node("servers_absent_test")
     rostest.rosrun("rosoclingo", "servers_absent", ServersAbsent, sys.argv)

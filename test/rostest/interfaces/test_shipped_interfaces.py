@@ -5,20 +5,19 @@ import sys
 import unittest
 from pathlib import Path
 
-import rospy
 import rostest
 from move_base_msgs.msg import MoveBaseAction
 from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Server
+from interface_helpers import CoreSide, Server, init_node
 
 
 class ShippedInterfaces(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("core_side")
+        init_node("core_side")
         cls.core = CoreSide()
         cls.move_base = Server("move_base", MoveBaseAction)
         cls.pickup = Server("pickup", PickupAction)

@@ -13,7 +13,7 @@ from rosgraph_msgs.msg import Clock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Server, wait_until
+from interface_helpers import CoreSide, Server, init_node, wait_until
 
 
 class SimulatedTimeInterfaces(unittest.TestCase):
@@ -25,7 +25,7 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         self.told = message.header.stamp.to_sec()
 
     def test_a_day_in_simulated_time(self):
-        rospy.init_node("core_side")
+        init_node("core_side")
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
         self.told = None  # the interface's time, which it tells once a second of wall time
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.note)

@@ -17,13 +17,13 @@ from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_until
+from interface_helpers import init_node, wait_until
 
 
 class Markers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("markers_test")
+        init_node("markers_test")
         cls.texts = {}
         cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
         cls.plan = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=1, latch=True)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A roscore that dies and comes back: what was under way goes on, and who comes anew finds the nodes."""
+"""A roscore that dies and comes back: what was under way goes on, who comes anew finds the nodes; and missed news."""
 
 import importlib.util
 import os
@@ -103,6 +103,13 @@ class MasterRestarted(unittest.TestCase):
         self.restart_master()
         wait_until(lambda: rosgraph.Master("/test").hasParam("/office/kept"), "the packages at the new master")
         self.assertEqual(rosgraph.Master("/test").getParam("/office/kept"), kept)
+
+    def test_a_publisher_that_rospy_missed_is_heard(self):
+        """Its node is connected though the master has told of it only once, and rospy forgot it."""
+        with Process(str(Path(__file__).with_name("missing_listener.py"))) as listener:
+            wait_until(lambda: self.known((1, "/news", "/listener")), "the listener")
+            with Process("rostopic", "pub", "-r", "2", "news", "std_msgs/String", "hello"):
+                self.assertEqual(listener.lines_until("hello")[-1], "hello True\n")
 
 
 if __name__ == "__main__":

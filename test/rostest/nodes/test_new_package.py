@@ -7,13 +7,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import rospy
 import rostest
 import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, executable
+from interface_helpers import PATIENCE, executable, init_node
 
 BUILD = 'catkin_make -C "$1" -DPYTHON_EXECUTABLE="$(which python3)"'
 TEST = 'source "$1/devel/setup.bash" && rostest guard scenarios.test'
@@ -43,5 +42,5 @@ class NewPackage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("new_package_test")
+    init_node("new_package_test")
     rostest.rosrun("rosoclingo", "new_package", NewPackage, sys.argv)

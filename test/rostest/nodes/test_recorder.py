@@ -23,7 +23,16 @@ from rosoclingo.nodes.recording.recorder import is_recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, executable, full_disk, process_of, wait_for_diagnosis, wait_until
+from interface_helpers import (
+    PATIENCE,
+    Process,
+    executable,
+    full_disk,
+    init_node,
+    process_of,
+    wait_for_diagnosis,
+    wait_until,
+)
 
 HERE = Path(__file__).resolve().parent
 NOTES = "/record/notes"
@@ -189,5 +198,5 @@ class Recorder(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("recorder_test")
+    init_node("recorder_test")
     rostest.rosrun("rosoclingo", "recorder", Recorder, sys.argv)

@@ -16,7 +16,6 @@ import unittest
 from pathlib import Path
 
 import rosbag
-import rospy
 import rostest
 
 from rosoclingo.nodes.recording.recorder import is_recording
@@ -29,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 import browser
 from carrying_stage import Stage
 from carrying_world import HOUSE, OFFICE
-from interface_helpers import Process, executable, wait_until
+from interface_helpers import Process, executable, init_node, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
 GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "10"))
@@ -145,5 +144,5 @@ class ReplayBag(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("replay_test")
+    init_node("replay_test")
     rostest.rosrun("rosoclingo", "replay", ReplayBag, sys.argv)

@@ -20,7 +20,7 @@ from rosoclingo.nodes.server_watch import SILENCE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Hands
-from interface_helpers import PATIENCE, Process, executable, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, Process, executable, init_node, wait_to_hear, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
@@ -60,7 +60,7 @@ class Request:
 class RequestLost(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("request_lost_test")
+        init_node("request_lost_test")
         cls.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
         cls.running = threading.Event()
         cls.running.set()

@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import browser
 from core_helpers import Client, Hands
-from interface_helpers import Process, executable, process_of, wait_until
+from interface_helpers import Process, executable, init_node, process_of, wait_until
 
 TOPICS = [
     "/in_rosoclingo",
@@ -36,7 +36,7 @@ GOAL = "goal(office2,office3,1)"
 class WebPage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("web_page_test")
+        init_node("web_page_test")
         cls.hands = Hands()
         cls.hands.at_once = True
         cls.hands.wait_for("/rosoclingo")

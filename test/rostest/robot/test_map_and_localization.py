@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, executable
+from interface_helpers import PATIENCE, Process, executable, init_node
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = str(ROOT / "worlds" / "office.yaml")
@@ -301,5 +301,5 @@ class Suite(unittest.TestSuite):
 
 
 if __name__ == "__main__":
-    rospy.init_node("map_and_localization")
+    init_node("map_and_localization")
     rostest.rosrun("rosoclingo", "map_and_localization", "test_map_and_localization.Suite", sys.argv)

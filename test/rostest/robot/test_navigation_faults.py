@@ -28,7 +28,7 @@ from std_srvs.srv import Empty
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from documented_names import documented, offered
-from interface_helpers import PATIENCE, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, init_node, wait_to_hear, wait_until
 from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
@@ -284,5 +284,5 @@ class NavigationFaults(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("navigation_faults")
+    init_node("navigation_faults")
     rostest.rosrun("rosoclingo", "navigation_faults", NavigationFaults, sys.argv)

@@ -16,7 +16,7 @@ from std_srvs.srv import SetBool
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_to_hear, wait_until
+from interface_helpers import init_node, wait_to_hear, wait_until
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -131,5 +131,5 @@ def ask_for_plan(service, x):
 
 
 if __name__ == "__main__":
-    rospy.init_node("navigation_plugins")
+    init_node("navigation_plugins")
     rostest.rosrun("rosoclingo", "navigation_plugins", NavigationPlugins, sys.argv)

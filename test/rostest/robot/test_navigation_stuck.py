@@ -11,7 +11,7 @@ from move_base_msgs.msg import RecoveryStatus
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_to_hear
+from interface_helpers import init_node, wait_to_hear
 from navigation_helpers import ABORTED, Driver, pose_goal
 
 
@@ -46,5 +46,5 @@ class NavigationStuck(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("navigation_stuck")
+    init_node("navigation_stuck")
     rostest.rosrun("rosoclingo", "navigation_stuck", NavigationStuck, sys.argv)

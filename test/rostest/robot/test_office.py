@@ -28,7 +28,7 @@ from rosoclingo.robot.nodes.office import OfficeNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import Process, executable, wait_for_server, wait_until
+from interface_helpers import Process, executable, init_node, wait_for_server, wait_until
 
 
 class Robot:
@@ -59,7 +59,7 @@ def places_in(message):
 class Office(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        rospy.init_node("office_test")
+        init_node("office_test")
         cls.robot = Robot()
         cls.places = {}
         rospy.Subscriber("packages", PackageStates, cls.note)

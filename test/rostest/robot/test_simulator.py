@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, kill, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, init_node, kill, wait_to_hear, wait_until
 
 START = (1.9, 0.0)
 
@@ -253,5 +253,5 @@ class SimulatorTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("simulator_test")
+    init_node("simulator_test")
     rostest.rosrun("rosoclingo", "simulator_test", SimulatorTest, sys.argv)

@@ -16,7 +16,7 @@ from rosoclingo.msg import PackageStates, PickupAction, PickupGoal
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, executable, kill, wait_for_server
+from interface_helpers import PATIENCE, executable, init_node, kill, wait_for_server
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 
 
@@ -111,5 +111,5 @@ class Suite(unittest.TestSuite):
 
 
 if __name__ == "__main__":
-    rospy.init_node("time_jump")
+    init_node("time_jump")
     rostest.rosrun("rosoclingo", "time_jump", "test_time_jump.Suite", sys.argv)

@@ -18,7 +18,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, wait_until
+from interface_helpers import PATIENCE, init_node, wait_until
 from navigation_helpers import PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -127,5 +127,5 @@ stroll.direction = math.pi
 
 
 if __name__ == "__main__":
-    rospy.init_node("two_robots")
+    init_node("two_robots")
     rostest.rosrun("rosoclingo", "two_robots", TwoRobots, sys.argv)

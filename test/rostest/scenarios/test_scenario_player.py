@@ -17,7 +17,7 @@ from rosoclingo.runs.scenario import Scenario
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import wait_until
+from interface_helpers import init_node, wait_until
 
 SCENARIO = "{title: test, events: [{time: 50.0, request: 'goal(office1,office2,1)'}], timeout: 20.0}"
 
@@ -46,5 +46,5 @@ class ScenarioPlayerTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("scenario_player_test")
+    init_node("scenario_player_test")
     rostest.rosrun("rosoclingo", "scenario_player", ScenarioPlayerTest, sys.argv)
