@@ -59,8 +59,8 @@ ONCE = (
     "verified_stream",
     "web_page",
 )
-# in these little is computed, or only at times: they go beside the others, of which there is one for each core: with
-# more at a time all take longer than one after the other, since simulated time, and what it costs, goes on meanwhile.
+# in these little is computed, or only at times: they go beside the others, of which there is one for every two cores:
+# with more at a time all take longer than one after the other, as simulated time, and what it costs, goes on meanwhile.
 WAITING = (
     "configured_interfaces",
     "core_defence",
@@ -83,7 +83,7 @@ QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
 AGAIN = ("-m", "not once and (not slow or again)")
-GIVING_WAY = ("nice", "-n", "5")  # to rostests, which have time limits
+GIVING_WAY = ("nice", "-n", "19")  # to rostests, which have time limits
 PYTEST_REPORT = "unit.xml"
 BRIEF = {"HYPOTHESIS_PROFILE": "brief"}
 ON_PYTHON38 = " on Python 3.8"
@@ -113,7 +113,7 @@ class Tests:
 
     def install(self, _names: Sequence[str]) -> Outcome:
         """The install space, on its own."""
-        command = [str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")]
+        command = [*GIVING_WAY, str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")]
         return self._run("install", "install", command, INSTALL_LIMIT, os.environ)
 
     def pip(self, _names: Sequence[str]) -> Outcome:
@@ -147,7 +147,7 @@ class Tests:
 
     def _pip(self, python38: Mapping[str, str]) -> Outcome:
         pythons = [sys.executable, *filter(None, [python38 and shutil.which("python3", path=python38["PATH"])])]
-        command = [sys.executable, str(ROOT / "test" / "without_ros.py"), *pythons]
+        command = [*GIVING_WAY, sys.executable, str(ROOT / "test" / "without_ros.py"), *pythons]
         return self._run("pip", "pip", command, INSTALL_LIMIT, os.environ)
 
     def _unit_again(self, environment: Mapping[str, str]) -> Outcome:
@@ -214,10 +214,10 @@ class Tests:
 
 
 class Lanes:
-    """Where rostests run side by side: so many that compute as there are cores, and one that waits."""
+    """Where rostests run side by side: one that computes for two cores, which its nodes fill, and one that waits."""
 
     def __init__(self) -> None:
-        self._computing, self._waiting = ThreadPoolExecutor(CORES), ThreadPoolExecutor(1)
+        self._computing, self._waiting = ThreadPoolExecutor(max(1, CORES // 2)), ThreadPoolExecutor(1)
 
     def of(self, path: Path) -> ThreadPoolExecutor:
         """The lane for a rostest."""
