@@ -209,3 +209,25 @@ def test_an_overlay_where_there_can_be_none(arguments):
     code, said = dev(*arguments)
     assert code == 1
     assert "--overlay" in said or "is not for overlays" in said
+
+
+TIMES = """set -euo pipefail
+source <(sed -n '/^keep_times()/,/^}/p; /^restore_times()/,/^}/p' "$DEV")
+SOURCE=$1 WORK=$2 && "$3"
+"""
+
+
+def test_what_numba_compiled_is_still_good_in_another_clone_of_the_same_sources(tmp_path):
+    """The files have the times of those that were compiled, but for what has changed."""
+    built, clone, work = tmp_path / "built", tmp_path / "a clone", tmp_path / "work"
+    for root, time in ((built, 1000), (clone, 2000)):
+        folder = root / "src" / "rosoclingo" / "robot" / "navigation" / "compiled"
+        folder.mkdir(parents=True)
+        for name in ("same.py", "changed.py"):
+            (folder / name).write_text(f"{name} {time if name == 'changed.py' else ''}")
+            os.utime(folder / name, (time, time))
+    for root, step in ((clone, "restore_times"), (built, "keep_times"), (clone, "restore_times")):
+        command = ["bash", "-c", TIMES, "dev", str(root), str(work), step]
+        subprocess.run(command, env={**os.environ, "DEV": str(ROOT / "dev")}, check=True, timeout=60)
+    times = {path.name: path.stat().st_mtime for path in clone.rglob("*.py")}
+    assert times == {"same.py": 1000, "changed.py": 2000}
