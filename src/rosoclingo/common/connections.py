@@ -12,7 +12,7 @@ import rospy
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
-__all__ = ["comes_to", "is_connected", "readers"]
+__all__ = ["comes_to", "heard_nodes", "is_connected", "readers"]
 
 
 def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_do: bool = False) -> bool:
@@ -40,6 +40,11 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
                     found.setdefault(topic, set()).add(other)
             return found
     return None
+
+
+def heard_nodes(topic: Any) -> Set[str]:
+    """Return the nodes that a subscriber's ``impl`` is connected to at this end; none where it is closed."""
+    return {connection.callerid_pub for connection in topic.connections} if topic is not None else set()
 
 
 def is_connected(subscriber: rospy.Subscriber, header: Any) -> bool:

@@ -14,6 +14,7 @@ import rosgraph
 import rospy
 from rospy.impl.registration import get_service_manager, get_topic_manager
 
+from rosoclingo.common.connections import heard_nodes
 from rosoclingo.common.worker import ending
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
@@ -98,8 +99,8 @@ class Registration:
 
     def _connect(self, unheard: Entries) -> None:
         """Let rospy connect, once: it asks a node that does not answer again itself, and one it cannot hear it told."""
-        self._told = (self._told | unheard) & self._unheard
         self._subscribe({(topic, kind) for topic, kind, _ in unheard})
+        self._told = (self._told | unheard) & self._unheard
 
     def _restore_parameters(self) -> None:
         """Set what the node was started with, for a process that takes its place; what is there already stays."""
@@ -112,7 +113,7 @@ def _unheard(publishers: Dict[str, List[str]]) -> Entries:
     """Subscriptions with their types, each with a node among its publishers that rospy is not connected to."""
     topics, found = get_topic_manager(), set()
     for topic, kind in topics.get_subscriptions():
-        heard = {one.callerid_pub for one in getattr(topics.get_subscriber_impl(topic), "connections", ())}
+        heard = heard_nodes(topics.get_subscriber_impl(topic))
         found |= {(topic, kind, node) for node in publishers.get(topic, ()) if node not in heard}
     return found
 

@@ -5,14 +5,14 @@ import time
 import uuid
 import weakref
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, Optional, Set
+from typing import Any, Callable, Dict, Iterable, Optional
 
 import rospy
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, CommStateMachine, TerminalState
 from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
-from rosoclingo.common.connections import readers
+from rosoclingo.common.connections import heard_nodes, readers
 from rosoclingo.interfaces.action_runs import Event
 from rosoclingo.interfaces.doubt import Listed
 from rosoclingo.interfaces.templates import Ended
@@ -70,7 +70,7 @@ class ServerLink:
         Names are compared, because a recorder of these topics is connected as well.
         """
         client, now = self._client, time.monotonic()
-        servers = _publishers(client.status_sub) & _publishers(client.result_sub)
+        servers = heard_nodes(client.status_sub.impl) & heard_nodes(client.result_sub.impl)
         inlets = client.pub_goal.impl, client.pub_cancel.impl
         found = [server for server in servers if all(one.has_connection(server) for one in inlets)]
         self._met = {server: self._met.get(server, now + WRITING_GRACE) for server in found}
@@ -186,7 +186,3 @@ def _report_transition(handle: ClientGoalHandle, report: Report) -> None:
 def new_goal_id() -> str:
     """An id for a goal that no other has: nor one of this node's before it was started again."""
     return f"{rospy.get_name()}-{uuid.uuid4().hex}"
-
-
-def _publishers(subscriber: Any) -> Set[str]:
-    return {connection.callerid_pub for connection in subscriber.impl.connections}
