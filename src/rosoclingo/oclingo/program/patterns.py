@@ -113,6 +113,14 @@ class Patterns:
                 return True
         return False
 
+    @property
+    def are_apart(self) -> bool:
+        """Whether no two steps have an instance in common."""
+        if self._range is None:
+            return not any(one.parameter for one in self)
+        _, least, greatest = self._range
+        return least == greatest
+
     @cached_property
     def _range(self) -> Optional[Tuple[int, int, int]]:
         """An argument that is the parameter plus a number in all steps' patterns; the least and greatest of these.

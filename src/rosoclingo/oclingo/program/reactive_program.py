@@ -237,6 +237,11 @@ class ReactiveProgram:
         """Whether no step sees what a later one defines, so that steps may as well be ground together."""
         return not any(may_see_later(self._patterns, one) for one in (self._heads, self._declarations))
 
+    @cached_property
+    def heads_apart(self) -> bool:
+        """Whether each step defines atoms of its own, so that clingo may search between any two of them."""
+        return all(one.are_apart for one in self._heads.values())
+
     @property
     def defines_externals(self) -> bool:
         """Whether a rule of the program may define an external."""

@@ -11,7 +11,6 @@ from weakref import proxy
 import clingo
 from clingo.propagator import Propagator
 
-from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, STEPS, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -22,7 +21,7 @@ from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSessi
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.foresight import Foreseen, foresee
 from rosoclingo.oclingo.solving.horizon import ActionIndex, CycleIndex, ExternalIndex, HorizonLiterals
-from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, block_ends
+from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -220,6 +219,10 @@ class Grounding:
         """Let ``propagator`` read the program as it stands, without a search."""
         self._control.register_propagator(propagator)
         self._actions.forbid_late()
+        self.simplify()
+
+    def simplify(self) -> None:
+        """Let clingo see what follows for good, so that all that is ground from now on is ground with that known."""
         external = self._session.new_external()
         self._session.close()
         self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
@@ -354,46 +357,3 @@ def _awaited(handle: clingo.SolveHandle, stopped: Callable[[], bool]) -> clingo.
         if stopped():
             handle.cancel()
     return handle.get()
-
-
-BLOCK = 64
-"""Steps that are grounded at once."""
-
-
-def build_grounding(
-    program: ReactiveProgram,
-    state: StreamState,
-    shortest: bool,
-    dropped: Callable[[], bool] = lambda: False,
-    coming: Iterable[clingo.Symbol] = (),
-    doubted: FrozenSet[clingo.Symbol] = frozenset(),
-    foresees: bool = False,
-) -> Grounding:
-    """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
-
-    Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
-    for one head are what they are in a program of one piece. Atoms that are ``coming`` are known as externals,
-    and facts that are ``doubted`` were told where a search says so; where it ``foresees``, answers come with the
-    returns that may be told.
-    Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
-    """
-    facts = state.facts_without(doubted)
-    open_atoms = dict.fromkeys([*state.open_atoms, *coming])
-    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted, foresees)
-    for last in block_ends(state, grounding.horizon + 1, BLOCK if shortest or program.steps_apart else 1):
-        if dropped():
-            raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
-        grounding.ground_to(last)
-    for atom in state.forgotten:
-        grounding.atoms.close(atom)
-    for cycle, executed in state.closed_cycles.items():
-        grounding.close_cycle(cycle, executed)
-    given = set(open_atoms) & facts
-    for statement in state.permanent:
-        if statement.head not in given:  # a rule for what is given as a fact says no more
-            grounding.add(statement, FOREVER)
-    for entry in state.lapsing:
-        grounding.add(entry.statement, entry.lifetime)
-    for cycle in sorted(state.closed_cycles)[:-1]:
-        grounding.close_returns(cycle)
-    return grounding

@@ -285,13 +285,3 @@ def _lasting(update: StreamUpdate) -> Iterator[Statement]:
 
 def _demands_action(statement: Statement) -> bool:
     return statement.is_commitment and is_action(statement.body[0].atom)
-
-
-def block_ends(state: StreamState, first: int, block: int) -> Iterator[int]:
-    """Yield the last steps of the blocks from ``first`` to the horizon; one ends where steps may be retired."""
-    while first <= state.horizon:
-        last = min(first + block - 1, state.horizon)
-        if first < state.keep_from <= last:
-            last = state.keep_from - 1
-        yield last
-        first = last + 1

@@ -105,3 +105,23 @@ def test_how_many_atoms_they_could_use(rules, size):
 def test_steps_are_apart_where_none_sees_what_a_later_one_defines(rules, apart):
     program = ReactiveProgram.from_text("d(1..2). #external m/1. #cumulative t. x(t) :- m(t+9). " + rules)
     assert program.steps_apart is apart
+
+
+@pytest.mark.parametrize(
+    ("rules", "apart"),
+    [
+        ("", True),
+        ("a(t).", True),
+        ("a(t,X) :- d(X). b(X,t+1) :- d(X).", True),
+        ("a(t). #base. a(0).", True),
+        ("a(t). a(t+1).", False),
+        ("a(2*t).", False),
+        ("a(X,t) :- d(X). a(t,X) :- d(X).", False),
+        ("a(X) :- m(X).", False),
+        ("a :- m(t).", False),
+        ("#volatile t. a :- m(t).", False),
+    ],
+)
+def test_heads_are_apart_where_no_two_steps_define_the_same(rules, apart):
+    program = ReactiveProgram.from_text("d(1..2). #external m/1. #cumulative t. x(t) :- m(t+9). " + rules)
+    assert program.heads_apart is apart

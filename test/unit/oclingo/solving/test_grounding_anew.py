@@ -1,0 +1,132 @@
+"""What is ground anew from a state: in which blocks, how little of what is over, and with the same answers."""
+
+from collections import Counter
+from unittest import mock
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_solver import play
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo.solving import grounding_anew, transaction
+from rosoclingo.oclingo.solving.grounding_anew import block_ends, build_grounding
+from rosoclingo.oclingo.solving.stream_state import StreamState
+
+WALK = """
+place(1..9). at(5,0).
+#external _request/2. #external _wet/2.
+#cumulative t.
+#external seen(t).
+{ _action_lib(go,(A-1;A+1),t) } 1 :- at(A,t-1), not _wet(A,t).
+gone(t) :- _action_lib(go,B,t).
+at(B,t) :- _action_lib(go,B,t), place(B).
+at(A,t) :- at(A,t-1), not gone(t).
+been(A,t) :- at(A,t), seen(t).
+been(A,t) :- been(A,t-1).
+wanted(A,t) :- _request(A,t).
+wanted(A,t) :- wanted(A,t-1), not at(A,t-1).
+#volatile t.
+:- wanted(A,t), not at(A,t).
+"""
+
+
+@pytest.mark.parametrize(
+    ("keep_from", "known", "ends"),
+    [
+        (0, 0, [4, 8, 10]),
+        (1, 0, [4, 8, 10]),
+        (2, 0, [1, 5, 9, 10]),
+        (4, 0, [3, 7, 10]),
+        (5, 0, [4, 8, 10]),
+        (6, 0, [4, 5, 9, 10]),
+        (10, 0, [4, 8, 9, 10]),
+        (11, 0, [4, 8, 10]),
+        (0, 1, [1, 5, 9, 10]),
+        (0, 5, [2, 4, 5, 9, 10]),
+        (4, 5, [2, 3, 5, 9, 10]),
+        (8, 4, [2, 4, 7, 10]),
+        (0, 12, [2, 4, 6, 8, 10]),
+    ],
+)
+def test_blocks_end_where_steps_may_be_retired_and_are_short_where_cycles_are_closed(
+    keep_from, known, ends, monkeypatch
+):
+    monkeypatch.setattr(grounding_anew, "CLOSED_BLOCK", 2)
+    assert list(block_ends(StreamState(step=10, horizon=10, keep_from=keep_from), 1, 4, known)) == ends
+
+
+def walk(solver, places, told=(), bound=20):
+    """Be in one of the ``places`` after the other, from cycle 0 on; be told something with each update."""
+    for step, (here, place) in enumerate(zip(places, places[1:]), 2):
+        done = f":- not _action_lib(go,{place},{step - 1}). " if place != here else ""
+        play(
+            solver,
+            f"#step {step} : {bound}. #closed {step - 1}..{step - 1}. {done}" + " ".join(told[step - 2 : step - 1]),
+        )
+
+
+def walker(**options):
+    return ReactiveSolver(ReactiveProgram.from_text(WALK), shortest=True, **options)
+
+
+def test_of_what_is_over_is_ground_what_has_become_of_it(monkeypatch):
+    """In cycle t the robot might have been in t places; it is known in which one it was."""
+    monkeypatch.setattr(grounding_anew, "CLOSED_BLOCK", 1)
+    solver = walker()
+    walk(solver, [5, 6, 7, 8, 7, 6, 5, 4])
+    built = []
+    monkeypatch.setattr(transaction, "build_grounding", lambda *args: built.append(build_grounding(*args)) or built[0])
+    play(solver, "#step 9 : 20. #closed 8..8. _request(2,8).")
+    assert len(built) == 1, "nobody had said that there would be such a request"
+    places = Counter(atom.arguments[1].number for atom in built[0].known if atom.name == "at")
+    assert {cycle: places[cycle] for cycle in range(9)} == dict.fromkeys(range(9), 1)
+    assert places[10] > 1
+
+
+@pytest.mark.parametrize("text", ["p(X) :- _wet(X,t).", "p(t-1) :- _wet(1,t). p(t) :- _wet(2,t)."])
+def test_where_two_steps_define_the_same_all_is_ground_together(text, monkeypatch):
+    """Clingo lets nobody define again what it has searched with."""
+    solver = ReactiveSolver(ReactiveProgram.from_text(f"{WALK} #cumulative t. {text}"), shortest=True)
+    walk(solver, [5, 5, 5, 5])
+    monkeypatch.setattr(grounding_anew, "CLOSED_BLOCK", 1)
+    simplified = mock.Mock()
+    monkeypatch.setattr(grounding_anew.Grounding, "simplify", simplified)
+    play(solver, "#step 5 : 20. #closed 4..4. _wet(5,6).")
+    assert not simplified.called
+
+
+FACTS = st.one_of(
+    st.builds("seen({}).".format, st.integers(1, 9)),
+    st.builds("_wet({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+    st.builds("_request({},{}).".format, st.integers(1, 9), st.integers(1, 9)),
+    st.builds("p({0}) :- q({0}). q({0}).".format, st.integers(1, 3)),
+    st.builds(":- at({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+    st.builds("#assert : a. _wet({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+)
+
+
+@given(
+    st.lists(st.sampled_from([-1, 0, 1]), min_size=1, max_size=7),
+    st.lists(FACTS, max_size=7),
+    st.integers(1, 3),
+    st.integers(0, 3),
+)
+def test_answers_are_those_of_what_is_ground_together(moves, told, block, over):
+    """A late fact may contradict what was done; then there is none."""
+    places = [5]
+    for move in moves:
+        places.append(places[-1] + move)
+    solver = walker(models=0)
+    walk(solver, places, told, bound=2)
+    state, found = solver.state, []
+    state.keep_from = over
+    for known in (lambda state, start: start - 1, grounding_anew._last_known):
+        with mock.patch.multiple(grounding_anew, CLOSED_BLOCK=block, _last_known=known):
+            grounding = build_grounding(solver.program, state, shortest=True)
+        grounding.settle(min(state.settled, state.horizon))
+        for last in (state.horizon, state.horizon + 1):
+            if last > grounding.horizon:
+                grounding.ground_to(last)
+            found.append(set(grounding.search(0, lambda: False, last, last).answers))
+    assert found[:2] == found[2:]
