@@ -5,12 +5,14 @@ away and built anew at any time from the solver's state.
 """
 
 from functools import cached_property
+from itertools import chain
 from typing import Any, Callable, Container, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 from weakref import proxy
 
 import clingo
 from clingo.propagator import Propagator
 
+from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, STEPS, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -18,10 +20,11 @@ from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.assumptions import Assumptions, Search
 from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads
+from rosoclingo.oclingo.solving.closed_steps import closed_blocks
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.foresight import Foreseen, foresee
 from rosoclingo.oclingo.solving.horizon import ActionIndex, CycleIndex, ExternalIndex, HorizonLiterals
-from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past
+from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, block_ends
 
 POLL = 0.002
 """Seconds of wall time between two looks at the stop request while clingo searches."""
@@ -90,7 +93,8 @@ class Grounding:
         self._returns = CycleIndex(self._control, RETURN)
         self._return_rules = program.return_rules if foresees else None
         self._asked: Set[clingo.Symbol] = set()  # in the bodies of the stream's rules
-        self._observe()
+        for observer in (self._observer, self._heads) if program.defines_externals else (self._observer,):
+            self._control.register_observer(observer)
         program.load_into(self._control, foresees)
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
@@ -106,12 +110,6 @@ class Grounding:
         self._externals.end_base()
         self._tell(self.past.facts)
         self._before_steps = len(self._control.symbolic_atoms)
-
-    def _observe(self) -> None:
-        """Let those observers hear of what is ground that have a use for it."""
-        self._control.register_observer(self._observer)
-        if self.program.defines_externals:
-            self._control.register_observer(self._heads)
 
     def _ground_base(self) -> None:
         self._ground([("base", [])], 1, BASE)
@@ -284,12 +282,12 @@ class Grounding:
         ``best``, or else any; where that need not be ``proven``, the best that is found until the search is stopped.
         Facts in doubt were told but those ``untold``. What is ``kept`` is true. ``#heuristic`` counts if ``advised``.
         """
-        self._complete()
+        self.atoms.end_definitions()
+        self._actions.forbid_late()
         assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
         self._session.close()
         answers, horizons, foreseen = [], [last], [Foreseen()]
         self._configure(models, conflicts, best, advised)
-
         this = proxy(self)  # since the control keeps the function, which must not keep the control
 
         def keep(model: clingo.Model) -> None:
@@ -312,11 +310,6 @@ class Grounding:
             return Search(None)
         kept_answers = tuple(answers if proven else answers[-1:])
         return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1]) if satisfied else refuted
-
-    def _complete(self) -> None:
-        """Add the rules that wait for all others."""
-        self.atoms.end_definitions()
-        self._actions.forbid_late()
 
     def _assumed(self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol]) -> Optional[Assumptions]:
         """Return what a search assumes beside its horizon; None where nothing is in doubt or kept, as a rule."""
@@ -357,3 +350,49 @@ def _awaited(handle: clingo.SolveHandle, stopped: Callable[[], bool]) -> clingo.
         if stopped():
             handle.cancel()
     return handle.get()
+
+
+BLOCK = 64
+"""Steps that are grounded at once."""
+
+
+def build_grounding(
+    program: ReactiveProgram,
+    state: StreamState,
+    shortest: bool,
+    dropped: Callable[[], bool] = lambda: False,
+    coming: Iterable[clingo.Symbol] = (),
+    doubted: FrozenSet[clingo.Symbol] = frozenset(),
+    foresees: bool = False,
+) -> Grounding:
+    """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
+
+    Of steps whose cycles are closed little more is ground than what has become of them. Behind them nothing is searched
+    in between, so that clingo sees all rules together: loops over several steps and several rules for one head are what
+    they are in a program of one piece. Atoms that are ``coming`` are known as externals, and facts that are ``doubted``
+    were told where a search says so; where it ``foresees``, answers come with the returns that may be told.
+    Raises DroppedError where ``dropped``, which is asked before each block of steps, says so.
+    """
+    facts = state.facts_without(doubted)
+    open_atoms = dict.fromkeys([*state.open_atoms, *coming])
+    grounding = Grounding(program, open_atoms, facts, shortest, state.past, doubted, foresees)
+    start, told = grounding.horizon + 1, set()  # type: int, Set[Statement]
+    known = state.closed_until(start) if shortest and program.heads_apart and not doubted else start - 1
+    closed = closed_blocks(grounding, state, known, told) if known >= start else ()
+    for last in chain(closed, block_ends(state, known + 1, BLOCK if shortest or program.steps_apart else 1)):
+        if dropped():
+            raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
+        grounding.ground_to(last)
+    for atom in state.forgotten:
+        grounding.atoms.close(atom)
+    for cycle, executed in state.closed_cycles.items():
+        grounding.close_cycle(cycle, executed)
+    given = set(open_atoms) & facts
+    for statement in state.permanent:
+        if statement.head not in given and statement not in told:  # a rule for what is given as a fact says no more
+            grounding.add(statement, FOREVER)
+    for entry in state.lapsing:
+        grounding.add(entry.statement, entry.lifetime)
+    for cycle in sorted(state.closed_cycles)[:-1]:
+        grounding.close_returns(cycle)
+    return grounding

@@ -152,6 +152,16 @@ class StreamState:
             if statement.head is not None and statement.body:
                 yield statement
 
+    def closed_until(self, first: int) -> int:
+        """Return the last step from ``first`` on up to which all cycles are closed, the one before where none is.
+
+        So where it is to be ground in one piece, too.
+        """
+        last = first - 1
+        while last + 1 in self.closed_cycles and not self.cyclic:
+            last += 1
+        return last
+
     def copy(self) -> "StreamState":
         """Return a copy that shares nothing that changes."""
         return replace(
@@ -285,3 +295,17 @@ def _lasting(update: StreamUpdate) -> Iterator[Statement]:
 
 def _demands_action(statement: Statement) -> bool:
     return statement.is_commitment and is_action(statement.body[0].atom)
+
+
+def block_ends(state: StreamState, first: int, block: int, end: Optional[int] = None) -> Iterator[int]:
+    """Yield the last steps of the blocks from ``first`` to ``end``, the horizon by default.
+
+    One ends where steps may be retired.
+    """
+    end = state.horizon if end is None else min(end, state.horizon)
+    while first <= end:
+        last = min(first + block - 1, end)
+        if first < state.keep_from <= last:
+            last = state.keep_from - 1
+        yield last
+        first = last + 1

@@ -30,8 +30,7 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving import compaction
-from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.grounding_anew import build_grounding
+from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, StreamLog, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
     FOREVER,

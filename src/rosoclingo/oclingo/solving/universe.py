@@ -10,8 +10,7 @@ import clingo
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.grounding_anew import BLOCK
+from rosoclingo.oclingo.solving.grounding import BLOCK, Grounding
 from rosoclingo.oclingo.solving.stream_state import FOREVER
 
 CONFLICTS = 20000

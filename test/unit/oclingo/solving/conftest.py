@@ -2,7 +2,7 @@
 
 import pytest
 
-from rosoclingo.oclingo.solving import compaction, grounding_anew, solver
+from rosoclingo.oclingo.solving import closed_steps, compaction, grounding, solver
 from rosoclingo.oclingo.solving.grounding import Grounding
 
 
@@ -11,7 +11,8 @@ def compacts_at_once(monkeypatch):
     """Retire whatever can be retired with every update, step by step."""
     monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
     monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
-    monkeypatch.setattr(grounding_anew, "BLOCK", 1)
+    monkeypatch.setattr(grounding, "BLOCK", 1)
+    monkeypatch.setattr(closed_steps, "CLOSED_BLOCK", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)
 
 

@@ -16,7 +16,7 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.oclingo.solving import transaction
-from rosoclingo.oclingo.solving.grounding_anew import build_grounding
+from rosoclingo.oclingo.solving.grounding import build_grounding
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 

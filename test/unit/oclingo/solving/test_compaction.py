@@ -10,7 +10,7 @@ from test_solver_properties import PARTS, UPDATES, without_strangers
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Forget, Literal, Statement
-from rosoclingo.oclingo.solving import compaction, grounding_anew
+from rosoclingo.oclingo.solving import compaction, grounding
 from rosoclingo.oclingo.solving import solver as solver_module
 from rosoclingo.oclingo.solving.stream_log import Taken
 
@@ -91,7 +91,7 @@ def test_answers_stay_the_same(margin, monkeypatch):
     monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
     solver = walk()
     plans = drive(solver, 30, margin)
-    assert solver.state.past.first >= 30 - margin - grounding_anew.BLOCK
+    assert solver.state.past.first >= 30 - margin - grounding.BLOCK
     for mine, other in zip(plans, drive(walk(), 30, None)):
         assert [one for one in mine if "_action" in one] == [one for one in other if "_action" in one]
         assert mine == other
@@ -125,7 +125,7 @@ def test_nothing_accumulates_wherever_the_actions_of_a_step_lie(offset, name):
 
 @pytest.mark.slow
 def test_cycles_in_which_nothing_can_be_done_are_retired(monkeypatch):
-    monkeypatch.setattr(grounding_anew, "BLOCK", 64)
+    monkeypatch.setattr(grounding, "BLOCK", 64)
     monkeypatch.setattr(solver_module, "BLOCK", 8)
     text = WALK.replace("not blocked(t).", "not blocked(t), t \\ 5 = 1.")
     solver = ReactiveSolver(ReactiveProgram.from_text(text), shortest=True, oclingo_strings=False)

@@ -12,7 +12,7 @@ from test_solver import atoms, play, solver_of
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.grounding import Grounding
-from rosoclingo.oclingo.solving.stream_state import FOREVER
+from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState, block_ends
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 EXTERNALS = (
@@ -119,6 +119,28 @@ def test_atoms_of_open_predicates_are_of_no_step_and_not_forgotten():
     play(solver, "#step 1. #volatile. sees(x).")
     play(solver, "#step 2. #forget 0..9.")
     assert atoms(play(solver, "sees(x).")) == ["a(x)", "sees(x)"]
+
+
+@pytest.mark.parametrize(
+    ("keep_from", "ends"),
+    [
+        (0, [4, 8, 10]),
+        (1, [4, 8, 10]),
+        (2, [1, 5, 9, 10]),
+        (4, [3, 7, 10]),
+        (5, [4, 8, 10]),
+        (6, [4, 5, 9, 10]),
+        (10, [4, 8, 9, 10]),
+        (11, [4, 8, 10]),
+    ],
+)
+def test_blocks_end_where_steps_may_be_retired(keep_from, ends):
+    assert list(block_ends(StreamState(step=10, horizon=10, keep_from=keep_from), 1, 4)) == ends
+
+
+@pytest.mark.parametrize(("end", "ends"), [(0, []), (1, [1]), (5, [4, 5]), (7, [4, 5, 7]), (12, [4, 5, 9, 10])])
+def test_the_last_block_ends_with_the_step_asked_for(end, ends):
+    assert list(block_ends(StreamState(step=10, horizon=10, keep_from=6), 1, 4, end)) == ends
 
 
 @pytest.mark.parametrize("restored", [False, True])

@@ -4,7 +4,7 @@ import pytest
 from test_solver import atoms, play
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_atom
-from rosoclingo.oclingo.solving import compaction, grounding, grounding_anew, transaction
+from rosoclingo.oclingo.solving import compaction, grounding, transaction
 from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
 
 EXTERNALS = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). #program volatile(t)."
@@ -175,7 +175,7 @@ def test_the_program_is_ground_anew_where_steps_are_retired_and_only_there(choic
 
     def counting(*arguments):
         groundings.append(arguments)
-        return grounding_anew.build_grounding(*arguments)
+        return grounding.build_grounding(*arguments)
 
     monkeypatch.setattr(transaction, "build_grounding", counting)
     retiring = stream(choice + "#program cumulative(t). #external e(t). s(t) :- a. c(t) :- e(t). #program volatile(t).")

@@ -1,4 +1,4 @@
-"""What is ground anew from a state: in which blocks, how little of what is over, and with the same answers."""
+"""Closed steps that are ground anew: how little is ground of them, and that the answers stay the same."""
 
 from collections import Counter
 from unittest import mock
@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from test_solver import play
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
-from rosoclingo.oclingo.solving import grounding_anew, transaction
-from rosoclingo.oclingo.solving.grounding_anew import block_ends, build_grounding
+from rosoclingo.oclingo.solving import closed_steps, transaction
+from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_state import StreamState
 
 WALK = """
@@ -31,31 +31,6 @@ wanted(A,t) :- wanted(A,t-1), not at(A,t-1).
 """
 
 
-@pytest.mark.parametrize(
-    ("keep_from", "known", "ends"),
-    [
-        (0, 0, [4, 8, 10]),
-        (1, 0, [4, 8, 10]),
-        (2, 0, [1, 5, 9, 10]),
-        (4, 0, [3, 7, 10]),
-        (5, 0, [4, 8, 10]),
-        (6, 0, [4, 5, 9, 10]),
-        (10, 0, [4, 8, 9, 10]),
-        (11, 0, [4, 8, 10]),
-        (0, 1, [1, 5, 9, 10]),
-        (0, 5, [2, 4, 5, 9, 10]),
-        (4, 5, [2, 3, 5, 9, 10]),
-        (8, 4, [2, 4, 7, 10]),
-        (0, 12, [2, 4, 6, 8, 10]),
-    ],
-)
-def test_blocks_end_where_steps_may_be_retired_and_are_short_where_cycles_are_closed(
-    keep_from, known, ends, monkeypatch
-):
-    monkeypatch.setattr(grounding_anew, "CLOSED_BLOCK", 2)
-    assert list(block_ends(StreamState(step=10, horizon=10, keep_from=keep_from), 1, 4, known)) == ends
-
-
 def walk(solver, places, told=(), bound=20):
     """Be in one of the ``places`` after the other, from cycle 0 on; be told something with each update."""
     for step, (here, place) in enumerate(zip(places, places[1:]), 2):
@@ -72,7 +47,7 @@ def walker(**options):
 
 def test_of_what_is_over_is_ground_what_has_become_of_it(monkeypatch):
     """In cycle t the robot might have been in t places; it is known in which one it was."""
-    monkeypatch.setattr(grounding_anew, "CLOSED_BLOCK", 1)
+    monkeypatch.setattr(closed_steps, "CLOSED_BLOCK", 1)
     solver = walker()
     walk(solver, [5, 6, 7, 8, 7, 6, 5, 4])
     built = []
@@ -89,9 +64,9 @@ def test_where_two_steps_define_the_same_all_is_ground_together(text, monkeypatc
     """Clingo lets nobody define again what it has searched with."""
     solver = ReactiveSolver(ReactiveProgram.from_text(f"{WALK} #cumulative t. {text}"), shortest=True)
     walk(solver, [5, 5, 5, 5])
-    monkeypatch.setattr(grounding_anew, "CLOSED_BLOCK", 1)
+    monkeypatch.setattr(closed_steps, "CLOSED_BLOCK", 1)
     simplified = mock.Mock()
-    monkeypatch.setattr(grounding_anew.Grounding, "simplify", simplified)
+    monkeypatch.setattr(Grounding, "simplify", simplified)
     play(solver, "#step 5 : 20. #closed 4..4. _wet(5,6).")
     assert not simplified.called
 
@@ -121,8 +96,10 @@ def test_answers_are_those_of_what_is_ground_together(moves, told, block, over):
     walk(solver, places, told, bound=2)
     state, found = solver.state, []
     state.keep_from = over
-    for known in (lambda state, start: start - 1, grounding_anew._last_known):
-        with mock.patch.multiple(grounding_anew, CLOSED_BLOCK=block, _last_known=known):
+    for known in (lambda state, start: start - 1, StreamState.closed_until):
+        with mock.patch.object(closed_steps, "CLOSED_BLOCK", block), mock.patch.object(
+            StreamState, "closed_until", known
+        ):
             grounding = build_grounding(solver.program, state, shortest=True)
         grounding.settle(min(state.settled, state.horizon))
         for last in (state.horizon, state.horizon + 1):

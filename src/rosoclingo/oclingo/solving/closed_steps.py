@@ -1,0 +1,46 @@
+"""Steps whose cycles are closed, as they are ground anew: what was done is known to the steps that come next.
+
+Else a robot might be anywhere in each of them, and they would cost as much as the steps to come.
+"""
+
+from typing import TYPE_CHECKING, Dict, Iterator, List, Set
+
+from rosoclingo.oclingo.program.action_rules import is_dated_action
+from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.solving.stream_log import cycle_of
+from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState, block_ends
+
+if TYPE_CHECKING:
+    from rosoclingo.oclingo.solving.grounding import Grounding
+
+CLOSED_BLOCK = 16
+"""So many of them are grounded at once."""
+
+
+def closed_blocks(grounding: "Grounding", state: StreamState, known: int, told: Set[Statement]) -> Iterator[int]:
+    """Yield the last steps of the blocks up to the step ``known``; each is to be ground before the next is asked for.
+
+    What was done in a block, and what was not, is made known then; commitments that say so are put in ``told``.
+    """
+    commitments = _commitments(state)
+    first = grounding.horizon + 1
+    for last in block_ends(state, first, CLOSED_BLOCK, known):
+        yield last
+        if grounding.conflicting:
+            continue
+        for cycle in range(first, last + 1):
+            grounding.close_cycle(cycle, state.closed_cycles[cycle])
+            for statement in commitments.get(cycle, ()):
+                grounding.add(statement, FOREVER)
+                told.add(statement)
+        grounding.simplify()
+        first = last + 1
+
+
+def _commitments(state: StreamState) -> Dict[int, List[Statement]]:
+    """Return what each cycle is committed to."""
+    found: Dict[int, List[Statement]] = {}
+    for statement in state.permanent:
+        if statement.is_commitment and is_dated_action(statement.body[0].atom):
+            found.setdefault(cycle_of(statement.body[0].atom), []).append(statement)
+    return found
