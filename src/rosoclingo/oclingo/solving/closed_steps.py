@@ -3,11 +3,9 @@
 Else a robot might be anywhere in each of them, and they would cost as much as the steps to come.
 """
 
-from typing import TYPE_CHECKING, Dict, Iterator, List, Set
+from typing import TYPE_CHECKING, Iterator, Set
 
-from rosoclingo.oclingo.program.action_rules import is_dated_action
-from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.oclingo.solving.stream_log import cycle_of
+from rosoclingo.oclingo.progression.updates import Statement, commitment
 from rosoclingo.oclingo.solving.stream_state import FOREVER, StreamState, block_ends
 
 if TYPE_CHECKING:
@@ -22,25 +20,17 @@ def closed_blocks(grounding: "Grounding", state: StreamState, known: int, told: 
 
     What was done in a block, and what was not, is made known then; commitments that say so are put in ``told``.
     """
-    commitments = _commitments(state)
+    permanent = set(state.permanent)
     first = grounding.horizon + 1
     for last in block_ends(state, first, CLOSED_BLOCK, known):
         yield last
         if grounding.conflicting:
             continue
         for cycle in range(first, last + 1):
-            grounding.close_cycle(cycle, state.closed_cycles[cycle])
-            for statement in commitments.get(cycle, ()):
+            executed = state.closed_cycles[cycle]
+            grounding.close_cycle(cycle, executed)
+            for statement in filter(permanent.__contains__, map(commitment, sorted(executed))):
                 grounding.add(statement, FOREVER)
                 told.add(statement)
         grounding.simplify()
         first = last + 1
-
-
-def _commitments(state: StreamState) -> Dict[int, List[Statement]]:
-    """Return what each cycle is committed to."""
-    found: Dict[int, List[Statement]] = {}
-    for statement in state.permanent:
-        if statement.is_commitment and is_dated_action(statement.body[0].atom):
-            found.setdefault(cycle_of(statement.body[0].atom), []).append(statement)
-    return found

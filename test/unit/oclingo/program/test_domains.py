@@ -7,6 +7,8 @@ from rosoclingo.oclingo import ReactiveProgram
 
 SIGNATURE = ("m", 2, True)
 
+STEPS = "d(1..2). #external m/1. #cumulative t. x(t) :- m(t+9). "
+
 
 def domain(rules):
     program = ReactiveProgram.from_text("#external m/2. d(1..2). f(1..3,a). #cumulative t. " + rules)
@@ -103,8 +105,7 @@ def test_how_many_atoms_they_could_use(rules, size):
     ],
 )
 def test_steps_are_apart_where_none_sees_what_a_later_one_defines(rules, apart):
-    program = ReactiveProgram.from_text("d(1..2). #external m/1. #cumulative t. x(t) :- m(t+9). " + rules)
-    assert program.steps_apart is apart
+    assert ReactiveProgram.from_text(STEPS + rules).steps_apart is apart
 
 
 @pytest.mark.parametrize(
@@ -123,5 +124,4 @@ def test_steps_are_apart_where_none_sees_what_a_later_one_defines(rules, apart):
     ],
 )
 def test_heads_are_apart_where_no_two_steps_define_the_same(rules, apart):
-    program = ReactiveProgram.from_text("d(1..2). #external m/1. #cumulative t. x(t) :- m(t+9). " + rules)
-    assert program.heads_apart is apart
+    assert ReactiveProgram.from_text(STEPS + rules).heads_apart is apart
