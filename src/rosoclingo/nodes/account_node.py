@@ -1,7 +1,7 @@
 """The account of a run as a node: it listens to public topics only."""
 
 import threading
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
@@ -87,6 +87,11 @@ class TopicAccount:
         with self._lock:
             heard = [one.status in ENDS for one in self.account.summary.goals]
             return len(heard) >= goals and all(heard)
+
+    def differences(self, expect: Mapping[str, Any]) -> List[str]:
+        """How what was heard so far differs from a scenario's ``expect``."""
+        with self._lock:
+            return self.account.summary.differences(expect)
 
     def finish(self) -> Summary:
         """End the account: print what was held back, and the summary."""
