@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the install space from within: ``./dev exec-install test/install_space.py``.
 
-All modules, executables and data files are there, and the case study runs without the source tree.
+All modules, executables and data files are there, and the case study runs without the source tree. The build leaves the
+workspace alone.
 """
 
 import importlib
@@ -45,6 +46,15 @@ def check_files(share: Path, executables: Path) -> int:
     return len(wanted)
 
 
+def check_messages(workspace: Path) -> None:
+    """Nodes of the workspace may be starting: the messages that they import were not written by this build."""
+    begun = (workspace / "build-install" / "begun").stat().st_mtime
+    messages = list((workspace / "devel" / "lib").rglob("msg/_*.py"))
+    later = [path.name for path in messages if path.stat().st_mtime > begun]
+    assert messages, f"no messages in {workspace}"
+    assert not later, f"written again by the build of the install space: {', '.join(later)}"
+
+
 def check_compiled() -> int:
     """Whoever has compiled nothing yet begins with what is installed: nothing is said of compiling."""
     code = "from rosoclingo.robot.nodes import compiling as c; [c.compile_once(part, print) for part in c.PARTS]"
@@ -65,6 +75,7 @@ def main() -> None:
     print(f"install space {prefix}")
     print(f"{check_modules(prefix)} modules imported")
     print(f"{check_files(share, prefix / 'lib' / 'rosoclingo')} files found", flush=True)
+    check_messages(prefix.parent)
     print(f"{check_compiled()} functions compiled already", flush=True)
     sys.exit(subprocess.run(["rosrun", "rosoclingo", "demo"], cwd="/", check=False).returncode)
 
