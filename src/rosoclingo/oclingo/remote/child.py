@@ -5,9 +5,11 @@ import selectors
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
+from queue import SimpleQueue
 from typing import IO, Callable, List, Optional, Tuple
 
 from rosoclingo.oclingo.remote.wire import Lines, Message, encode
@@ -43,6 +45,35 @@ class Growth:
         return memory > self._first + max(GROWTH, self._first // 2)
 
 
+class Writer:
+    """Writes to a pipe in a thread of its own: a child that is grounding does not read, and nobody waits for that."""
+
+    def __init__(self, pipe: IO[bytes]) -> None:
+        self._pipe = pipe
+        self._unsent: SimpleQueue[bytes] = SimpleQueue()
+        self._thread = threading.Thread(target=self._write, name="solver pipe", daemon=True)
+        self._thread.start()
+
+    def write(self, data: bytes) -> None:
+        """Write ``data``, not empty, behind what is unwritten."""
+        self._unsent.put(data)
+
+    def close(self) -> None:
+        """Write nothing any more, once nobody can read it."""
+        self._unsent.put(b"")
+        self._thread.join()
+        self._pipe.close()
+
+    def _write(self) -> None:
+        with suppress(BrokenPipeError):
+            while True:
+                data = memoryview(self._unsent.get())
+                if not data:
+                    break
+                while data:
+                    data = data[self._pipe.write(data) :]
+
+
 class WorkerProcess:
     """One child process that runs :mod:`rosoclingo.oclingo.remote.solver_worker`.
 
@@ -71,7 +102,7 @@ class WorkerProcess:
             os.close(reading)
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._commands: IO[bytes] = self._process.stdin
+        self._commands = Writer(self._process.stdin)
         self._replies: IO[bytes] = self._process.stdout
         self._lines = Lines()
         self._messages: List[Message] = []
@@ -110,13 +141,10 @@ class WorkerProcess:
         return self._process.poll() is None
 
     def send(self, message: Message) -> None:
-        """Send ``message``; raises WorkerLostError where the child has ended."""
-        data = memoryview(encode(message))
-        try:
-            while data:
-                data = data[self._commands.write(data) :]
-        except BrokenPipeError:
+        """Send ``message``, which the child reads when it can; raises WorkerLostError where it has ended."""
+        if not self.alive:
             self._lost()
+        self._commands.write(encode(message))
 
     def receive(self, timeout: float) -> Optional[Message]:
         """Wait up to ``timeout`` seconds for a reply, None for none; raises WorkerLostError where the child is gone."""
