@@ -11,12 +11,13 @@ A row of the table:
   how       once: all requests are known at the start; stream: one more every --gap actions, sooner if none is left
   first     the first plan that is found, with --plan-time 0: seconds by the clock, of processor time, and its steps
   1 s ...   steps of the plan that is known after so many seconds, with nothing done yet: ours and OR-Tools'
-  driven    steps that are really done. While an action runs the plan is improved for --action-time seconds, unless
-            nothing is left to try. OR-Tools drives its plan of --or-seconds; in a stream it plans again with each
-            request, for --or-stream-seconds. The ratio is of ours to its.
+  driven    steps that are really done. While an action runs, for --action-time seconds, the plan is improved, unless
+            nothing is left to try, or another process makes one with requests that wait, for a later action. OR-Tools
+            drives its plan of --or-seconds; in a stream it plans again with each request, for --or-stream-seconds. The
+            ratio is of ours to its.
   out       seconds of processor time until the first action goes out, with a plan for those that do not wait
   longest   seconds of processor time until the next action goes out, at most
-  ms        of processor time for an action, improvement aside
+  ms        of processor time for an action, improvement and what the other process prepares aside
   waited    requests that waited at most while an action was under way, as the program had not been told of them
 
 Plans are for all requests, as the core makes them without a limit for a search; what is driven is with
@@ -33,6 +34,7 @@ from pathlib import Path
 from statistics import mean
 
 import routing
+from cycles import processor_clock
 from deliveries import World, actions_of_route, floor_named, random_requests
 from figures import Figure, parse, write
 
@@ -55,7 +57,7 @@ class Robot:
         self.world, self._limit = World(floor), search_timeout
         self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self.core = Core(program, self.process.solver, self._note, settings, self._watch)
-        self.improving, self.longest, self.waited = 0.0, 0.0, 0
+        self.improving, self.longest, self.waited, self.now = 0.0, 0.0, 0, 0.0
 
     def __enter__(self):
         self.process.start()
@@ -79,7 +81,7 @@ class Robot:
     def plan(self):
         """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
         begin = self.used
-        while self.core.advance(0.0):
+        while self.core.advance(self.now):
             pass
         self.longest = max(self.longest, self.used - begin)
         self.waited = max(self.waited, self._unknown)
@@ -96,6 +98,17 @@ class Robot:
             yield self.used - begin
         self.improving += self.used - begin
 
+    def prepare(self, seconds):
+        """Let the process that is kept ready work as long as an action takes, where requests wait for a plan."""
+        if self._unknown:
+            self.core.prepare()
+        if not self.process.prepares:
+            return
+        clock = processor_clock(self.process.spare_pid)
+        begin = time.clock_gettime(clock)
+        while self.process.prepares and time.clock_gettime(clock) - begin < seconds:
+            time.sleep(0.01)
+
     def steps(self):
         """The steps of the plan; raises RuleError where it is none."""
         actions = self.core.plan.after(self.core.cycle - 1)
@@ -111,8 +124,9 @@ class Robot:
         """How many requests the program does not know of yet."""
         return sum(not goal.fed for goal in self.core.live_goals)
 
-    def act(self):
-        """Do the actions that are out, and answer them; raises RuleError."""
+    def act(self, seconds):
+        """Do the actions that are out, and answer them after so many seconds; raises RuleError."""
+        self.now += seconds
         for action in self.core.awaited:
             self.world.do(action.interface_name, str(action.parameter))
             self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
@@ -188,7 +202,8 @@ def driven(floor, arrivals, options):
             out = out or robot.used - begin
             for _ in robot.improve(options.action_time):
                 robot.steps()
-            robot.act()
+            robot.prepare(options.action_time)
+            robot.act(options.action_time)
         used = robot.used - begin - robot.improving + time.process_time() - own
         actions = robot.world.actions
         costs = {"out [s]": out, "longest [s]": robot.longest, "ms": 1000 * used / actions, "waited": robot.waited}

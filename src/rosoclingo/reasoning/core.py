@@ -16,6 +16,7 @@ from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
+from rosoclingo.reasoning.preparations import Preparations
 from rosoclingo.reasoning.present import Present
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
 from rosoclingo.reasoning.refusals import refusals
@@ -27,7 +28,6 @@ from rosoclingo.reasoning.stream_planner import (
     SearchWatch,
     SolverFactory,
     feed_less,
-    steps_for,
     unwatched,
 )
 from rosoclingo.reasoning.waiting_queue import GoalQueue
@@ -40,8 +40,7 @@ class Core:
     caller passes on what arrives (``add_goal``, ``cancel_goal``, ``receive``), calls ``poll`` as time passes and
     ``advance`` until it returns False. Nothing here blocks except the search in ``start`` and ``advance``.
 
-    ``watch`` may end each search, ``watch_recovery`` tells when to be content with what was found of the goals to give
-    up and the reasons why.
+    ``watch`` may end each search, ``watch_recovery`` the one for the goals to give up and the reasons why.
     """
 
     def __init__(
@@ -63,6 +62,7 @@ class Core:
         self._feeder = InputFeeder(self._clock)
         self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
+        self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._step = 0
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
@@ -143,7 +143,7 @@ class Core:
 
         It returns with each better plan, and soon after ``stopped``, asked every few milliseconds, says so.
         """
-        if not (self._improvable and self.awaited) or self._feeder.pending:
+        if not (self._improvable and self.awaited) or self._feeder.pending or self._ahead.join is not None:
             return False
         result = self._planner.improve(stopped)
         if result is not None:
@@ -154,11 +154,8 @@ class Core:
         return self._improvable
 
     def prepare(self) -> None:
-        """While the last action runs, have its failure's answer prepared; its success's where something new waits."""
-        likely = self._execution.likely_return(succeeds=self._feeder.pending)
-        if likely is not None:
-            step, over, lookahead = self._outlook()
-            self._planner.prepare(self._feeder.preview(step, self._execution.under_way, [likely], over), lookahead)
+        """While actions run, have the answer prepared to what may come, or a plan with goals that wait."""
+        self._ahead.prepare(self._planner, self._latest[1], self._announce.told)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, as the core ends."""
@@ -188,13 +185,9 @@ class Core:
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
-        self._step, over, self._planner.lookahead = self._outlook()
-        self._solve(self._feeder.next_update(self._step, over), now)
-
-    def _outlook(self) -> Tuple[int, int, int]:
-        """The next update's step, the cycle before which all that is told comes too late then, and how far it looks."""
-        told, steps = self._announce.told, steps_for(len(self.queue.served), self._settings.horizon_limit)
-        return told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps
+        ahead, planner, latest = self._ahead, self._planner, self._latest[1]
+        self._step, over, planner.lookahead = ahead.outlook(planner, latest, self._announce.told)
+        self._solve(ahead.next_update(planner, self._step, over), now)
 
     def _solve(self, batch: Batch, now: float) -> None:
         try:
@@ -247,7 +240,7 @@ class Core:
         self._goals.reject_undeclared(batch.goals, result.warnings)
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._announce.update(self._step, self._planner.in_force)
-            self._use(result, now, bool(batch.goals))
+            self._use(result, now, any(goal.fed for goal in batch.goals))  # some may have been left out
             for problem in refusals(result.answers[0], batch.facts):
                 self._problem(*problem)
             return

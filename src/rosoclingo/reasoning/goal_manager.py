@@ -194,6 +194,26 @@ class GoalManager:
             self.queue.restore_goal(goal, waits, held)
         self.queue.restore(record["queue"])
 
+    def hold(self, goals: Sequence[Goal], why: str) -> None:
+        """Goals are to join later: until then nobody does."""
+        self.queue.held = True
+        for goal in goals:
+            self._tell_wait(goal, why)
+
+    def join(self, goals: Iterable[Goal]) -> None:
+        """Goals that wait are fed now, whatever room there is."""
+        for goal in goals:
+            self.queue.remove(goal)
+            self._feeder.add_goal(goal)
+
+    def release(self, goals: Iterable[Goal] = (), why: str = "") -> None:
+        """Goals may join as there is room for them; some were to join later, and ``why`` they do not."""
+        self.queue.held = False
+        self._admit()
+        for goal in goals:
+            if goal.live and self.queue.waits(goal):
+                self._tell_wait(goal, why)
+
     # -- in and out
 
     def _changed(self, goal: Goal, event: GoalEvent) -> None:

@@ -1,6 +1,6 @@
 """The input feeder of Fig. 4: it turns what happened into the next stream update."""
 
-from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from clingo import Function, Number, Symbol, SymbolType
 
@@ -8,7 +8,7 @@ from rosoclingo.oclingo import Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Item, Over, Withdraw
 from rosoclingo.oclingo.solving.state_text import symbols_from_text, symbols_to_text
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request
+from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, success_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
 
@@ -90,7 +90,8 @@ class Clock:
 class InputFeeder:
     """Collects requests, cancellations, returns and other facts in order of arrival, until an update takes them.
 
-    Within an update commitments come first, then requests and cancellations, then returns and other facts; a new goal
+    Within an update commitments come first, then requests and cancellations, then returns and other facts, those of
+    several actions that were a success in the order of the actions; a new goal
     in update n carries cycle n+1, a cancellation n (as in the paper's printed updates). ``clock`` knows the cycle of
     facts that are stated for ``now``.
 
@@ -210,6 +211,13 @@ class InputFeeder:
         requests = self._after_rejected(self._requests)
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
 
+    def foreseen(
+        self, step: int, executed: Sequence[Action], goals: Iterable[Goal] = (), over: int = 0
+    ) -> StreamUpdate:
+        """Return the update of ``step`` where ``executed`` was done with success and nothing has come but ``goals``."""
+        returns = (Observation(success_of(action), step - 1) for action in executed)
+        return self._batch(step, executed, goals, returns, over).update
+
     def _after_rejected(self, requests: Sequence[Union[Goal, Symbol]]) -> Tuple[Union[Goal, Symbol], ...]:
         """Return ``requests`` behind the cancellations of what was rejected, but for what is asked for anew.
 
@@ -229,7 +237,7 @@ class InputFeeder:
         over: int = 0,
     ) -> Batch:
         done = tuple(executed)
-        seen = tuple(self._dated(fact, step, over) for fact in facts)
+        seen = tuple(_in_order([self._dated(fact, step, over) for fact in facts], done))
         items: List[Item] = [Over(over)] if over > 0 else []
         items += [Withdraw(one) for one in sorted(self._withdrawn)]
         items += [commitment(action.atom) for action in done]
@@ -251,6 +259,14 @@ class InputFeeder:
 def requests_of(goals: Iterable[Goal]) -> FrozenSet[Symbol]:
     """Return the requests of the goals that were fed."""
     return frozenset(request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None)
+
+
+def _in_order(facts: Sequence[Observation], done: Iterable[Action]) -> Iterator[Observation]:
+    """Yield ``facts`` with the returns of success in the order of the actions: so what is foreseen is what comes."""
+    places = {success_of(action): place for place, action in enumerate(done)}
+    returns = iter(sorted((fact for fact in facts if fact.atom in places), key=lambda fact: places[fact.atom]))
+    for fact in facts:
+        yield next(returns) if fact.atom in places else fact
 
 
 def _is_of_now(fact: Symbol) -> bool:

@@ -43,6 +43,9 @@ DONE = 10
 #: So many of the last actions done are remembered.
 EXECUTED = 64
 
+#: Cycles of which the mean is taken for how long one takes.
+MEASURED = 10
+
 #: Facts that may wait for the next update, returns not counted.
 MOST_WAITING = 10000
 
@@ -211,6 +214,7 @@ class ExecutionMonitor:
         self._known: Dict[Symbol, None] = {}
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
+        self._begun: Deque[float] = deque(maxlen=MEASURED + 1)  # when actions went out
         self._reasons: Dict[Symbol, Symbol] = {}  # interface -> why an action of it failed last
         self.observations = Observations()
 
@@ -237,9 +241,15 @@ class ExecutionMonitor:
         value = action.parameter if succeeds else self._reasons.get(action.interface, FAILURE)
         return Return(action.interface, value, action.cycle).atom
 
+    @property
+    def seconds_per_cycle(self) -> float:
+        """How long a cycle with actions takes from one to the next, in the mean of the last ones; 0 if unknown."""
+        return (self._begun[-1] - self._begun[0]) / (len(self._begun) - 1) if len(self._begun) > 1 else 0.0
+
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""
         self._dispatch = Dispatch(cycle, actions, now)
+        self._begun.append(now)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""

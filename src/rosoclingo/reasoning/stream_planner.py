@@ -63,13 +63,19 @@ def unwatched() -> Callable[[], Optional[Halt]]:
     return lambda: None
 
 
-def steps_for(goals: int, alone: int) -> int:
+def steps_for(goals: int, alone: int, left: int = 0, fresh: int = 0) -> int:
     """How many steps a plan for so many goals may have where one may have ``alone``: a tenth more for each further one.
 
     A proof that there is no plan has to go through all of them, so it is far fewer than all goals would need one after
-    the other. Goals for which that is too few are not given up: recovery makes sure of that.
+    the other. Goals for which that is too few are not given up: recovery makes sure of that. Where of a plan with more
+    than one goal so many steps are ``left`` there may be a quarter of ``alone`` more for each of ``fresh`` goals, and
+    for what fails: a plan that begins with the one that there is is found soon. Whole multiples of ``alone`` then, so
+    that this does not change with each step.
     """
-    return alone + max(0, goals - 1) * -(-alone // 10)
+    if goals <= 1:
+        return alone
+    more = left + (fresh + 1) * -(-alone // 4)
+    return max(alone + (goals - 1) * -(-alone // 10), -(-more // alone) * alone if left else 0)
 
 
 class DisturbedError(Exception):
@@ -155,11 +161,11 @@ class Planner:
         The cycles since the last update are past: only the actions that this one commits to may ever be in a plan at
         them.
         """
-        return self._search(self._whole(update, self.lookahead))
+        return self._search(_whole(self.log, update, self.lookahead))
 
     def take(self, update: StreamUpdate) -> SolveResult:
         """Feed an update without looking ahead; no answer means that none was found, there may be one."""
-        result = self._search(self._whole(update, 0))
+        result = self._search(_whole(self.log, update, 0))
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
@@ -187,7 +193,7 @@ class Planner:
         Nothing is taken. The ``untold`` are among those ``doubted``; as long as only they and the steps change, the
         program is ground once.
         """
-        whole = self._whole(update, steps)
+        whole = _whole(self.log, update, steps)
         verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, doubted, untold, stopped))
         self._note(halt if verdict.satisfiable is None else None)
         return verdict
@@ -204,9 +210,20 @@ class Planner:
         except SolverError:  # its log is as it was, the next update goes on from there
             return None
 
-    def prepare(self, update: StreamUpdate, lookahead: int) -> None:
-        """Have the answer to ``update`` prepared, should it come next, looking so far ahead; nothing waits for it."""
-        self._solver.prepare(self._whole(update, lookahead))
+    def prepare(self, updates: Sequence[StreamUpdate], lookahead: int) -> bool:
+        """Have the answer to the last of ``updates`` prepared, should they come next; nothing waits for it.
+
+        The plan has to go on with all before it. They look so far ahead. Tell whether it is prepared now.
+        """
+        log, whole = self.log, []  # type: StreamLog, List[StreamUpdate]
+        for update in updates:
+            whole.append(_whole(log, update, lookahead))
+            log = log.then(Taken(whole[-1], log.horizon))
+        return self._solver.prepare(whole[-1], whole[:-1])
+
+    def has_prepared(self, update: StreamUpdate) -> bool:
+        """Whether the answer to ``update`` is there, should it come next."""
+        return self._solver.has_prepared(_whole(self.log, update, self.lookahead))
 
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with that ``result``, gave no plan."""
@@ -250,15 +267,6 @@ class Planner:
     def _beside(self, log: StreamLog) -> "Planner":
         return Planner(self._make_solver, self.lookahead, self._watch, log)
 
-    def _whole(self, update: StreamUpdate, lookahead: int) -> StreamUpdate:
-        """The update with its bound, and with what it says of the past as far as that is new."""
-        log, items = self.log, update.items
-        known = [item for item in items if isinstance(item, Over) and item.step <= log.over]
-        items = tuple(item for item in items if item not in known)
-        if update.step is not None and update.step > log.step and not any(isinstance(one, Closed) for one in items):
-            items = (Closed(log.step, update.step - 1), *items)
-        return replace(update, bound=lookahead, items=items)
-
     def _search(self, update: StreamUpdate) -> SolveResult:
         result, halt = self._watched(lambda stopped: self._solver.update(update, stopped))
         self._note(halt if result.outcome is SolveOutcome.INTERRUPTED else None)
@@ -290,6 +298,15 @@ class Planner:
         self.ended_by = halt.why if halt else ""
         if halt and halt.disturbed:
             raise DisturbedError(halt.why, kept=True)
+
+
+def _whole(log: StreamLog, update: StreamUpdate, lookahead: int) -> StreamUpdate:
+    """Return ``update`` with its bound, and with what it says of the past as far as that is new after ``log``."""
+    known = [item for item in update.items if isinstance(item, Over) and item.step <= log.over]
+    items = tuple(item for item in update.items if item not in known)
+    if update.step is not None and update.step > log.step and not any(isinstance(one, Closed) for one in items):
+        items = (Closed(log.step, update.step - 1), *items)
+    return replace(update, bound=lookahead, items=items)
 
 
 def feed_less(

@@ -6,7 +6,7 @@ plan in time lets the others go before it, and then has more time.
 """
 
 import math
-from typing import Any, Callable, List, Optional, Sequence, Set
+from typing import Any, Callable, List, Optional, Sequence, Set, Tuple
 
 from rosoclingo.reasoning.goals import Goal
 
@@ -21,6 +21,9 @@ SHARE = 0.6
 
 #: So many times as many goals as before there may be at the next time, and after a search took too long.
 FASTER, SLOWLY = 4.0, 1.25
+
+#: The time for a plan grows with the goals' number to this power.
+GROWTH = 2.0
 
 #: And so many times as many at least.
 FEWER = 0.5
@@ -39,7 +42,8 @@ class GoalWindow:
     """
 
     def __init__(self, most: int = 0, seconds: float = 0.0) -> None:
-        self._most, self._wanted = most, SHARE * seconds
+        self.most, self._wanted = most, SHARE * seconds
+        self._latest: Optional[Tuple[int, float]] = None  # goals, and seconds for a plan for them
         self._size = FIRST if seconds else None
         self._growth = FASTER
         self._full = False
@@ -49,14 +53,14 @@ class GoalWindow:
     @property
     def size(self) -> Optional[int]:
         """How many goals there is room for, None for any number."""
-        return min((one for one in (self._size, self._most) if one), default=None)
+        return min((one for one in (self._size, self.most) if one), default=None)
 
     def has_room(self, goals: int, waiting: int) -> bool:
         """Whether there is room beside so many ``goals`` for one of those that are ``waiting``."""
         size = self._size
         few = size is None or goals <= size // 2 or goals + waiting <= size
         self._full = size is not None and (goals >= size or (self._full and not few))
-        return not self._full and not 0 < self._most <= goals
+        return not self._full and not 0 < self.most <= goals
 
     def record(self) -> List[Any]:
         """Return what :meth:`restore_from` needs, plain values."""
@@ -66,11 +70,16 @@ class GoalWindow:
         """Go on from a record."""
         self._size, self._growth, self._full, self._before, self._lost = record
 
+    def seconds_for(self, goals: int) -> Optional[float]:
+        """How many seconds a plan for so many goals should take, by the latest with new ones; None if unknown."""
+        return None if self._latest is None else self._latest[1] * (goals / self._latest[0]) ** GROWTH
+
     def found(self, goals: int, seconds: Optional[float]) -> None:
         """A plan for so many goals was found in so many ``seconds``; None where none of the goals is new."""
         self._lost = False
         if self._size is None or seconds is None:
             return
+        self._latest = (goals, seconds) if goals else self._latest
         factor = math.sqrt(self._wanted / seconds) if self._wanted and seconds else self._growth
         size = math.ceil(goals * max(FEWER, min(factor, self._growth)))
         if factor < 1 or goals >= self._size:
@@ -96,6 +105,7 @@ class GoalQueue:
 
     Attributes:
         now: the time in seconds of whatever clock.
+        held: whether nobody is fed, since goals join in a later cycle.
         window: how many goals there is room for.
         stuck: how often in a row no plan was found in time, and no goal could be taken out.
 
@@ -111,6 +121,7 @@ class GoalQueue:
         self.stuck = 0
         self._held: Set[Goal] = set()  # what could not be taken out
         self.now = 0.0
+        self.held = False  # nobody joins now
 
     @property
     def waiting(self) -> List[Goal]:
@@ -167,8 +178,9 @@ class GoalQueue:
 
     def next(self) -> Optional[Goal]:
         """The goal whose turn it is to be fed, None where there is none."""
-        room = bool(self._waiting) and self.window.has_room(len(self.served), len(self._waiting))
-        if not room or self.tried is not None:
+        if self.held or not self._waiting or self.tried is not None:
+            return None
+        if not self.window.has_room(len(self.served), len(self._waiting)):
             return None
         first, ready = self.first, self._ready
         fit = (goal for goal in ready if not goal.tries or goal is first)
@@ -179,6 +191,14 @@ class GoalQueue:
     def tried(self) -> Optional[Goal]:
         """A goal with the program for which alone no plan was found in time: no other one joins it."""
         return next((goal for goal in self._movable if goal.tries), None)
+
+    @property
+    def joinable(self) -> List[Goal]:
+        """The waiting goals that may join all that are with the program at once, oldest first."""
+        if self.tried is not None or not self.served:
+            return []
+        fit = [goal for goal in self._ready if not goal.tries]
+        return fit[: max(0, self.window.most - len(self.served))] if self.window.most else fit
 
     @property
     def _ready(self) -> List[Goal]:

@@ -39,6 +39,35 @@ def test_order_is_commitments_requests_facts():
     assert parse_update(str(batch.update)) == batch.update
 
 
+def test_what_is_foreseen_is_what_comes_whichever_action_ends_first():
+    feeder, done = InputFeeder(), [action("_action_lib(a,x,4)"), action("_action_lib(b,y,4)")]
+    foreseen = feeder.foreseen(5, done, over=2)
+    feeder.add_executed(done)
+    for text in ("_return(b,y,4)", "_return(a,x,4)"):
+        feeder.add_fact(parse_atom(text))
+    assert feeder.next_update(5, over=2).update == foreseen
+    feeder.add_fact(parse_atom("_seen(ball)"))
+    assert words(str(feeder.next_update(5).update))[-5:-2] == words("_return(a,x,4). _return(b,y,4). _seen(ball).")
+
+
+def test_a_failure_stays_where_it_came():
+    feeder = InputFeeder()
+    feeder.add_executed([action("_action_lib(a,x,4)"), action("_action_lib(b,y,4)")])
+    for text in ("_return(b,y,4)", "_seen(ball)", "_return(a,no,4)"):
+        feeder.add_fact(parse_atom(text))
+    assert words(str(feeder.next_update(5).update))[-5:-2] == words("_return(b,y,4). _seen(ball). _return(a,no,4).")
+
+
+def test_goals_that_are_foreseen_come_as_they_would():
+    feeder, new = InputFeeder(), goal("goal(c,d,2)")
+    foreseen = feeder.foreseen(5, [action("_action_lib(a,x,4)")], [new])
+    feeder.add_executed([action("_action_lib(a,x,4)")])
+    feeder.add_fact(parse_atom("_return(a,x,4)"))
+    assert feeder.next_update(5).update != foreseen
+    feeder.add_goal(new)
+    assert feeder.next_update(5).update == foreseen
+
+
 def test_a_goal_waits_until_the_program_has_heard_that_an_earlier_one_of_its_identifier_is_given_up():
     feeder, again = InputFeeder(), goal("goal(c,d,1)")
     feeder.add_cancellation(parse_term("1"))

@@ -20,8 +20,9 @@ class Noting(ReactiveSolver):
 
     noted, came = [], []  # type: list, list
 
-    def prepare(self, update):
-        self.noted.append(update)
+    def prepare(self, update, before=()):
+        self.noted += [*before, update]
+        return True
 
     def update(self, update, *watch, **more):
         self.came.append(update)

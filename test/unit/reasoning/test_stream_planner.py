@@ -276,6 +276,14 @@ def test_each_further_goal_has_a_tenth_more_steps(goals, alone, steps):
     assert steps_for(goals, alone) == steps
 
 
+@pytest.mark.parametrize(
+    ("goals", "left", "fresh", "steps"),
+    [(1, 300, 1, 100), (2, 0, 2, 110), (2, 20, 1, 110), (28, 302, 0, 400), (36, 302, 8, 600), (36, 299, 8, 600)],
+)
+def test_a_plan_may_go_on_from_the_one_that_there_is(goals, left, fresh, steps):
+    assert steps_for(goals, 100, left, fresh) == steps
+
+
 @pytest.mark.parametrize("outcome", SolveOutcome)
 def test_whether_a_plan_still_is_one_is_asked_beside(outcome):
     made = []

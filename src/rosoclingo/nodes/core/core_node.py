@@ -68,7 +68,7 @@ class CoreNode:
             as ``label(Name).``
         ~places (str, default ""): facts to add to the program, of the floor as the command ``places`` writes them.
         ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
-            further goal adds a tenth.
+            further goal adds a tenth, and more where the plan that there is has nearly as many.
         ~plan (str, default soon): ``soon``: each plan is the shortest if that is found within ``~plan_time``, else the
             best that is known by then, which is shortened while actions run; ``shortest``: the shortest, as in the
             paper, whatever it takes.

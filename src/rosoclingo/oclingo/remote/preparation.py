@@ -19,12 +19,16 @@ PAUSE = 0.1
 
 
 class Subject(NamedTuple):
-    """What a preparation is about: the solver, what it has taken, and what may come."""
+    """What a preparation is about: the solver, what it has taken, and what may come.
+
+    Where it ``improves``, the plan is shortened until it is asked for.
+    """
 
     place: Place
     log: StreamLog
     update: StreamUpdate
     plan: Optional[Plan]
+    improves: bool = False
 
 
 class Preparation:
@@ -65,10 +69,18 @@ class Preparation:
             self._send(subject)
         return True
 
+    @property
+    def has_answer(self) -> bool:
+        """Whether what it was asked for is there, if only to become better."""
+        self._receive()
+        return bool(self._replies)
+
     def is_about(self, subject: Subject) -> bool:
         """Whether it would give the answer that is asked for."""
         mine = self._subject
-        return mine is not None and mine[:2] == subject[:2] and mine.update == subject.update
+        if mine is None or mine.place is not subject.place or mine.update != subject.update:
+            return False
+        return mine.log is subject.log or mine.log.key == subject.log.key
 
     def release(self) -> int:
         """Prepare nothing any more; return how many replies of no use are to come."""
@@ -90,11 +102,11 @@ class Preparation:
         return [] if any("outcome" not in one for one in self._replies) else self._replies
 
     def _send(self, subject: Subject) -> None:
-        place, log, update, plan = subject
+        place, log, update, plan, improves = subject
         entries, text = [entry_to_message(one) for one in log.entries], str(update)
-        told = {"solver": place.number, "log": entries, "plan": plan_to_message(plan)}
+        told = {"solver": place.number, "log": entries, "plan": plan_to_message(plan), "improves": improves}
         self.child.send({"do": "prepare", "update": text, "coming": text, "pause": PAUSE, **told})
-        self._subject, self._due, self._replies = subject, 1, []
+        self._subject, self._due, self._replies = subject, 1 + improves, []
 
     def _go_on(self, plan: Optional[Plan]) -> None:
         """Once there is an answer, look for one that goes on from a ``plan`` that has become better."""
@@ -126,7 +138,7 @@ class Preparation:
             self._stale -= 1
         else:
             self._due -= 1
-            self._replies.append(reply)
+            self._replies += [reply] if reply else []  # there is none where a plan got no shorter
 
 
 class Spare:
@@ -157,12 +169,19 @@ class Spare:
             with suppress(WorkerLostError):  # there is none then, until the next time
                 self._one = Preparation(self._start())
 
-    def prepare(self, subject: Subject) -> None:
-        """Have the answer prepared to what may come, which nothing waits for."""
+    def prepare(self, subject: Subject) -> bool:
+        """Have the answer prepared to what may come, which nothing waits for; tell whether that is done now."""
         self.have()
         with suppress(WorkerLostError):
             if self._one is not None and not self._one.begin(subject):
                 self.discard()
+        return self._one is not None and self._one.is_about(subject)
+
+    def has_prepared(self, subject: Subject) -> bool:
+        """Whether the answer to what may come is there."""
+        with suppress(WorkerLostError):
+            return self._one is not None and self._one.is_about(subject) and self._one.has_answer
+        return False
 
     def taken(self, subject: Optional[Subject] = None) -> Optional[Preparation]:
         """Return the child and have it no more, None where there is none, or none that has prepared ``subject``."""

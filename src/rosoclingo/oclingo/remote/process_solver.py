@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, FrozenSet, List, Optional
+from typing import TYPE_CHECKING, FrozenSet, List, Optional, Sequence
 
 import clingo
 
@@ -54,9 +54,20 @@ class ProcessSolver(ForeseeingSolver):
             result = self._search(update, stopped)
         return replace(result, warnings=update.warnings + result.warnings)
 
-    def prepare(self, update: StreamUpdate) -> None:
-        """Have the answer to ``update`` prepared, should it come next; nothing waits for that."""
-        self._process.prepare(Subject(self._place, self._log, update, self._log.plan))
+    def prepare(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
+        """Have the answer to ``update`` prepared, should it come next; nothing waits for that.
+
+        Or next after some ``before`` that are foreseen: then there is time to shorten the plan. Tell whether it is
+        prepared now: the child that is kept ready may be at something else, and then it has to be asked again.
+        """
+        log = self._log_after(before) if before else self._log
+        if log is None:
+            return False
+        return self._process.prepare(Subject(self._place, log, update, log.plan, improves=bool(before)))
+
+    def has_prepared(self, update: StreamUpdate) -> bool:
+        """Whether the answer to ``update`` is there, should it come next."""
+        return self._process.has_prepared(Subject(self._place, self._log, update, None))
 
     def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
         """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do.
@@ -89,12 +100,14 @@ class ProcessSolver(ForeseeingSolver):
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
         results: List[SolveResult] = []
         for reply in self._process.ask(self._place, self._log, update, stopped):
-            self._log = self._log.then(Taken(None if results else update, reply["grounded"]))
-            if reply["checkpoint"] is not None:
+            if "grounded" in reply:  # a search; a plan that was shortened later takes no entry
+                self._log = self._log.then(Taken(None if results else update, reply["grounded"]))
+            if reply.get("checkpoint") is not None:
                 self._log = self._log.then(Checkpoint(message=reply["checkpoint"])).cut()
             results.append(result_from_message(reply))
         better = [one for one in results if one.answers and one.horizon <= results[0].horizon]
-        result = replace((better or results[:1])[-1], warnings=results[0].warnings)
+        first, result = results[0], (better or results[:1])[-1]
+        result = replace(result, warnings=first.warnings, statistics=first.statistics)
         if self._process.plans:
             self._log.plan = result.plan or self._log.plan
         self._place.ahead = result.answers != results[-1].answers

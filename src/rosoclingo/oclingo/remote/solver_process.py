@@ -173,10 +173,16 @@ class SolverProcess:
                 self._spare.have()
         return replies
 
-    def prepare(self, subject: Subject) -> None:
-        """Have the child that is kept ready find an answer that may be asked for; it then takes the other's place."""
-        if not self._closed and self._keeps_spare:
-            self._spare.prepare(subject)
+    def prepare(self, subject: Subject) -> bool:
+        """Have the child that is kept ready find an answer that may be asked for; it then takes the other's place.
+
+        Tell whether it does so now.
+        """
+        return not self._closed and self._keeps_spare and self._spare.prepare(subject)
+
+    def has_prepared(self, subject: Subject) -> bool:
+        """Whether the child that is kept ready has found that answer, so that nobody has to wait for it."""
+        return self._spare.has_prepared(subject)
 
     def _prepared_for(self, subject: Subject, stopped: Optional[Stopped]) -> List[Message]:
         """Go on with the child that has prepared for that; return what it has found, nothing where there is none."""

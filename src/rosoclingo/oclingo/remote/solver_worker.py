@@ -12,6 +12,7 @@ import select
 import signal
 import sys
 import time
+from contextlib import suppress
 from typing import Callable, Dict, List, Optional, Sequence
 
 from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
@@ -72,6 +73,12 @@ class Commands:
                 self._read()
         return all(command["do"] == "now" for command in self._queue)
 
+    def have_come(self) -> bool:
+        """Tell whether anything has come."""
+        while select.select([self._descriptor], [], [], 0)[0]:
+            self._read()
+        return bool(self._queue)
+
     def interrupted(self) -> bool:
         """Tell whether the search at work is to be ended."""
         return self._asked("interrupt")
@@ -81,9 +88,7 @@ class Commands:
         return self._asked("drop")
 
     def _asked(self, what: str) -> bool:
-        while select.select([self._descriptor], [], [], 0)[0]:
-            self._read()
-        return any(command["do"] == what for command in self._queue)
+        return self.have_come() and any(command["do"] == what for command in self._queue)
 
     def _read(self) -> None:
         data = os.read(self._descriptor, _CHUNK)
@@ -150,6 +155,8 @@ class Worker:
             except SolverError as error:
                 reply = {"refused": str(error), "dropped": isinstance(error, DroppedError)}
             answer(reply)
+            if command.get("improves"):
+                answer(self._shortened(command["solver"], reply))
 
     def _load(self, command: Message) -> Message:
         try:
@@ -219,6 +226,17 @@ class Worker:
             return {"left": True}
         self._rebuild(command)
         return self._update({**command, "log": []})
+
+    def _shortened(self, number: int, reply: Message) -> Message:
+        """Shorten the plan in a ``reply`` until something comes; an empty message where it gets no shorter."""
+        shorter: Message = {}
+        with suppress(SolverError):  # the plan that there is remains one
+            while "outcome" in reply and not self._commands.have_come():
+                result = self._solvers[number].improve(self._commands.have_come)
+                if result is None:
+                    break
+                shorter = result_to_message(result)
+        return shorter
 
     def _improve(self, command: Message) -> Message:
         """Have a solver read what is new in its log, and shorten the plan."""

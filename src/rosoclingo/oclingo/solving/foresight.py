@@ -17,7 +17,7 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import RETURN
 from rosoclingo.oclingo.program.return_rules import ACTS, ASKS, ReturnRules
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Statement, StreamUpdate
-from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+from rosoclingo.oclingo.solving.stream_log import Plan, StreamLog, Taken, cycle_of
 
 
 class Foreseen(NamedTuple):
@@ -78,6 +78,18 @@ def goes_on(plan: Plan, foreseen: FrozenSet[clingo.Symbol], step: int, update: S
     known = foreseen.intersection(map(success_of, due))
     plain = all(_is_plain(item, known, step) for item in update.items)
     return plain and update.committed == due and Closed(step, step) in update.items
+
+
+def log_after(
+    log: StreamLog, foreseen: FrozenSet[clingo.Symbol], updates: Iterable[StreamUpdate]
+) -> Optional[StreamLog]:
+    """Return the ``log`` after ``updates`` for all of which its plan goes on, see :func:`goes_on`; None where not."""
+    for update in updates:
+        if log.plan is None or not goes_on(log.plan, foreseen, log.step, update):
+            return None
+        log = log.then(Taken(update, log.horizon))
+        log.foreseen = True
+    return log
 
 
 def _is_plain(item: object, known: FrozenSet[clingo.Symbol], step: int) -> bool:

@@ -8,7 +8,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Protocol, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Protocol, Sequence, Tuple
 
 import clingo
 
@@ -16,7 +16,7 @@ from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.assumptions import Search
-from rosoclingo.oclingo.solving.foresight import goes_on
+from rosoclingo.oclingo.solving.foresight import log_after
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
 from rosoclingo.oclingo.solving.improvement import Improvement
@@ -105,8 +105,11 @@ class StreamSolver(Protocol):
     def improve(self, stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
         """Look for a shorter plan until there is one, ``stopped`` says so or nothing is left to try."""
 
-    def prepare(self, update: StreamUpdate) -> None:
-        """Have the answer to ``update`` prepared, should it come next."""
+    def prepare(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
+        """Have the answer to ``update`` prepared, should it come after those ``before``; tell whether that is done."""
+
+    def has_prepared(self, update: StreamUpdate) -> bool:
+        """Whether the answer to ``update`` is there, should it come next."""
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle`` to those in ``executed``."""
@@ -142,15 +145,18 @@ class ForeseeingSolver(LoggedSolver):
         """Note the answer to all that the log holds."""
         self._answer = (self._log, result)
 
+    def _log_after(self, updates: Sequence[StreamUpdate]) -> Optional[StreamLog]:
+        """Return the log after ``updates`` that are all foreseen; None where one takes a search."""
+        if self._answer is None or self._answer[0] is not self._log or not self._answer[1].foreseen:
+            return None
+        return log_after(self._log, self._answer[1].foreseen, updates)
+
     def _go_on(self, update: Optional[StreamUpdate]) -> Optional[SolveResult]:
         """Take ``update`` where it is foreseen, and return the answer; None where it takes a search."""
-        if update is None or self._answer is None or self._answer[0] is not self._log or self._log.plan is None:
+        log = None if update is None else self._log_after([update])
+        if log is None or self._answer is None:
             return None
-        result = self._answer[1]
-        if not result.foreseen or not goes_on(self._log.plan, result.foreseen, self.step, update):
-            return None
-        self._log = self._log.then(Taken(update, self.horizon))
-        self._log.foreseen = True
+        self._log, result = log, self._answer[1]
         result = replace(result, step=self.step, warnings=(), statistics=dict.fromkeys(result.statistics, 0.0))
         self._has_answered(result)
         return result
@@ -254,7 +260,7 @@ class ReactiveSolver(ForeseeingSolver):
         with self._taking(transaction):
             self._log = self._read = transaction.retire(self._log)  # while nothing waits for that
             start, found = time.perf_counter(), self._shorten(plan, transaction, self._halting(stopped))
-            spent = {"solve": time.perf_counter() - start, "ground": 0.0}
+            spent = {"solve": time.perf_counter() - start, "ground": 0.0, "needed": 0.0}
         if found is None:
             return None
         outcome, returns = SolveOutcome.SATISFIABLE, self._foreseen(found, self.state, proven=False)
@@ -286,7 +292,7 @@ class ReactiveSolver(ForeseeingSolver):
         """
         self._stop = False
         self.read()
-        self._check(update)
+        self._setting.check(update, self.horizon)
         halt = self._halting(stopped)
         inquiry, self._inquiry = self._inquiry, None  # what a failure leaves of it is let go
         if inquiry is None or not inquiry.is_about(self.state, update, doubted):
@@ -344,7 +350,7 @@ class ReactiveSolver(ForeseeingSolver):
     ) -> SolveResult:
         self._stop = False
         self.read(update)
-        self._check(update)
+        self._setting.check(update, self.horizon)
         transaction = Transaction(self._setting, self.state.copy(), self._grounding, dropped)
         with self._taking(transaction):
             self._log = self._read = transaction.retire(self._log, update)
@@ -355,13 +361,6 @@ class ReactiveSolver(ForeseeingSolver):
         self._log = self._read = log.checkpoint() if log.is_longer(self._log_limit) else log
         self._has_answered(result)
         return result
-
-    def _check(self, update: Optional[StreamUpdate]) -> None:
-        """Raise SolverError, before anything has changed, where the update leads beyond the limit."""
-        step = self.horizon if update is None or update.step is None else update.step
-        limit = self._setting.horizon_limit
-        if limit is not None and step > limit:
-            raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
 
     def _search(
         self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]

@@ -9,7 +9,7 @@ import hashlib
 import json
 from copy import copy
 from dataclasses import dataclass
-from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import clingo
 
@@ -359,8 +359,16 @@ class LoggedSolver:
         """Go on from a ``log``, an earlier one of this solver or any other; it is read when there is need."""
         self._log = log
 
-    def prepare(self, update: StreamUpdate) -> None:
-        """Have the answer to ``update`` prepared, should it come next; where nothing can do so beside, it is not."""
+    def prepare(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
+        """Have the answer to ``update`` prepared, should it come after those ``before``; tell whether that is done.
+
+        Where nothing can do so beside, it is not.
+        """
+        return False
+
+    def has_prepared(self, update: StreamUpdate) -> bool:
+        """Whether the answer to ``update`` is there, should it come next."""
+        return False
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.

@@ -14,6 +14,7 @@ from typing import Dict, FrozenSet, Iterable, Iterator, List, Optional, Set, Tup
 
 import clingo
 
+from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.strings import strings_apart
@@ -217,6 +218,13 @@ class Setting:
     def first_step(self, state: StreamState) -> int:
         """Return the first step that is ground."""
         return self.program.first_step if state.past is None else state.past.first
+
+    def check(self, update: Optional[StreamUpdate], horizon: int) -> None:
+        """Raise SolverError where an update, or the ``horizon`` without one of a step, leads beyond the limit."""
+        step = horizon if update is None or update.step is None else update.step
+        limit = self.horizon_limit
+        if limit is not None and step > limit:
+            raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
 
     def steps_over(self, state: StreamState) -> int:
         """Return how many steps that are ground are over since it was tried last to retire some."""

@@ -90,6 +90,81 @@ def test_the_answer_that_was_prepared_is_the_one_that_is_searched_for(here, proc
     assert process.spare_pid is not None, "another one is kept ready"
 
 
+def step(number, value):
+    """The update that tells how the action before went."""
+    done = f"#closed {number - 1}. :- not _action_lib(go,{number - 1},{number - 1})."
+    return parse_update(f"#step {number} : 50. {done} _return(go,{value},{number - 1}). #endstep.")
+
+
+def test_the_answer_to_a_later_update_is_prepared(here, process, solver):
+    before, later = [step(2, 1), step(3, 2)], step(4, "no")
+    pids = process.pid, process.spare_pid
+    assert solver.prepare(later, before)
+    wait(process)
+    for update in before:
+        assert solver.update(update) == here.update(update)
+        assert (process.pid, process.spare_pid) == pids
+    assert solver.update(later) == here.update(later)
+    assert process.pid == pids[1]
+
+
+def test_it_is_of_no_use_where_another_one_comes_before(here, process, solver):
+    pid = process.pid
+    assert solver.prepare(step(3, "no"), [step(2, 1)])
+    assert solver.update(step(2, "no")) == here.update(step(2, "no"))
+    again = parse_update("#step 3 : 50. #closed 2. :- not _action_lib(go,1,2). _return(go,no,2). #endstep.")
+    assert solver.update(again) == here.update(again)
+    assert process.pid == pid
+
+
+def as_planned(plan, number):
+    """The update that tells that all went as planned."""
+    done = sorted(one for one in plan.actions if cycle_of(one) == number - 1)
+    told = "".join(f":- not {one}. _return({','.join(map(str, one.arguments))})." for one in done)
+    return parse_update(f"#step {number} : 50. #closed {number - 1}. {told} #endstep.")
+
+
+@pytest.mark.slow
+def test_a_plan_is_shortened_while_there_is_time(monkeypatch):
+    """That is, until its update comes, or nothing is left to try."""
+    monkeypatch.setattr(preparation, "PAUSE", 0.0)
+    program = ReactiveProgram.from_text(WALK)
+    with SolverProcess(program, spare=True, **{**OPTIONS, "plan_time": 0.0}) as one:
+        solver = one.solver()
+        solver.update(ASK)
+        before = as_planned(solver.log.plan, 2)
+        later = parse_update(str(as_planned(solver.log.plan, 3)).replace("_return(go,1,2)", "_return(go,no,2)"))
+        assert solver.prepare(later, [before])
+        wait(one)
+        found = [solver.update(update) for update in (before, later)]
+        spare = one.pid
+        assert solver.log.plan == found[-1].plan
+        solver.update(as_planned(solver.log.plan, 4))
+        assert one.pid == spare
+    for plan_time, is_longer in ((0.0, True), (60.0, False)):
+        other = ReactiveSolver(program, **{**OPTIONS, "plan_time": plan_time})
+        horizon = [other.update(update).horizon for update in (ASK, before, later)][-1]
+        assert (horizon > found[-1].horizon) is is_longer
+
+
+def test_whether_an_answer_is_there_is_known_without_waiting_for_it(here, process, solver):
+    update = after_first("other")
+    assert not solver.has_prepared(update)
+    assert not here.has_prepared(update), "nobody prepares anything"
+    solver.prepare(update)
+    wait(process)
+    assert solver.has_prepared(update)
+    assert not solver.has_prepared(after_first("1")), "that is another one"
+    os.kill(process.spare_pid, signal.SIGKILL)
+    assert ended(process.spare_pid)
+    assert not solver.has_prepared(after_first("1"))
+    assert solver.update(update) == here.update(update)
+
+
+def test_nothing_is_prepared_behind_what_takes_a_search(solver):
+    assert not solver.prepare(step(3, 2), [step(2, "no")])
+
+
 @pytest.mark.parametrize("value", ["1", "other"])
 def test_what_was_prepared_is_of_no_use_where_something_else_comes(here, process, solver, value):
     pid = process.pid

@@ -141,7 +141,7 @@ def test_a_better_plan_is_the_answer_from_then_on():
     assert 3 <= result.horizon < 5
     assert (result.plan, result.shortest) == (solver.log.plan, False)
     assert 0.0 <= result.statistics.pop("solve") <= seconds
-    assert result.statistics == {"ground": 0.0}
+    assert result.statistics == {"ground": 0.0, "needed": 0.0}
 
 
 def test_all_idle_steps_go_at_once_with_the_first_that_a_window_fills():

@@ -1,0 +1,159 @@
+"""Answers that are had before they are asked for, while actions run.
+
+Two are worth it. What is to be done should the action fail, or where something new waits should it succeed. And a plan
+with goals that wait since there is no room for them: for many goals that takes longer than a robot may stand still, so
+it is made for a later cycle, up to which the plan that there is goes on, and in which the goals join. Where anything
+else comes before, it is of no use, and the goals wait as they would have.
+"""
+
+import math
+from typing import NamedTuple, Optional, Tuple
+
+from rosoclingo.oclingo import StreamUpdate
+from rosoclingo.reasoning.action_extractor import TaskPlan
+from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
+from rosoclingo.reasoning.returns import ExecutionMonitor
+from rosoclingo.reasoning.stream_planner import Planner, steps_for
+
+#: So many times the time that a plan for all goals is expected to take is given to it.
+MARGIN = 2.0
+
+#: Seconds that it takes beside: a solver has to read what was done.
+START = 1.0
+
+#: So many times as many goals as there are may join at once: how long a plan for still more takes is hard to tell.
+MOST = 1.5
+
+#: Goals that join a plan for others later, at least, if so many wait, or half as many as there are.
+FEW = 4
+
+
+class Outlook(NamedTuple):
+    """Of the next update: its step, the cycle ``over`` before which all comes too late, and how far it looks."""
+
+    step: int
+    over: int
+    lookahead: int
+
+
+class Join(NamedTuple):
+    """Goals that are to join in a later cycle.
+
+    ``over`` and ``lookahead`` stay until then, ``updates`` are those that are foreseen, the last without the goals;
+    with them it is ``whole``.
+    """
+
+    planner: Planner
+    goals: Tuple[Goal, ...]
+    over: int
+    lookahead: int
+    updates: Tuple[StreamUpdate, ...]
+    whole: StreamUpdate
+
+    @property
+    def first(self) -> int:
+        """The cycle of the first update."""
+        return self.updates[0].step or 0
+
+    @property
+    def cycle(self) -> int:
+        """The cycle in which the goals join."""
+        return self.updates[-1].step or 0
+
+
+class Preparations:
+    """Has answers prepared; ``limit`` is how many steps a plan for one goal may have.
+
+    Attributes:
+        join: the goals that are to join later: until then the plan should go on as it is, and nobody else joins.
+
+    """
+
+    def __init__(self, goals: GoalManager, feeder: InputFeeder, execution: ExecutionMonitor, limit: int) -> None:
+        self._goals, self._feeder, self._execution, self._limit = goals, feeder, execution, limit
+        self.join: Optional[Join] = None
+        self._reach = math.inf  # so many cycles nothing unforeseen is likely to come
+        self._slower = 1.0  # so many times as long as expected plans take
+        self._seen = self._asked = 0  # the last step, and that for which a plan was asked for last
+        self._joined = -math.inf  # the cycle in which goals joined last
+
+    def outlook(self, planner: Planner, plan: TaskPlan, told: int) -> Outlook:
+        """What is known of the update after that of ``told`` beforehand; ``plan`` is the one that was used last."""
+        if self.join is not None:
+            return Outlook(told + 1, self.join.over, self.join.lookahead)
+        over = planner.over(told + 1, self._goals.oldest_request(told) - 1)
+        return Outlook(told + 1, over, self._lookahead(plan, told))
+
+    def prepare(self, planner: Planner, plan: TaskPlan, told: int) -> None:
+        """Have prepared what is worth it, as far as that is not done yet."""
+        if self.join is not None or self._begin_join(planner, plan, told + 1):
+            return
+        likely = self._execution.likely_return(succeeds=self._feeder.pending)
+        if likely is not None:
+            step, over, lookahead = self.outlook(planner, plan, told)
+            planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
+
+    def next_update(self, planner: Planner, step: int, over: int) -> Batch:
+        """The next update. Where goals are to join, it is with them when it is time, unless something else has come."""
+        batch, join = self._feeder.next_update(step, over), self.join
+        if join is None:
+            return batch
+        here = planner is join.planner and all(map(self._goals.queue.waits, join.goals))
+        if not here or batch.update != join.updates[step - join.first]:
+            self._reach = max(1, step - join.first)
+            self._give_up(join, "something else has come before the cycle in which it was to join")
+        elif step == join.cycle and not planner.has_prepared(join.whole):
+            self._slower *= 2
+            self._give_up(join, "the plan with it was not there by the cycle in which it was to join")
+        elif step == join.cycle:
+            self._reach, self._joined, self._slower, self.join = 2 * self._reach, step, max(1.0, self._slower / 2), None
+            self._goals.join(join.goals)
+            batch = self._feeder.next_update(step, over)
+            self._goals.release()
+        return batch
+
+    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int) -> bool:
+        """Have a plan made for a later cycle with goals that wait, if there are any; tell whether that is so."""
+        queue, cycle, actions = self._goals.queue, step - 1, plan.actions
+        fresh = any((goal.request_cycle or 0) >= step for goal in self._goals.fed)  # the plan is to be improved first
+        idle = self._feeder.pending or not (queue.joinable and actions and self._execution.awaited)
+        if fresh or idle or self._asked == step:
+            return False
+        self._reach, self._seen = self._reach + (step != self._seen), step  # further from cycle to cycle
+        most = min(self._reach, max(2, (actions[-1].cycle - cycle) // 2))
+        served = len(queue.served)
+        waiting = queue.joinable[: math.ceil(MOST * served)]
+        number = next((one for one in range(len(waiting), 0, -1) if self._cycles_for(served + one) <= most), 0)
+        lasts = self._cycles_for(served + number)
+        # while such a plan is made the one that there is gets no shorter: between, there is half as much time for that
+        if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._joined < lasts / 2:
+            return False
+        goals, over, lookahead = waiting[:number], planner.log.over, self._lookahead(plan, cycle, number)
+        last = cycle + int(lasts)
+        updates = [self._feeder.foreseen(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]
+        self._asked = step
+        whole = self._feeder.foreseen(last, plan.at(last - 1), goals, over)
+        if not planner.prepare([*updates[:-1], whole], lookahead):
+            return False
+        self.join = Join(planner, tuple(goals), over, lookahead, tuple(updates), whole)
+        self._goals.hold(goals, f"it joins in cycle {last}, a plan is made for that")
+        return True
+
+    def _give_up(self, join: Join, why: str) -> None:
+        self.join = None
+        self._goals.release(join.goals, why)
+
+    def _lookahead(self, plan: TaskPlan, cycle: int, joining: int = 0) -> int:
+        """How many steps the next plan may have, or one after ``cycle`` with goals that join."""
+        served = len(self._goals.queue.served)
+        left = plan.actions[-1].cycle - cycle if plan.actions else 0
+        return steps_for(served + joining, self._limit, max(0, left), served - len(self._goals.fed) + joining)
+
+    def _cycles_for(self, goals: int) -> float:
+        """After how many cycles there should be a plan for so many goals."""
+        seconds, lasts = self._goals.queue.window.seconds_for(goals), self._execution.seconds_per_cycle
+        if seconds is None or lasts <= 0.0:
+            return math.inf
+        return 1 + math.ceil(MARGIN * self._slower * (START + seconds) / lasts)
