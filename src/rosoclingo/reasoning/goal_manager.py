@@ -77,10 +77,8 @@ class GoalManager:
         self._admit()
         if self.queue.waits(goal):
             before = self.queue.first or self.queue.tried
-            size = self.queue.window.size
-            self._tell_wait(
-                goal, f"{size} goals at a time are planned for" if before is None else f"first comes {before}"
-            )
+            why = "others join first" if self.queue.held else f"{self.queue.window.size} goals at a time are planned for"
+            self._tell_wait(goal, why if before is None else f"first comes {before}")
 
     def cancel(self, key: str) -> None:
         """Cancel a goal; without effect on one that has ended or is being cancelled."""

@@ -1,6 +1,19 @@
 """The input feeder of Fig. 4: it turns what happened into the next stream update."""
 
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import (
+    Callable,
+    Container,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 from clingo import Function, Number, Symbol, SymbolType
 
@@ -115,6 +128,12 @@ class InputFeeder:
     def pending(self) -> bool:
         """Whether anything waits to be fed."""
         return bool(self._requests or self._facts) and self.arrivals != self._waits
+
+    def has_beside(self, expected: Container[Optional[Symbol]]) -> bool:
+        """Whether the next update is to tell more than what was done and facts that are ``expected``."""
+        return bool(self._requests or self._rejected or self._withdrawn) or any(
+            fact not in expected for fact in self._facts
+        )
 
     @property
     def waiting(self) -> int:

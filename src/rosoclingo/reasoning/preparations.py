@@ -26,6 +26,9 @@ START = 1.0
 #: So many times as many goals as there are may join at once: how long a plan for still more takes is hard to tell.
 MOST = 1.5
 
+#: And at most so many times as long where plans were not there in time.
+SLOWEST = 8.0
+
 #: Goals that join a plan for others later, at least, if so many wait, or half as many as there are.
 FEW = 4
 
@@ -77,7 +80,7 @@ class Preparations:
         self._reach = math.inf  # so many cycles nothing unforeseen is likely to come
         self._slower = 1.0  # so many times as long as expected plans take
         self._seen = self._asked = 0  # the last step, and that for which a plan was asked for last
-        self._joined = -math.inf  # the cycle in which goals joined last
+        self._ended = -math.inf  # the cycle in which goals joined last, or there was no plan for that
 
     def outlook(self, planner: Planner, plan: TaskPlan, told: int) -> Outlook:
         """What is known of the update after that of ``told`` beforehand; ``plan`` is the one that was used last."""
@@ -88,7 +91,7 @@ class Preparations:
 
     def prepare(self, planner: Planner, plan: TaskPlan, told: int) -> None:
         """Have prepared what is worth it, as far as that is not done yet."""
-        if self.join is not None or self._begin_join(planner, plan, told + 1):
+        if self._join_may_come(planner, told + 1) or self._begin_join(planner, plan, told + 1):
             return
         likely = self._execution.likely_return(succeeds=self._feeder.pending)
         if likely is not None:
@@ -100,15 +103,14 @@ class Preparations:
         batch, join = self._feeder.next_update(step, over), self.join
         if join is None:
             return batch
-        here = planner is join.planner and all(map(self._goals.queue.waits, join.goals))
-        if not here or batch.update != join.updates[step - join.first]:
-            self._reach = max(1, step - join.first)
-            self._give_up(join, "something else has come before the cycle in which it was to join")
+        if not self._may_come(join, planner) or batch.update != join.updates[step - join.first]:
+            self._lose(join, step)
         elif step == join.cycle and not planner.has_prepared(join.whole):
-            self._slower *= 2
-            self._give_up(join, "the plan with it was not there by the cycle in which it was to join")
+            self._slower, self._ended = min(2 * self._slower, SLOWEST), step
+            self._end(join, "the plan with it was not there by the cycle in which it was to join")
         elif step == join.cycle:
-            self._reach, self._joined, self._slower, self.join = 2 * self._reach, step, max(1.0, self._slower / 2), None
+            self._reach, self._slower = 2 * self._reach, max(1.0, self._slower / 2)
+            self.join, self._ended = None, step
             self._goals.join(join.goals)
             batch = self._feeder.next_update(step, over)
             self._goals.release()
@@ -118,7 +120,7 @@ class Preparations:
         """Have a plan made for a later cycle with goals that wait, if there are any; tell whether that is so."""
         queue, cycle, actions = self._goals.queue, step - 1, plan.actions
         fresh = any((goal.request_cycle or 0) >= step for goal in self._goals.fed)  # the plan is to be improved first
-        idle = self._feeder.pending or not (queue.joinable and actions and self._execution.awaited)
+        idle = self._feeder.has_beside(()) or not (queue.joinable and actions and self._execution.awaited)
         if fresh or idle or self._asked == step:
             return False
         self._reach, self._seen = self._reach + (step != self._seen), step  # further from cycle to cycle
@@ -128,7 +130,7 @@ class Preparations:
         number = next((one for one in range(len(waiting), 0, -1) if self._cycles_for(served + one) <= most), 0)
         lasts = self._cycles_for(served + number)
         # while such a plan is made the one that there is gets no shorter: between, there is half as much time for that
-        if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._joined < lasts / 2:
+        if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._ended < lasts / 2:
             return False
         goals, over, lookahead = waiting[:number], planner.log.over, self._lookahead(plan, cycle, number)
         last = cycle + int(lasts)
@@ -141,7 +143,26 @@ class Preparations:
         self._goals.hold(goals, f"it joins in cycle {last}, a plan is made for that")
         return True
 
-    def _give_up(self, join: Join, why: str) -> None:
+    def _join_may_come(self, planner: Planner, step: int) -> bool:
+        """Tell whether goals are to join; where something else has come by now they are not."""
+        join = self.join
+        if join is None:
+            return False
+        expected = join.updates[step - join.first].heads if step <= join.cycle else frozenset()
+        if self._may_come(join, planner) and not self._feeder.has_beside(expected):
+            return True
+        self._lose(join, step)
+        return False
+
+    def _may_come(self, join: Join, planner: Planner) -> bool:
+        return planner is join.planner and all(map(self._goals.queue.waits, join.goals))
+
+    def _lose(self, join: Join, step: int) -> None:
+        """Something else has come before the update of ``step``, or comes with it."""
+        self._reach = max(1, step - join.first)
+        self._end(join, "something else has come before the cycle in which it was to join")
+
+    def _end(self, join: Join, why: str) -> None:
         self.join = None
         self._goals.release(join.goals, why)
 

@@ -2,6 +2,7 @@
 
 from collections import deque
 from contextlib import contextmanager
+from statistics import median_low
 from typing import Any, Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
@@ -43,7 +44,7 @@ DONE = 10
 #: So many of the last actions done are remembered.
 EXECUTED = 64
 
-#: Cycles of which the mean is taken for how long one takes.
+#: Cycles of which the median is taken for how long one takes.
 MEASURED = 10
 
 #: Facts that may wait for the next update, returns not counted.
@@ -243,8 +244,9 @@ class ExecutionMonitor:
 
     @property
     def seconds_per_cycle(self) -> float:
-        """How long a cycle with actions takes from one to the next, in the mean of the last ones; 0 if unknown."""
-        return (self._begun[-1] - self._begun[0]) / (len(self._begun) - 1) if len(self._begun) > 1 else 0.0
+        """How long a cycle with actions takes from one to the next, in the median of the last ones; 0 if unknown."""
+        begun = list(self._begun)
+        return median_low([end - begin for begin, end in zip(begun, begun[1:])] or [0.0])
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""

@@ -116,6 +116,24 @@ def test_a_rejected_goal_is_not_cancelled_once_another_of_its_identity_comes():
     assert heads(feeder.next_update(3).update) == ["_request(cancel(2),3)", "_request(g(1),4)"]
 
 
+def test_whether_more_comes_than_is_expected():
+    feeder, seen = InputFeeder(), parse_atom("_return(go,a,1)")
+    assert not feeder.has_beside(())
+    feeder.add_fact(seen)
+    assert feeder.has_beside(())
+    assert not feeder.has_beside({seen})
+    for add in (
+        lambda one: one.add_goal(goal("do(walk,1)")),
+        lambda one: one.add_cancellation(parse_term("1")),
+        lambda one: one.add_rejection(parse_term("1")),
+        lambda one: one.add_withdrawals(frozenset([parse_atom("_request(do(walk,1),1)")])),
+        lambda one: one.add_fact(parse_atom("_seen(sun)")),
+    ):
+        other = InputFeeder()
+        add(other)
+        assert other.has_beside({seen})
+
+
 def test_withdrawn_goal_is_not_fed():
     feeder = InputFeeder()
     first, second = goal("g(1)"), goal("g(2)")

@@ -1,7 +1,6 @@
 """A worker process as seen from its parent: started, asked, ended."""
 
 import os
-import selectors
 import signal
 import subprocess
 import sys
@@ -9,8 +8,8 @@ import threading
 import time
 from contextlib import suppress
 from pathlib import Path
-from queue import SimpleQueue
-from typing import IO, Callable, List, Optional, Tuple
+from queue import Empty, SimpleQueue
+from typing import IO, Callable, NoReturn, Optional, Tuple
 
 from rosoclingo.oclingo.remote.wire import Lines, Message, encode
 
@@ -19,6 +18,9 @@ POLL = 0.002
 
 GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
+
+CLOSING = 1.0
+"""Seconds of wall time for the threads of a child that has ended; one of its own children may hold its pipes open."""
 
 REACHED = "reached"
 """The member of what is no reply, but tells in the midst of a search up to which step it has ground."""
@@ -49,9 +51,8 @@ class Writer:
     """Writes to a pipe in a thread of its own: a child that is grounding does not read, and nobody waits for that."""
 
     def __init__(self, pipe: IO[bytes]) -> None:
-        self._pipe = pipe
         self._unsent: SimpleQueue[bytes] = SimpleQueue()
-        self._thread = threading.Thread(target=self._write, name="solver pipe", daemon=True)
+        self._thread = threading.Thread(target=self._write, args=[pipe], name="to the solver", daemon=True)
         self._thread.start()
 
     def write(self, data: bytes) -> None:
@@ -61,17 +62,48 @@ class Writer:
     def close(self) -> None:
         """Write nothing any more, once nobody can read it."""
         self._unsent.put(b"")
-        self._thread.join()
-        self._pipe.close()
+        self._thread.join(CLOSING)
 
-    def _write(self) -> None:
-        with suppress(BrokenPipeError):
+    def _write(self, pipe: IO[bytes]) -> None:
+        with suppress(BrokenPipeError), pipe:
             while True:
                 data = memoryview(self._unsent.get())
                 if not data:
                     break
                 while data:
-                    data = data[self._pipe.write(data) :]
+                    data = data[pipe.write(data) :]
+
+
+class Reader:
+    """Reads messages from a pipe in a thread of its own: a child goes on, whether or not somebody asks for them."""
+
+    def __init__(self, pipe: IO[bytes]) -> None:
+        self._messages: SimpleQueue[Optional[Message]] = SimpleQueue()
+        self._thread = threading.Thread(target=self._read, args=[pipe], name="from the solver", daemon=True)
+        self._thread.start()
+
+    def next(self, timeout: float) -> Optional[Message]:
+        """Wait up to ``timeout`` seconds for a message, None for none; raises EOFError where there will be no more."""
+        try:
+            message = self._messages.get(timeout=timeout)
+        except Empty:
+            return None
+        if message is None:
+            self._messages.put(None)
+            raise EOFError
+        return message
+
+    def close(self) -> None:
+        """Read nothing any more, once nobody writes."""
+        self._thread.join(CLOSING)
+
+    def _read(self, pipe: IO[bytes]) -> None:
+        lines = Lines()
+        with suppress(ValueError), pipe:  # what is no message is the last that is read
+            for data in iter(lambda: os.read(pipe.fileno(), _CHUNK), b""):
+                for message in lines.feed(data):
+                    self._messages.put(message)
+        self._messages.put(None)
 
 
 class WorkerProcess:
@@ -102,15 +134,10 @@ class WorkerProcess:
             os.close(reading)
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._commands = Writer(self._process.stdin)
-        self._replies: IO[bytes] = self._process.stdout
-        self._lines = Lines()
-        self._messages: List[Message] = []
+        self._commands, self._replies = Writer(self._process.stdin), Reader(self._process.stdout)
         self.reached = 0
         self._unwanted = 0  # so many of the replies to come
         self._worked = 0.0
-        self._selector = selectors.DefaultSelector()
-        self._selector.register(self._replies, selectors.EVENT_READ)
 
     @property
     def pid(self) -> int:
@@ -148,19 +175,17 @@ class WorkerProcess:
 
     def receive(self, timeout: float) -> Optional[Message]:
         """Wait up to ``timeout`` seconds for a reply, None for none; raises WorkerLostError where the child is gone."""
-        if not self._messages and self._selector.select(timeout):
-            data = os.read(self._replies.fileno(), _CHUNK)
-            if not data:
-                self._lost()
-            for message in self._lines.feed(data):
+        try:
+            message = self._replies.next(timeout)
+            while message is not None and (REACHED in message or self._unwanted):
                 if REACHED in message:
                     self.reached = message[REACHED]
                 else:
-                    self._messages.append(message)
-            unwanted = min(self._unwanted, len(self._messages))
-            del self._messages[:unwanted]
-            self._unwanted -= unwanted
-        return self._messages.pop(0) if self._messages else None
+                    self._unwanted -= 1
+                message = self._replies.next(0.0)
+        except EOFError:
+            self._lost()
+        return message
 
     def reply(self, stopped: Optional[Stopped], patience: Tuple[float, float], leaves: bool = False) -> Message:
         """Wait for the reply to a command; where it is ``stopped`` ask the child to heed that.
@@ -194,11 +219,10 @@ class WorkerProcess:
         if self._process.poll() is None:
             self._process.kill()
         self._process.wait()
-        self._selector.close()
         for pipe in (self._commands, self._replies, self._lifeline):
             pipe.close()
 
-    def _lost(self) -> None:
+    def _lost(self) -> NoReturn:
         self.kill()
         code = self._process.returncode
         how = f"with exit code {code}" if code >= 0 else f"by signal {signal.Signals(-code).name}"

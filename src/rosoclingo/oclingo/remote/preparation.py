@@ -71,9 +71,10 @@ class Preparation:
 
     @property
     def has_answer(self) -> bool:
-        """Whether what it was asked for is there, if only to become better."""
+        """Whether a child that is alive has answered, if only to become better."""
         self._receive()
-        return bool(self._replies)
+        decided = {SolveOutcome.SATISFIABLE.value, SolveOutcome.UNSATISFIABLE.value}
+        return self.child.alive and any(one.get("outcome") in decided for one in self._replies)
 
     def is_about(self, subject: Subject) -> bool:
         """Whether it would give the answer that is asked for."""
@@ -133,7 +134,8 @@ class Preparation:
             self._take(reply)
 
     def _take(self, reply: Message) -> None:
-        self._grown = "outcome" in reply and self._growth.is_too_much(self.child.memory)
+        if "outcome" in reply:
+            self._grown = self._growth.is_too_much(self.child.memory)
         if self._stale:
             self._stale -= 1
         else:

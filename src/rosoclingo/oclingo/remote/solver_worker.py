@@ -232,7 +232,7 @@ class Worker:
         shorter: Message = {}
         with suppress(SolverError):  # the plan that there is remains one
             while "outcome" in reply and not self._commands.have_come():
-                result = self._solvers[number].improve(self._commands.have_come)
+                result = self._solvers[number].improve(self._commands.have_come, retires=False)
                 if result is None:
                     break
                 shorter = result_to_message(result)

@@ -10,7 +10,8 @@ ground rules, nor where something is false of the actions of the same cycle: all
 executed in it, and no others.
 """
 
-from typing import Callable, FrozenSet, Iterable, NamedTuple, Optional, Set
+from functools import lru_cache
+from typing import Callable, Dict, FrozenSet, Iterable, NamedTuple, Optional, Set
 
 import clingo
 
@@ -67,14 +68,24 @@ def success_of(action: clingo.Symbol) -> clingo.Symbol:
     return clingo.Function(RETURN.name, action.arguments)
 
 
+@lru_cache(maxsize=2)  # many updates may be asked about for one plan
+def _by_cycle(plan: Plan) -> Dict[int, Set[clingo.Symbol]]:
+    """Return the actions of each cycle that has any."""
+    actions: Dict[int, Set[clingo.Symbol]] = {}
+    for action in plan.actions:
+        actions.setdefault(cycle_of(action), set()).add(action)
+    return actions
+
+
 def goes_on(plan: Plan, foreseen: FrozenSet[clingo.Symbol], step: int, update: StreamUpdate) -> bool:
     """Whether ``update`` tells that what is planned for ``step`` was done, with success that is ``foreseen``.
 
     And nothing else, and that something is left to do. The answer that has the ``plan`` is one after the update then.
     """
-    if update.step != step + 1 or plan.last_cycle <= step:
+    actions = _by_cycle(plan)
+    if update.step != step + 1 or max(actions, default=step) <= step:
         return False
-    due = {action for action in plan.actions if cycle_of(action) == step}
+    due = actions.get(step, set())
     known = foreseen.intersection(map(success_of, due))
     plain = all(_is_plain(item, known, step) for item in update.items)
     return plain and update.committed == due and Closed(step, step) in update.items

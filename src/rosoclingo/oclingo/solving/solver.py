@@ -242,12 +242,13 @@ class ReactiveSolver(ForeseeingSolver):
         """
         return self._go_on(update) or self._run(update, stopped, dropped)
 
-    def improve(self, stopped: Optional[Stopped] = None) -> Optional[SolveResult]:
+    def improve(self, stopped: Optional[Stopped] = None, retires: bool = True) -> Optional[SolveResult]:
         """Look for a shorter plan than the last one, with what is done up to the present step left as it is.
 
         It is an answer of the last update, which the next update begins with. Returns it as soon as it is found: there
         may be a still shorter one. Returns None where ``stopped`` says so, or nothing is left to try: that is so until
-        there is another update. Only for ``shortest`` solvers of one answer, and programs that do not optimize.
+        there is another update. Only for ``shortest`` solvers of one answer, and programs that do not optimize. Where
+        it ``retires``, steps that are over are retired before, which does not heed ``stopped``.
         """
         self._stop = False
         plan = self._log.plan
@@ -258,7 +259,7 @@ class ReactiveSolver(ForeseeingSolver):
             return None
         transaction = Transaction(self._setting, self.state.copy(), self._grounding)
         with self._taking(transaction):
-            self._log = self._read = transaction.retire(self._log)  # while nothing waits for that
+            self._log = self._read = transaction.retire(self._log) if retires else self._log
             start, found = time.perf_counter(), self._shorten(plan, transaction, self._halting(stopped))
             spent = {"solve": time.perf_counter() - start, "ground": 0.0, "needed": 0.0}
         if found is None:

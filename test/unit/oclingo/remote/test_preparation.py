@@ -157,7 +157,7 @@ def test_whether_an_answer_is_there_is_known_without_waiting_for_it(here, proces
     assert not solver.has_prepared(after_first("1")), "that is another one"
     os.kill(process.spare_pid, signal.SIGKILL)
     assert ended(process.spare_pid)
-    assert not solver.has_prepared(after_first("1"))
+    assert not solver.has_prepared(update)
     assert solver.update(update) == here.update(update)
 
 
