@@ -76,8 +76,8 @@ class GoalManager:
         self.queue.put(goal)
         self._admit()
         if self.queue.waits(goal):
-            before = self.queue.first or self.queue.tried
-            why = "others join first" if self.queue.held else f"{self.queue.window.size} goals at a time are planned for"
+            before, size = self.queue.first or self.queue.tried, self.queue.window.size
+            why = "others join first" if self.queue.held else f"{size} goals at a time are planned for"
             self._tell_wait(goal, why if before is None else f"first comes {before}")
 
     def cancel(self, key: str) -> None:
