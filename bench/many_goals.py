@@ -47,6 +47,9 @@ from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
 HOWS = ("once", "stream")
 
+MOST_IDLE = 600
+"""Seconds in which nothing is done, at most: the core waits a while with what its solver could not take."""
+
 
 class Robot:
     """A core and the world that answers it."""
@@ -57,7 +60,7 @@ class Robot:
         self.world, self._limit = World(floor), search_timeout
         self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self.core = Core(program, self.process.solver, self._note, settings, self._watch)
-        self.improving, self.longest, self.waited, self.now = 0.0, 0.0, 0, 0.0
+        self.improving, self.longest, self.waited, self.now, self.idle = 0.0, 0.0, 0, 0.0, 0
 
     def __enter__(self):
         self.process.start()
@@ -108,6 +111,15 @@ class Robot:
         begin = time.clock_gettime(clock)
         while self.process.prepares and time.clock_gettime(clock) - begin < seconds:
             time.sleep(0.01)
+
+    def wait(self):
+        """Nothing is done for a second, as the solver could not take an update in time: it comes again."""
+        self.idle += 1
+        if self.idle > MOST_IDLE:
+            raise SystemExit(f"nothing is done, though {self.world.open} requests are open")
+        self.now += 1.0
+        self.core.poll(self.now)
+        self.plan()
 
     def steps(self):
         """The steps of the plan; raises RuleError where it is none."""
@@ -197,8 +209,8 @@ def driven(floor, arrivals, options):
         while arrivals or robot.world.open:
             robot.ask(arrivals.due(robot.world))
             robot.plan()
-            if not robot.core.awaited:
-                raise SystemExit(f"nothing is done, though {robot.world.open} requests are open")
+            while not robot.core.awaited:
+                robot.wait()
             out = out or robot.used - begin
             for _ in robot.improve(options.action_time):
                 robot.steps()
