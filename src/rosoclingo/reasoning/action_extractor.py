@@ -25,6 +25,10 @@ class TaskPlan(NamedTuple):
         """The actions later than a cycle."""
         return tuple(action for action in self.actions if action.cycle > cycle)
 
+    def steps_after(self, cycle: int) -> int:
+        """How many cycles after ``cycle`` it goes on."""
+        return max(0, self.actions[-1].cycle - cycle) if self.actions else 0
+
     def remaining(self, cycle: int) -> Tuple[Action, ...]:
         """The actions of a cycle and later."""
         return tuple(action for action in self.actions if action.cycle >= cycle)

@@ -16,7 +16,7 @@ from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
-from rosoclingo.reasoning.preparations import Preparations
+from rosoclingo.reasoning.preparations import Outlook, Preparations
 from rosoclingo.reasoning.present import Present
 from rosoclingo.reasoning.recovery import Question, Recovery, recover
 from rosoclingo.reasoning.refusals import refusals
@@ -28,6 +28,7 @@ from rosoclingo.reasoning.stream_planner import (
     SearchWatch,
     SolverFactory,
     feed_less,
+    steps_for,
     unwatched,
 )
 from rosoclingo.reasoning.waiting_queue import GoalQueue
@@ -64,11 +65,9 @@ class Core:
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
         self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
-        self._step = 0
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
         self._latest = (0, TaskPlan())  # the plan that was used last, and its cycle
-        self._waits = 0
-        self._improvable = False  # whether there may be a shorter plan
+        self._step, self._waits, self._improvable = 0, 0, False  # the last: whether there may be a shorter plan
 
     @property
     def cycle(self) -> int:
@@ -155,7 +154,7 @@ class Core:
 
     def prepare(self) -> None:
         """While actions run, have the answer prepared to what may come, or a plan with goals that wait."""
-        self._ahead.prepare(self._planner, self._latest[1], self._announce.told)
+        self._ahead.prepare(self._planner, self._latest[1], self._outlook)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, as the core ends."""
@@ -185,9 +184,18 @@ class Core:
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
-        ahead, planner, latest = self._ahead, self._planner, self._latest[1]
-        self._step, over, planner.lookahead = ahead.outlook(planner, latest, self._announce.told)
-        self._solve(ahead.next_update(planner, self._step, over), now)
+        self._step, over, self._planner.lookahead = self._outlook()
+        joining, here = self._ahead.join is not None, (self._step, over)
+        self._solve(self._ahead.next_update(self._planner, *here) if joining else self._feeder.next_update(*here), now)
+
+    def _outlook(self) -> Outlook:
+        """What is known of the next update beforehand."""
+        told, join, goals = self._announce.told, self._ahead.join, len(self.queue.served)
+        if join is not None:
+            return Outlook(told + 1, join.over, join.lookahead)
+        left, limit = self._latest[1].steps_after(told), self._settings.horizon_limit
+        steps = steps_for(goals, limit, left, goals - len(self._goals.fed))
+        return Outlook(told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps)
 
     def _solve(self, batch: Batch, now: float) -> None:
         try:

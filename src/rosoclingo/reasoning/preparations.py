@@ -7,7 +7,7 @@ else comes before, it is of no use, and the goals wait as they would have.
 """
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from typing import Callable, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan
@@ -82,20 +82,14 @@ class Preparations:
         self._seen = self._asked = 0  # the last step, and that for which a plan was asked for last
         self._ended = -math.inf  # the cycle in which goals joined last, or there was no plan for that
 
-    def outlook(self, planner: Planner, plan: TaskPlan, told: int) -> Outlook:
-        """What is known of the update after that of ``told`` beforehand; ``plan`` is the one that was used last."""
-        if self.join is not None:
-            return Outlook(told + 1, self.join.over, self.join.lookahead)
-        over = planner.over(told + 1, self._goals.oldest_request(told) - 1)
-        return Outlook(told + 1, over, self._lookahead(plan, told))
-
-    def prepare(self, planner: Planner, plan: TaskPlan, told: int) -> None:
-        """Have prepared what is worth it, as far as that is not done yet."""
-        if self._join_may_come(planner, told + 1) or self._begin_join(planner, plan, told + 1):
+    def prepare(self, planner: Planner, plan: TaskPlan, outlook: Callable[[], Outlook]) -> None:
+        """Have prepared what is worth it, as far as that is not done yet; ``plan`` is the one that was used last."""
+        step = outlook().step
+        if self._join_may_come(planner, step) or self._begin_join(planner, plan, step):
             return
         likely = self._execution.likely_return(succeeds=self._feeder.pending)
         if likely is not None:
-            step, over, lookahead = self.outlook(planner, plan, told)
+            step, over, lookahead = outlook()
             planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
 
     def next_update(self, planner: Planner, step: int, over: int) -> Batch:
@@ -119,9 +113,9 @@ class Preparations:
     def _begin_join(self, planner: Planner, plan: TaskPlan, step: int) -> bool:
         """Have a plan made for a later cycle with goals that wait, if there are any; tell whether that is so."""
         queue, cycle, actions = self._goals.queue, step - 1, plan.actions
-        fresh = any((goal.request_cycle or 0) >= step for goal in self._goals.fed)  # the plan is to be improved first
+        new = any((goal.request_cycle or 0) >= step for goal in self._goals.fed)  # the plan is to be improved first
         idle = self._feeder.has_beside(()) or not (queue.joinable and actions and self._execution.awaited)
-        if fresh or idle or self._asked == step:
+        if new or idle or self._asked == step:
             return False
         self._reach, self._seen = self._reach + (step != self._seen), step  # further from cycle to cycle
         most = min(self._reach, max(2, (actions[-1].cycle - cycle) // 2))
@@ -132,7 +126,8 @@ class Preparations:
         # while such a plan is made the one that there is gets no shorter: between, there is half as much time for that
         if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._ended < lasts / 2:
             return False
-        goals, over, lookahead = waiting[:number], planner.log.over, self._lookahead(plan, cycle, number)
+        goals, over, fresh = waiting[:number], planner.log.over, number + served - len(self._goals.fed)
+        lookahead = steps_for(served + number, self._limit, plan.steps_after(cycle), fresh)
         last = cycle + int(lasts)
         updates = [self._feeder.foreseen(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]
         self._asked = step
@@ -149,6 +144,7 @@ class Preparations:
         if join is None:
             return False
         expected = join.updates[step - join.first].heads if step <= join.cycle else frozenset()
+        planner.has_prepared(join.whole)  # what the other process tells is read as it comes, it may be much
         if self._may_come(join, planner) and not self._feeder.has_beside(expected):
             return True
         self._lose(join, step)
@@ -165,12 +161,6 @@ class Preparations:
     def _end(self, join: Join, why: str) -> None:
         self.join = None
         self._goals.release(join.goals, why)
-
-    def _lookahead(self, plan: TaskPlan, cycle: int, joining: int = 0) -> int:
-        """How many steps the next plan may have, or one after ``cycle`` with goals that join."""
-        served = len(self._goals.queue.served)
-        left = plan.actions[-1].cycle - cycle if plan.actions else 0
-        return steps_for(served + joining, self._limit, max(0, left), served - len(self._goals.fed) + joining)
 
     def _cycles_for(self, goals: int) -> float:
         """After how many cycles there should be a plan for so many goals."""

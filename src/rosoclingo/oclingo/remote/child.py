@@ -1,15 +1,16 @@
 """A worker process as seen from its parent: started, asked, ended."""
 
+import fcntl
 import os
+import selectors
 import signal
 import subprocess
 import sys
-import threading
 import time
+from collections import deque
 from contextlib import suppress
 from pathlib import Path
-from queue import Empty, SimpleQueue
-from typing import IO, Callable, NoReturn, Optional, Tuple
+from typing import IO, Callable, Deque, NoReturn, Optional, Tuple
 
 from rosoclingo.oclingo.remote.wire import Lines, Message, encode
 
@@ -19,13 +20,13 @@ POLL = 0.002
 GROWTH = 32 * 2**20
 """Bytes by which a child may grow before it is replaced; by half of what it began with, where that is more."""
 
-CLOSING = 1.0
-"""Seconds of wall time for the threads of a child that has ended; one of its own children may hold its pipes open."""
-
 REACHED = "reached"
 """The member of what is no reply, but tells in the midst of a search up to which step it has ground."""
 
 _CHUNK = 1 << 20
+
+_SET_PIPE_SIZE = 1031
+"""As in Linux's fcntl.h; Python has a name for it from 3.10 on."""
 
 Stopped = Callable[[], bool]
 
@@ -47,63 +48,74 @@ class Growth:
         return memory > self._first + max(GROWTH, self._first // 2)
 
 
-class Writer:
-    """Writes to a pipe in a thread of its own: a child that is grounding does not read, and nobody waits for that."""
+class Pipes:
+    """The pipes to and from a child, none of which is waited for: a child that is grounding does not read.
 
-    def __init__(self, pipe: IO[bytes]) -> None:
-        self._unsent: SimpleQueue[bytes] = SimpleQueue()
-        self._thread = threading.Thread(target=self._write, args=[pipe], name="to the solver", daemon=True)
-        self._thread.start()
+    What does not fit in is written, and what comes is read, whenever somebody asks for messages.
+    """
+
+    def __init__(self, commands: IO[bytes], replies: IO[bytes]) -> None:
+        self._commands, self._replies = commands, replies
+        self._unsent = bytearray()
+        self._lines = Lines()
+        self._messages: Deque[Message] = deque()
+        self._over = False  # nothing more comes
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(replies, selectors.EVENT_READ)
+        for pipe in (commands, replies):
+            os.set_blocking(pipe.fileno(), False)
+            with suppress(OSError):  # the system may allow less
+                fcntl.fcntl(pipe.fileno(), _SET_PIPE_SIZE, _CHUNK)
 
     def write(self, data: bytes) -> None:
-        """Write ``data``, not empty, behind what is unwritten."""
-        self._unsent.put(data)
-
-    def close(self) -> None:
-        """Write nothing any more, once nobody can read it."""
-        self._unsent.put(b"")
-        self._thread.join(CLOSING)
-
-    def _write(self, pipe: IO[bytes]) -> None:
-        with suppress(BrokenPipeError), pipe:
-            while True:
-                data = memoryview(self._unsent.get())
-                if not data:
-                    break
-                while data:
-                    data = data[pipe.write(data) :]
-
-
-class Reader:
-    """Reads messages from a pipe in a thread of its own: a child goes on, whether or not somebody asks for them."""
-
-    def __init__(self, pipe: IO[bytes]) -> None:
-        self._messages: SimpleQueue[Optional[Message]] = SimpleQueue()
-        self._thread = threading.Thread(target=self._read, args=[pipe], name="from the solver", daemon=True)
-        self._thread.start()
+        """Write ``data`` behind what is unwritten; raises BrokenPipeError where nobody reads."""
+        self._unsent += data
+        self._flush()
 
     def next(self, timeout: float) -> Optional[Message]:
         """Wait up to ``timeout`` seconds for a message, None for none; raises EOFError where there will be no more."""
-        try:
-            message = self._messages.get(timeout=timeout)
-        except Empty:
-            return None
-        if message is None:
-            self._messages.put(None)
-            raise EOFError
-        return message
+        limit = time.monotonic() + timeout
+        while True:
+            with suppress(BrokenPipeError):  # what was told before is read
+                self._flush()
+            self._drain()
+            if self._messages:
+                return self._messages.popleft()
+            if self._over:
+                raise EOFError
+            left = limit - time.monotonic()
+            if left <= 0.0:
+                return None
+            self._wait(left)
 
     def close(self) -> None:
-        """Read nothing any more, once nobody writes."""
-        self._thread.join(CLOSING)
+        """Write and read nothing any more."""
+        self._selector.close()
+        for pipe in (self._commands, self._replies):
+            pipe.close()
 
-    def _read(self, pipe: IO[bytes]) -> None:
-        lines = Lines()
-        with suppress(ValueError), pipe:  # what is no message is the last that is read
-            for data in iter(lambda: os.read(pipe.fileno(), _CHUNK), b""):
-                for message in lines.feed(data):
-                    self._messages.put(message)
-        self._messages.put(None)
+    def _wait(self, timeout: float) -> None:
+        """Wait until something can be read, or what is unwritten can be written."""
+        if self._unsent:
+            self._selector.register(self._commands, selectors.EVENT_WRITE)
+        self._selector.select(timeout)
+        if self._unsent:
+            self._selector.unregister(self._commands)
+
+    def _flush(self) -> None:
+        while self._unsent:
+            written = self._commands.write(self._unsent[:_CHUNK])
+            if written is None:
+                break
+            del self._unsent[:written]
+
+    def _drain(self) -> None:
+        while not self._over:
+            data = self._replies.read(_CHUNK)
+            if data is None:
+                break
+            self._over = not data
+            self._messages.extend(self._lines.feed(data))
 
 
 class WorkerProcess:
@@ -134,7 +146,7 @@ class WorkerProcess:
             os.close(reading)
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._commands, self._replies = Writer(self._process.stdin), Reader(self._process.stdout)
+        self._pipes = Pipes(self._process.stdin, self._process.stdout)
         self.reached = 0
         self._unwanted = 0  # so many of the replies to come
         self._worked = 0.0
@@ -171,18 +183,21 @@ class WorkerProcess:
         """Send ``message``, which the child reads when it can; raises WorkerLostError where it has ended."""
         if not self.alive:
             self._lost()
-        self._commands.write(encode(message))
+        try:
+            self._pipes.write(encode(message))
+        except BrokenPipeError:
+            self._lost()
 
     def receive(self, timeout: float) -> Optional[Message]:
         """Wait up to ``timeout`` seconds for a reply, None for none; raises WorkerLostError where the child is gone."""
         try:
-            message = self._replies.next(timeout)
+            message = self._pipes.next(timeout)
             while message is not None and (REACHED in message or self._unwanted):
                 if REACHED in message:
                     self.reached = message[REACHED]
                 else:
                     self._unwanted -= 1
-                message = self._replies.next(0.0)
+                message = self._pipes.next(0.0)
         except EOFError:
             self._lost()
         return message
@@ -219,7 +234,7 @@ class WorkerProcess:
         if self._process.poll() is None:
             self._process.kill()
         self._process.wait()
-        for pipe in (self._commands, self._replies, self._lifeline):
+        for pipe in (self._pipes, self._lifeline):
             pipe.close()
 
     def _lost(self) -> NoReturn:

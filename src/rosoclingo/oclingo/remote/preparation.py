@@ -182,7 +182,7 @@ class Spare:
     def has_prepared(self, subject: Subject) -> bool:
         """Whether the answer to what may come is there."""
         with suppress(WorkerLostError):
-            return self._one is not None and self._one.is_about(subject) and self._one.has_answer
+            return self._one is not None and self._one.has_answer and self._one.is_about(subject)
         return False
 
     def taken(self, subject: Optional[Subject] = None) -> Optional[Preparation]:

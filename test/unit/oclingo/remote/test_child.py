@@ -8,7 +8,7 @@ import pytest
 from children import kill
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.remote.child import Reader, WorkerLostError, WorkerProcess
+from rosoclingo.oclingo.remote.child import Pipes, WorkerLostError, WorkerProcess
 from rosoclingo.oclingo.remote.wire import encode, program_to_message
 
 PATIENCE = (300.0, 300.0)
@@ -37,23 +37,51 @@ def test_a_child_that_does_not_read_is_not_waited_for(child):
     assert replies == [{}, {}, {}]
 
 
-def test_what_a_child_tells_is_read_whether_or_not_somebody_asks():
-    reading, writing = os.pipe()
-    reader, message = Reader(os.fdopen(reading, "rb", buffering=0)), {"text": "x" * 2**20}
+@pytest.fixture
+def ends():
+    """Pipes, and their other ends: what is written to them, and what they write."""
+    (unread, commands), (replies, told) = os.pipe(), os.pipe()
+    pipes = Pipes(os.fdopen(commands, "wb", buffering=0), os.fdopen(replies, "rb", buffering=0))
+    with os.fdopen(unread, "rb") as other, os.fdopen(told, "wb", buffering=0) as teller:
+        yield pipes, other, teller
+    pipes.close()
 
-    def tell():
-        with os.fdopen(writing, "wb") as pipe:
-            pipe.write(encode(message) * 3)
 
-    teller = threading.Thread(target=tell, daemon=True)
-    teller.start()
-    teller.join(300.0)
-    assert not teller.is_alive()
-    assert [reader.next(300.0) for _ in range(3)] == [message] * 3
+def test_what_is_told_is_read_in_whatever_pieces_it_comes(ends):
+    pipes, _, teller = ends
+    message = {"text": "x" * 2**21}
+    writer = threading.Thread(target=lambda: (teller.write(encode(message) * 3), teller.close()), daemon=True)
+    writer.start()
+    assert [pipes.next(300.0) for _ in range(3)] == [message] * 3
     for _ in range(2):
         with pytest.raises(EOFError):
-            reader.next(300.0)
-    reader.close()
+            pipes.next(300.0)
+
+
+def test_a_long_message_is_told_though_nobody_asks_meanwhile(ends):
+    pipes, _, teller = ends
+    message = {"text": "x" * 2**19}
+    writer = threading.Thread(target=lambda: teller.write(encode(message)), daemon=True)
+    writer.start()
+    writer.join(300.0)
+    assert not writer.is_alive()
+    assert pipes.next(0.0) == message
+    assert pipes.next(0.0) is None
+
+
+def test_what_did_not_fit_in_is_written_while_an_answer_is_waited_for(ends):
+    pipes, other, teller = ends
+    data = b"x" * 2**22
+    pipes.write(data)
+    assert pipes.next(0.0) is None
+
+    def answer():
+        assert other.read(len(data)) == data
+        teller.write(encode({}))
+
+    reader = threading.Thread(target=answer, daemon=True)
+    reader.start()
+    assert pipes.next(300.0) == {}
 
 
 def test_a_child_that_does_not_read_can_be_ended(child):
