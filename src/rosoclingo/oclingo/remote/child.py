@@ -103,19 +103,16 @@ class Pipes:
             self._selector.unregister(self._commands)
 
     def _flush(self) -> None:
-        while self._unsent:
-            written = self._commands.write(self._unsent[:_CHUNK])
-            if written is None:
-                break
-            del self._unsent[:written]
+        with suppress(BlockingIOError):
+            while self._unsent:
+                del self._unsent[: os.write(self._commands.fileno(), self._unsent[:_CHUNK])]
 
     def _drain(self) -> None:
-        while not self._over:
-            data = self._replies.read(_CHUNK)
-            if data is None:
-                break
-            self._over = not data
-            self._messages.extend(self._lines.feed(data))
+        with suppress(BlockingIOError):
+            while not self._over:
+                data = os.read(self._replies.fileno(), _CHUNK)
+                self._over = not data
+                self._messages.extend(self._lines.feed(data))
 
 
 class WorkerProcess:
