@@ -3,7 +3,14 @@
 import os
 import signal
 import threading
+import time
+from contextlib import contextmanager
 from pathlib import Path
+
+import pytest
+
+from rosoclingo.oclingo.remote import child, preparation
+from rosoclingo.oclingo.remote.solver_process import SolverProcess
 
 
 def ended(pid):
@@ -24,3 +31,22 @@ def kill(process):
     pid = process.pid
     os.kill(pid, signal.SIGKILL)
     assert ended(pid)
+
+
+@contextmanager
+def preparing_process(program):
+    """A process for many tests that prepares at once, looks for shorter plans briefly, and is not replaced."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(preparation, "PAUSE", 0.0)
+        patch.setattr(child, "GROWTH", 2**60)  # none is replaced for its size
+        with SolverProcess(program, shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
+            yield one
+
+
+def wait_until_prepared(process, again=lambda: None):
+    """Wait until the child that is kept ready has nothing to do, asked ``again`` and again."""
+    limit = time.monotonic() + 300
+    while process.prepares:
+        assert time.monotonic() < limit
+        time.sleep(0.001)
+        again()

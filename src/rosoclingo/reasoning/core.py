@@ -154,7 +154,7 @@ class Core:
 
     def prepare(self) -> None:
         """While actions run, have the answer prepared to what may come, or a plan with goals that wait."""
-        self._ahead.prepare(self._planner, self._latest[1], self._outlook)
+        self._ahead.prepare(self._planner, self._latest[1], self._announce.told + 1, self._outlook)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, as the core ends."""

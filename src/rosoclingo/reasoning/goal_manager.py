@@ -77,7 +77,7 @@ class GoalManager:
         self._admit()
         if self.queue.waits(goal):
             before, size = self.queue.first or self.queue.tried, self.queue.window.size
-            why = "others join first" if self.queue.held else f"{size} goals at a time are planned for"
+            why = "others join first" if self.queue.closed else f"{size} goals at a time are planned for"
             self._tell_wait(goal, why if before is None else f"first comes {before}")
 
     def cancel(self, key: str) -> None:
@@ -194,7 +194,7 @@ class GoalManager:
 
     def hold(self, goals: Sequence[Goal], why: str) -> None:
         """Goals are to join later: until then nobody does."""
-        self.queue.held = True
+        self.queue.closed = True
         for goal in goals:
             self._tell_wait(goal, why)
 
@@ -206,7 +206,7 @@ class GoalManager:
 
     def release(self, goals: Iterable[Goal] = (), why: str = "") -> None:
         """Goals may join as there is room for them; some were to join later, and ``why`` they do not."""
-        self.queue.held = False
+        self.queue.closed = False
         self._admit()
         for goal in goals:
             if goal.live and self.queue.waits(goal):
@@ -226,8 +226,7 @@ class GoalManager:
         """Let goals in that wait, as long as there is room."""
         goal = self.queue.next()
         while goal is not None:
-            self.queue.remove(goal)
-            self._feeder.add_goal(goal)
+            self.join([goal])
             goal = self.queue.next()
 
 

@@ -82,21 +82,19 @@ class Preparations:
         self._seen = self._asked = 0  # the last step, and that for which a plan was asked for last
         self._ended = -math.inf  # the cycle in which goals joined last, or there was no plan for that
 
-    def prepare(self, planner: Planner, plan: TaskPlan, outlook: Callable[[], Outlook]) -> None:
-        """Have prepared what is worth it, as far as that is not done yet; ``plan`` is the one that was used last."""
-        step = outlook().step
+    def prepare(self, planner: Planner, plan: TaskPlan, step: int, outlook: Callable[[], Outlook]) -> None:
+        """Have prepared what is worth it before the update of ``step``; ``plan`` is the one that was used last."""
         if self._join_may_come(planner, step) or self._begin_join(planner, plan, step):
             return
         likely = self._execution.likely_return(succeeds=self._feeder.pending)
         if likely is not None:
-            step, over, lookahead = outlook()
+            _, over, lookahead = outlook()
             planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
 
     def next_update(self, planner: Planner, step: int, over: int) -> Batch:
-        """The next update. Where goals are to join, it is with them when it is time, unless something else has come."""
+        """The next update, while goals are to join: with them when it is time, unless something else has come."""
         batch, join = self._feeder.next_update(step, over), self.join
-        if join is None:
-            return batch
+        assert join is not None
         if not self._may_come(join, planner) or batch.update != join.updates[step - join.first]:
             self._lose(join, step)
         elif step == join.cycle and not planner.has_prepared(join.whole):
@@ -112,13 +110,14 @@ class Preparations:
 
     def _begin_join(self, planner: Planner, plan: TaskPlan, step: int) -> bool:
         """Have a plan made for a later cycle with goals that wait, if there are any; tell whether that is so."""
-        queue, cycle, actions = self._goals.queue, step - 1, plan.actions
+        queue, cycle = self._goals.queue, step - 1
+        left = plan.steps_after(cycle)
         new = any((goal.request_cycle or 0) >= step for goal in self._goals.fed)  # the plan is to be improved first
-        idle = self._feeder.has_beside(()) or not (queue.joinable and actions and self._execution.awaited)
+        idle = self._feeder.has_beside(()) or not (queue.joinable and left and self._execution.awaited)
         if new or idle or self._asked == step:
             return False
         self._reach, self._seen = self._reach + (step != self._seen), step  # further from cycle to cycle
-        most = min(self._reach, max(2, (actions[-1].cycle - cycle) // 2))
+        most = min(self._reach, max(2, left // 2))
         served = len(queue.served)
         waiting = queue.joinable[: math.ceil(MOST * served)]
         number = next((one for one in range(len(waiting), 0, -1) if self._cycles_for(served + one) <= most), 0)
@@ -127,7 +126,7 @@ class Preparations:
         if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._ended < lasts / 2:
             return False
         goals, over, fresh = waiting[:number], planner.log.over, number + served - len(self._goals.fed)
-        lookahead = steps_for(served + number, self._limit, plan.steps_after(cycle), fresh)
+        lookahead = steps_for(served + number, self._limit, left, fresh)
         last = cycle + int(lasts)
         updates = [self._feeder.foreseen(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]
         self._asked = step
@@ -143,9 +142,8 @@ class Preparations:
         join = self.join
         if join is None:
             return False
-        expected = join.updates[step - join.first].heads if step <= join.cycle else frozenset()
         planner.has_prepared(join.whole)  # what the other process tells is read as it comes, it may be much
-        if self._may_come(join, planner) and not self._feeder.has_beside(expected):
+        if self._may_come(join, planner) and not self._feeder.has_beside(join.updates[step - join.first].heads):
             return True
         self._lose(join, step)
         return False

@@ -104,8 +104,8 @@ class GoalQueue:
     may come later than a goal and end before it, 0 for any number. A search has so many ``seconds``, 0 for no limit.
 
     Attributes:
+        closed: whether nobody is fed, since goals join in a later cycle.
         now: the time in seconds of whatever clock.
-        held: whether nobody is fed, since goals join in a later cycle.
         window: how many goals there is room for.
         stuck: how often in a row no plan was found in time, and no goal could be taken out.
 
@@ -121,7 +121,7 @@ class GoalQueue:
         self.stuck = 0
         self._held: Set[Goal] = set()  # what could not be taken out
         self.now = 0.0
-        self.held = False  # nobody joins now
+        self.closed = False
 
     @property
     def waiting(self) -> List[Goal]:
@@ -178,7 +178,7 @@ class GoalQueue:
 
     def next(self) -> Optional[Goal]:
         """The goal whose turn it is to be fed, None where there is none."""
-        if self.held or not self._waiting or self.tried is not None:
+        if self.closed or not self._waiting or self.tried is not None:
             return None
         if not self.window.has_room(len(self.served), len(self._waiting)):
             return None

@@ -1,8 +1,7 @@
 """Goals that wait join in a later cycle, for which a plan is made by another process while the robot goes on."""
 
-import time
-
 import pytest
+from children import preparing_process, wait_until_prepared
 from core_driver import Driver
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,8 +9,7 @@ from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.oclingo.remote import child, preparation
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo.remote import preparation
 from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalProgress, Outcome, preparations, waiting_queue
 
 FLOOR = (4, ((1, 2), (2, 3), (3, 4)), 1, 3)
@@ -47,12 +45,8 @@ class World:
     def prepare(self):
         """The core has prepared what is worth it, and that is done; tell whether goals are to join."""
         self.core.prepare()
-        limit = time.monotonic() + 300
-        while self.process.prepares:
-            assert time.monotonic() < limit
-            time.sleep(0.001)
-            self.core.prepare()
-        return self.core.queue.held
+        wait_until_prepared(self.process, self.core.prepare)
+        return self.core.queue.closed
 
     def step(self, fails=False):
         """The action is done, or fails; where nothing is, that is told."""
@@ -65,6 +59,15 @@ class World:
         (self.driver.fail("failed") if fails else self.driver.succeed())
         return True
 
+    def hear(self, what, key):
+        """While the action runs a fact comes, the cancel of a goal, or another goal."""
+        if what == "cancel":
+            self.driver.cancel(key)
+        elif what == "fact":
+            self.driver.facts("_blocked(o4,o1,now)")
+        elif what == "another":
+            self.ask((3, 4))
+
     def finish(self):
         """All that is asked for is done, and said to be."""
         while self.step():
@@ -76,11 +79,8 @@ class World:
 
 @pytest.fixture(scope="module")
 def process():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(preparation, "PAUSE", 0.0)
-        patch.setattr(child, "GROWTH", 2**60)  # none is replaced for its size
-        with SolverProcess(program(*FLOOR), shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
-            yield one
+    with preparing_process(program(*FLOOR)) as one:
+        yield one
 
 
 @pytest.fixture(autouse=True)
@@ -135,13 +135,11 @@ def test_goals_that_wait_join_with_a_plan_that_is_there_by_then(process, world):
 def test_goals_that_wait_go_on_waiting_where_something_else_comes(process, world, what):
     begun(world)
     before = process.pid
+    world.hear(what, "3")
     if what == "cancel":
-        world.driver.cancel("3")
         del world.office.packages[3]
-    elif what == "fact":
-        world.driver.facts("_blocked(o4,o1,now)")
     world.step(fails=what == "failure")
-    assert not world.core.queue.held
+    assert not world.core.queue.closed
     assert process.pid == before
     world.office.packages = {key: value for key, value in world.office.packages.items() if value}
     world.prepare()
@@ -156,13 +154,8 @@ def test_what_comes_while_an_action_runs_has_its_answer_prepared_at_once(process
     """Though goals were to join: that is over then. A further goal only waits, it changes nothing."""
     begun(world)
     spare = process.spare_pid
-    if what == "cancel":
-        world.driver.cancel("2")
-    elif what == "fact":
-        world.driver.facts("_blocked(o4,o1,now)")
-    else:
-        world.ask((3, 4))
-    assert world.core.queue.held
+    world.hear(what, "2")
+    assert world.core.queue.closed
     assert world.prepare() is (what == "another")
     if what != "another":
         world.step()
@@ -178,7 +171,7 @@ def test_goals_do_not_join_where_the_last_action_before_fails(process, world):
     world.step(fails=True)
     assert world.core.cycle == cycle
     assert (process.pid, world.fed[-1]) == (before, "2")
-    assert not world.core.queue.held
+    assert not world.core.queue.closed
     world.finish()
 
 
@@ -194,13 +187,13 @@ def test_a_plan_that_is_not_there_in_time_is_not_waited_for_and_the_next_has_mor
     assert (process.pid, world.fed[-1]) == (before, "2")
     told = [one.waits for one in world.driver.journal.of(GoalProgress) if "not there by the cycle" in one.waits]
     assert len(told) == 3
-    assert not world.core.queue.held
+    assert not world.core.queue.closed
     assert world.core._ahead._cycles_for(5) > usual
     world.core._ahead._reach = 100
     assert not world.prepare(), "first the plan that there is may get shorter"
     while not world.prepare():
         assert world.step()
-    while world.core.queue.held:
+    while world.core.queue.closed:
         world.step()
     assert set(world.fed) >= {"3", "4", "5"}
     assert world.core._ahead._cycles_for(5) == usual
@@ -227,7 +220,7 @@ def test_nothing_is_held_where_nobody_can_prepare():
         here.now += 1.0
         here.succeed()
         here.core.prepare()
-        assert not here.core.queue.held
+        assert not here.core.queue.closed
 
 
 def test_a_world_that_takes_its_own_way_is_foreseen_less_far(process, world):

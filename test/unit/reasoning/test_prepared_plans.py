@@ -1,8 +1,7 @@
 """The answer is prepared should an action fail; each plan that goes out is one, whether it was prepared or not."""
 
-import time
-
 import pytest
+from children import preparing_process, wait_until_prepared
 from core_driver import ERRANDS, Driver, shortest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,8 +9,6 @@ from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office, Run
 
 from rosoclingo.oclingo import ReactiveSolver
-from rosoclingo.oclingo.remote import child, preparation
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome, ReturnTaken
 
 
@@ -82,12 +79,10 @@ class PreparedRun(Run):
 
     def prepare(self, waits):
         """Prepare, and wait until that is done where it is so."""
-        core, limit = self.driver.run().core, time.monotonic() + 300
+        core = self.driver.run().core
         core.prepare()
-        while waits and self.process.prepares:
-            assert time.monotonic() < limit
-            time.sleep(0.001)
-            core.prepare()
+        if waits:
+            wait_until_prepared(self.process, core.prepare)
 
     @property
     def has_failed(self):
@@ -97,11 +92,8 @@ class PreparedRun(Run):
 
 @pytest.fixture(scope="module")
 def process():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(preparation, "PAUSE", 0.0)
-        patch.setattr(child, "GROWTH", 2**60)  # none is replaced for its size
-        with SolverProcess(program(*FLOOR), shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
-            yield one
+    with preparing_process(program(*FLOOR)) as one:
+        yield one
 
 
 @pytest.mark.slow

@@ -2,10 +2,9 @@
 
 import os
 import signal
-import time
 
 import pytest
-from children import ended, kill
+from children import ended, kill, wait_until_prepared
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolverError, parse_atom, parse_update
 from rosoclingo.oclingo.remote import child as child_module
@@ -63,13 +62,6 @@ def solver(process):
     return one
 
 
-def wait(process):
-    limit = time.monotonic() + 300
-    while process.prepares:
-        assert time.monotonic() < limit
-        time.sleep(0.002)
-
-
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("waits", [True, False])
 def test_the_answer_that_was_prepared_is_the_one_that_is_searched_for(here, process, solver, waits):
@@ -77,7 +69,7 @@ def test_the_answer_that_was_prepared_is_the_one_that_is_searched_for(here, proc
     old, spare = process.pid, process.spare_pid
     solver.prepare(after_first("no"))
     if waits:
-        wait(process)
+        wait_until_prepared(process)
     worked = process.worked
     assert solver.update(after_first("no")) == here.update(after_first("no"))
     assert (process.pid, process.spare_pid) == (spare, None)
@@ -100,7 +92,7 @@ def test_the_answer_to_a_later_update_is_prepared(here, process, solver):
     before, later = [step(2, 1), step(3, 2)], step(4, "no")
     pids = process.pid, process.spare_pid
     assert solver.prepare(later, before)
-    wait(process)
+    wait_until_prepared(process)
     for update in before:
         assert solver.update(update) == here.update(update)
         assert (process.pid, process.spare_pid) == pids
@@ -135,7 +127,7 @@ def test_a_plan_is_shortened_while_there_is_time(monkeypatch):
         before = as_planned(solver.log.plan, 2)
         later = parse_update(str(as_planned(solver.log.plan, 3)).replace("_return(go,1,2)", "_return(go,no,2)"))
         assert solver.prepare(later, [before])
-        wait(one)
+        wait_until_prepared(one)
         found = [solver.update(update) for update in (before, later)]
         spare = one.pid
         assert solver.log.plan == found[-1].plan
@@ -152,7 +144,7 @@ def test_whether_an_answer_is_there_is_known_without_waiting_for_it(here, proces
     assert not solver.has_prepared(update)
     assert not here.has_prepared(update), "nobody prepares anything"
     solver.prepare(update)
-    wait(process)
+    wait_until_prepared(process)
     assert solver.has_prepared(update)
     assert not solver.has_prepared(after_first("1")), "that is another one"
     os.kill(process.spare_pid, signal.SIGKILL)
@@ -177,10 +169,10 @@ def test_the_latest_is_what_is_prepared(here, process, solver):
     """However many there were that nothing came of."""
     for number in range(5):
         solver.prepare(after_first(f"no{number}"))
-    wait(process)
+    wait_until_prepared(process)
     for _ in range(2):
         solver.prepare(after_first("no"))
-    wait(process)
+    wait_until_prepared(process)
     spare = process.spare_pid
     assert solver.update(after_first("no")) == here.update(after_first("no"))
     assert process.pid == spare
@@ -190,7 +182,7 @@ def test_the_latest_is_what_is_prepared(here, process, solver):
 def test_the_child_that_prepares_may_be_lost(here, process, solver, when):
     solver.prepare(after_first("no"))
     if when == "ready":
-        wait(process)
+        wait_until_prepared(process)
     os.kill(process.spare_pid, signal.SIGKILL)
     assert ended(process.spare_pid)
     assert solver.update(after_first("no")) == here.update(after_first("no"))
@@ -218,7 +210,7 @@ def test_it_is_replaced_once_it_has_grown(monkeypatch):
         for number in range(3):
             solver.prepare(after_first(f"no{number}"))
             pids.append(one.spare_pid)
-            wait(one)
+            wait_until_prepared(one)
     assert (len(set(pids[:2])), pids[2]) == (1, None)
 
 
@@ -233,10 +225,10 @@ def test_a_plan_that_has_become_better_is_prepared_for(here):
         idle = parse_atom("_action_lib(idle,1,2)")
         solver.log.plan = Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)
         solver.prepare(after_first("no"))
-        wait(one)
+        wait_until_prepared(one)
         solver.log.plan = best
         solver.prepare(after_first("no"))
-        wait(one)
+        wait_until_prepared(one)
         assert solver.update(after_first("no")).horizon == best.horizon + 1
 
 
@@ -247,7 +239,7 @@ def test_an_update_that_is_refused_is_refused_though_it_was_prepared():
         solver = one.solver()
         solver.update(parse_update("#step 1 : 50. _request(1,1). #endstep."))
         solver.prepare(parse_update("#step 9 : 50. #endstep."))
-        wait(one)
+        wait_until_prepared(one)
         with pytest.raises(SolverError, match="beyond the horizon limit"):
             solver.update(parse_update("#step 9 : 50. #endstep."))
         assert solver.update(after_first("1")).step == 2
