@@ -267,5 +267,10 @@ class GoalQueue:
 
     @property
     def unhurried(self) -> bool:
-        """Whether a search may even go on until something arrives, since there is nothing else to plan for."""
-        return self.patience > 1 and not self.in_vain() and (self.stuck > 0 or not self._ready)
+        """Whether a search may even go on until something arrives, since there is nothing else to plan for.
+
+        Where only an update came too late, goals can still be taken out once it is there.
+        """
+        goals = self._movable
+        nothing_else = self._held or not goals or (len(goals) == 1 and not self._ready)
+        return self.patience > 1 and not self.in_vain() and bool(nothing_else)

@@ -255,6 +255,18 @@ def test_the_next_search_has_ever_more_time_where_nothing_of_an_update_could_be_
     assert queue.patience == 1
 
 
+def test_goals_may_still_be_taken_out_where_an_update_came_too_late():
+    clients = crowd(2)
+    queue = clients.goals.queue
+    queue.give_time()
+    assert (queue.patience, queue.unhurried) == (2, False)
+    queue.stay(clients.goals.live)
+    assert queue.unhurried, "all are in hand"
+    clients.plan().end(2)
+    queue.give_time()
+    assert queue.unhurried, "there is no other goal"
+
+
 def test_a_search_goes_on_until_something_arrives_where_there_is_nothing_else_to_plan_for():
     clients = crowd(1)
     queue = clients.goals.queue
