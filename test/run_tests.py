@@ -128,14 +128,17 @@ class Tests:
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
-        """All groups: beside the rostests, which have time limits, goes what gives way to them."""
+        """All groups: beside the rostests, which have time limits, goes what gives way to them, one after the other.
+
+        With more at a time all take longer, as they share the cores' caches.
+        """
         outcome = self.lint(())
-        with Lanes() as lanes, ThreadPoolExecutor(2) as beside:
+        with Lanes() as lanes, ThreadPoolExecutor(1) as beside:
             others = self._begin(lanes, ROSTESTS, "", os.environ)
-            others.append(beside.submit(self.unit, ()))
-            python38 = beside.submit(_python38_environment).result()
-            others += self._begin(lanes, _again(python38), ON_PYTHON38, python38)
             others.append(beside.submit(self.install, ()))
+            others.append(beside.submit(self.unit, ()))
+            python38 = _python38_environment()
+            others += self._begin(lanes, _again(python38), ON_PYTHON38, python38)
             others.append(beside.submit(self._pip, python38))
             others.append(beside.submit(self._unit_again, python38))
             return outcome + sum((one.result() for one in others), Outcome())
