@@ -3,8 +3,8 @@
 
 Prints for each number of offices and requests the seconds of the first plan and, in milliseconds, the median update,
 the worst of those with new requests, which are searches, and of all others, and the median of the first and the last
-ten cycles. Every cycle commits the action of the cycle before
-and returns it; new requests come when the ones before are done.
+ten cycles. Every cycle commits the action of the cycle before and returns it; new requests come when the ones before
+are done.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import statistics
 import sys
 import time
 from pathlib import Path
+from typing import Tuple
 
 from figures import Figure, parse, write
 
@@ -57,7 +58,6 @@ class Robot:
         self.random = random.Random(seed)
         self.offices, self.requests, self.ids = offices, requests, 0
         self.cycle = 0
-        self.asked = False
         self.plan = {}
         self.solver.solve()
 
@@ -69,15 +69,15 @@ class Robot:
             items.append(atom("_request(goal(office{},office{},{}),{})", start, end, self.ids, self.cycle + 1))
         return items
 
-    def step(self) -> float:
-        """Do one cycle; return the seconds that its update took, ground and solved."""
+    def step(self) -> Tuple[float, bool]:
+        """Do one cycle; return the seconds that its update took, ground and solved, and whether it had new requests."""
         before = self.plan.get(self.cycle)
         self.cycle += 1
         items = []
         if before is not None:
             items.append(commitment(before))
-        self.asked = not any(cycle >= self.cycle for cycle in self.plan)
-        if self.asked:
+        asks = not any(cycle >= self.cycle for cycle in self.plan)
+        if asks:
             items += self.new_requests()
         if before is not None:
             name, what, cycle = before.arguments
@@ -91,16 +91,16 @@ class Robot:
         assert result.outcome is SolveOutcome.SATISFIABLE, result
         actions = [one for one in result.answers[0] if one.name == "_action_lib"]
         self.plan = {one.arguments[2].number: one for one in actions}
-        return seconds
+        return seconds, asks
 
 
 def run(offices: int, requests: int, cycles: int, seed: int) -> list:
     """Print a line of the table; return its figures."""
     robot = Robot(offices, requests, seed)
-    times = [(robot.step(), robot.asked) for _ in range(cycles)]
+    times = [robot.step() for _ in range(cycles)]
     later = [1000 * one for one, _ in times[1:]]
-    searches = [1000 * one for one, asked in times[1:] if asked]
-    others = [1000 * one for one, asked in times[1:] if not asked]
+    searches = [1000 * one for one, asks in times[1:] if asks]
+    others = [1000 * one for one, asks in times[1:] if not asks]
     figures = (
         times[0][0],
         statistics.median(later),

@@ -130,7 +130,7 @@ class Tests:
     def whole(self) -> Outcome:
         """All groups: beside the rostests, which have time limits, goes what gives way to them, one after the other.
 
-        With more at a time all take longer, as they share the cores' caches.
+        With more at a time all take longer.
         """
         outcome = self.lint(())
         with Lanes() as lanes, ThreadPoolExecutor(1) as beside:
