@@ -56,9 +56,10 @@ def process():
 
 @pytest.fixture
 def solver(process):
-    """A solver in ``process`` that has been asked."""
+    """A solver in ``process`` that has been asked; the child that is kept ready is at nothing else."""
     one = process.solver()
     one.update(ASK)
+    wait_until_prepared(process)
     return one
 
 
