@@ -94,9 +94,9 @@ class Goal:
     ``key`` is the client's handle (actionlib's goal id), ``term`` the goal as the program sees it, ``identifier`` its
     last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``known`` tells whether
     the program has said something of it, ``refused`` whether that was that it rejects the goal. ``overtaken`` counts
-    the goals that came later and have ended before it, ``tries`` how often no plan was found in time for it alone; it
-    is not fed before the time ``rests_until``. ``observer`` is called with the goal and the event after each
-    transition.
+    the goals that came later and have ended before it, ``together`` is how many goals a plan with it was for, at most;
+    ``tries`` counts how often no plan was found in time for it alone; it is not fed before the time ``rests_until``.
+    ``observer`` is called with the goal and the event after each transition.
     """
 
     def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
@@ -108,7 +108,7 @@ class Goal:
         self.outcome: Optional[Outcome] = None
         self.known = False
         self.refused = False
-        self.overtaken = 0
+        self.overtaken = self.together = 0
         self.tries = 0
         self.rests_until = float("-inf")
         self.message = ""
@@ -144,12 +144,13 @@ class Goal:
     def record(self) -> List[Any]:
         """Return what :meth:`restore` needs; for a live goal."""
         rest = self.rests_until if math.isfinite(self.rests_until) else str(self.rests_until)
-        state = [self.state.value, self.request_cycle, self.known, self.refused, self.overtaken, self.tries, rest]
-        return [text_of(self.term), *state]
+        state = [self.state.value, self.request_cycle, self.known, self.refused]
+        return [text_of(self.term), *state, self.overtaken, self.together, self.tries, rest]
 
     def restore(self, record: Sequence[Any]) -> None:
         """Go on from a record of this goal."""
-        state, self.request_cycle, self.known, self.refused, self.overtaken, self.tries, rest = record[1:]
+        state, self.request_cycle, self.known, self.refused = record[1:5]
+        self.overtaken, self.together, self.tries, rest = record[5:]
         self.state = GoalState(state)
         self.rests_until = float(rest)
 

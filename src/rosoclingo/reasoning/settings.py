@@ -11,7 +11,8 @@ class CoreSettings:
     until an action that has not returned counts as failed with the value ``timeout``; 0 waits for ever. ``preempt``:
     whether an action under way that a new plan does not want is ended at once. ``goals_at_once``: goals that the
     program is told of at the same time; more of them wait, the oldest first; 0 for no limit. ``overtaking_limit``: so
-    many goals may come later than a goal and end before it; then no newer one is fed until it has ended; 0: any number.
+    many goals may come later than a goal and end before it, or as many as it was planned for together with, if that is
+    more; then no newer one is fed until it has ended; 0: any number.
     ``search_timeout``: seconds of processor time after which the watch over a search ends it, 0 for never: so many
     goals are planned for at a time as that is far from.
     """

@@ -1,8 +1,9 @@
 """The goals that wait to be fed: who is next, and who has to wait again when there is no plan for all in time.
 
 The oldest goal comes first. As a plan may put one off as long as new ones come, no goal is overtaken without end: once
-so many that came later have ended, no newer goal is fed until it has ended itself. A goal for which alone there is no
-plan in time lets the others go before it, and then has more time.
+so many that came later have ended, no newer goal is fed until it has ended itself. Of many goals in one plan any may be
+the last: so many may end before it at least. A goal for which alone there is no plan in time lets the others go before
+it, and then has more time.
 """
 
 import math
@@ -101,7 +102,8 @@ class GoalQueue:
     """Knows which of the ``live`` goals, oldest first, wait; all others are with the program, or on their way to it.
 
     At most ``at_once`` goals (0: any number) are with the program at a time. So many goals as ``overtaking_limit`` says
-    may come later than a goal and end before it, 0 for any number. A search has so many ``seconds``, 0 for no limit.
+    may come later than a goal and end before it, or as many as were planned for together with it; 0 for any number. A
+    search has so many ``seconds``, 0 for no limit.
 
     Attributes:
         closed: whether nobody is fed, since goals join in a later cycle.
@@ -173,8 +175,10 @@ class GoalQueue:
     @property
     def first(self) -> Optional[Goal]:
         """The goal that comes first, since it has been overtaken too often."""
-        due = (goal for goal in self._live() if goal.overtaken >= self._limit and goal.rests_until <= self.now)
-        return next((goal for goal in due if not goal.cancelling), None) if self._limit else None
+        if not self._limit:
+            return None
+        due = (goal for goal in self._live() if goal.overtaken >= max(self._limit, goal.together))
+        return next((goal for goal in due if not goal.cancelling and goal.rests_until <= self.now), None)
 
     def next(self) -> Optional[Goal]:
         """The goal whose turn it is to be fed, None where there is none."""
@@ -237,7 +241,7 @@ class GoalQueue:
         """There is a plan for all goals that are with the program; if some are new, it took so many ``seconds``."""
         served = self.served
         for goal in served:
-            goal.tries = 0
+            goal.tries, goal.together = 0, max(goal.together, len(served))
         self.go_on()
         self.window.found(len(served), seconds)
 

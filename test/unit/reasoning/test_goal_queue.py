@@ -315,6 +315,15 @@ def test_nobody_newer_comes_once_a_goal_is_overtaken_too_often():
     assert clients.end(1).served == [4, 5]
 
 
+def test_of_goals_in_one_plan_any_may_be_the_last():
+    """A plan for many goals may go past the places of all others first: none of them is overtaken by that."""
+    clients = crowd(4, at_once=4, overtaking_limit=2).plan().add(*range(5, 12))
+    assert clients.end(2, 3).served == [1, 4, 5, 6]
+    assert clients.end(4).served == [1, 5, 6, 7]
+    assert clients.end(5).served == [1, 6, 7], "four were planned for together, and four came before it"
+    assert clients.plan().end(1).served == [6, 7, 8, 9]
+
+
 def test_without_a_limit_any_number_comes_before():
     clients = crowd(2, at_once=2).add(*range(3, 30))
     for number in range(2, 20):
@@ -356,7 +365,7 @@ def test_older_goals_are_let_in_before_the_one_that_comes_first():
     clients = crowd(3, overtaking_limit=1)
     clients.put_off(1)
     clients.end(3)
-    clients.goal(1).overtaken = 0
+    clients.goal(1).overtaken, clients.goal(2).overtaken = 0, 2
     clients.goals.tick(1.0)
     clients.add(4)
     assert clients.waits(4) == ["first comes go(2)"]

@@ -76,8 +76,8 @@ class CoreNode:
             than the first one that it has found; 0 takes the first.
         ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the
             oldest first. 0 for no limit: as many as plans are found for well within ``~search_timeout``.
-        ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it; then no newer one
-            is fed until it has ended. 0 for no limit.
+        ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it, or as many as it
+            was planned for together with, if that is more; then no newer one is fed until it has ended. 0 for no limit.
         ~search_timeout (float, default 10.0): seconds of the solver's processor time that one search may go on before
             goals wait, the newest first. 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time, which here passes no faster than wall time, until
