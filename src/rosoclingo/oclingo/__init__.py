@@ -35,7 +35,8 @@ from rosoclingo.oclingo.progression.updates import (
 )
 
 if TYPE_CHECKING:
-    from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult, StreamSolver
+    from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
+    from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
 
 __all__ = [
     "Answer",
@@ -69,11 +70,14 @@ __all__ = [
     "parse_updates",
 ]
 
-_SOLVER = ("Answer", "ReactiveSolver", "SolveOutcome", "SolveResult", "StreamSolver")
+_SOLVER = {
+    **dict.fromkeys(("Answer", "ReactiveSolver", "SolveOutcome", "SolveResult"), "solver"),
+    "StreamSolver": "solver_protocol",
+}
 
 
 def __getattr__(name: str) -> Any:
     """Return what is of the solver, which is not loaded for who only reads programs."""
     if name not in _SOLVER:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module("rosoclingo.oclingo.solving.solver"), name)
+    return getattr(import_module(f"rosoclingo.oclingo.solving.{_SOLVER[name]}"), name)

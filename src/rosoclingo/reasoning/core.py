@@ -142,14 +142,15 @@ class Core:
 
         It returns with each better plan, and soon after ``stopped``, asked every few milliseconds, says so.
         """
-        if not (self._improvable and self.awaited) or self._feeder.pending or self._ahead.join is not None:
+        if not self.awaited or self._feeder.pending or self._ahead.join is not None:
             return False
-        result = self._planner.improve(stopped)
+        self._planner.shorten_log(stopped)
+        result = self._planner.improve(stopped) if self._improvable else None
         if result is not None:
             self._follow(result)
             self._announce.plan(result, self._shown())
             self._announce.progress(self._step, self._goals.fed, self._shown())
-        self._improvable = result is not None or stopped()
+        self._improvable = self._improvable and (result is not None or stopped())
         return self._improvable
 
     def prepare(self) -> None:
@@ -177,8 +178,7 @@ class Core:
         return unseen or bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
 
     def _next_cycle(self, now: float) -> None:
-        goals = self.queue.in_vain()
-        if goals:
+        if goals := self.queue.in_vain():
             with suppress(DisturbedError):
                 self._put_off(goals, (), "no plan was found in time")
         executed = self._execution.end_cycle()

@@ -3,6 +3,7 @@
 All that a solver takes is in its log; planners beside one another read the same log up to where their ways part.
 """
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
@@ -209,6 +210,11 @@ class Planner:
             return self._solver.improve(stopped)
         except SolverError:  # its log is as it was, the next update goes on from there
             return None
+
+    def shorten_log(self, stopped: Callable[[], bool]) -> None:
+        """Have a log that has grown long begin anew, so that a solver reads it soon, unless ``stopped`` says so."""
+        with suppress(SolverError):  # the log is as it was
+            self._solver.shorten_log(stopped)
 
     def prepare(self, updates: Sequence[StreamUpdate], lookahead: int) -> bool:
         """Have the answer to the last of ``updates`` prepared, should they come next; nothing waits for it.

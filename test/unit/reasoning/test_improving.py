@@ -84,6 +84,24 @@ def test_nothing_is_asked_where_nothing_is_left_to_try(driver):
     assert not driver.core.improve(lambda: pytest.fail("nothing runs"))
 
 
+def test_a_log_is_kept_short_while_actions_run_though_no_plan_gets_shorter():
+    """What was foreseen takes no search, after which that is done else."""
+    stops = []
+
+    class Noting(ReactiveSolver):
+        def shorten_log(self, stopped=None):
+            stops.append(stopped)
+
+    driver = Driver(SLOW, solver=partial(Noting, shortest=True, oclingo_strings=False)).goal("a", "do(4,1)")
+    assert not driver.core.improve(stop := lambda: False)
+    assert stops == [stop]
+    driver.core.add_goal("b", "do(2,2)")
+    assert not driver.core.improve(stop)
+    driver.finish()
+    assert not driver.core.improve(stop)
+    assert stops == [stop], "something waits, or nothing runs"
+
+
 def test_nothing_is_asked_while_nothing_runs():
     watch = Leaving()
     driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")

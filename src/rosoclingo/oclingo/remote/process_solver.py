@@ -11,13 +11,14 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.remote.child import Stopped
 from rosoclingo.oclingo.remote.preparation import Subject
 from rosoclingo.oclingo.remote.wire import (
+    Message,
     plan_to_message,
     question_to_message,
     result_from_message,
     verdict_from_message,
 )
 from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.oclingo.solving.solver import ForeseeingSolver, SolveResult
+from rosoclingo.oclingo.solving.solver import FORESEEN_LOG, ForeseeingSolver, SolveResult
 from rosoclingo.oclingo.solving.stream_log import Checkpoint, Taken
 
 if TYPE_CHECKING:
@@ -85,6 +86,20 @@ class ProcessSolver(ForeseeingSolver):
         self._log.plan = result.plan
         self._has_answered(result)
         return result
+
+    def shorten_log(self, stopped: Optional[Stopped] = None) -> None:
+        """Put a checkpoint at the end of the log, where it has grown long by what was foreseen.
+
+        The child makes it, with what is over retired; a stop is passed on, and not waited for.
+        """
+        if self._log.length <= FORESEEN_LOG or self._answer is None or self._answer[0] is not self._log:
+            return
+        reply: Message = {}
+        with suppress(NotReadyError):
+            reply = self._process.have(self._place, self._log, {"do": "shorten"}, stopped, leaves=True)
+        if reply:
+            self._replace_log(self._log.then(Checkpoint(message=reply["checkpoint"])).cut())
+            self._process.has_read(self._place, self._log)
 
     def inquire(
         self,

@@ -139,6 +139,7 @@ class Worker:
             "follow": self._follow,
             "prepare": self._prepare,
             "improve": self._improve,
+            "shorten": self._shorten_log,
             "inquire": self._inquire,
             "explain": self._explain,
         }
@@ -210,14 +211,26 @@ class Worker:
         return interrupted
 
     def _follow(self, command: Message) -> Message:
-        """Have a solver read an update that was foreseen, and so is answered; it may be told the plan that goes on."""
+        """Have a solver read what was foreseen, and so is answered; it may be told the plan that goes on."""
         solver = self._solvers[command["solver"]]
-        solver.restore(self._known.longer(solver.log, command["log"]))
+        log = solver.log
+        for entry in command["log"]:
+            log = self._known.longer(log, [entry])
+            log.foreseen = True
+        solver.restore(log)
         if "plan" in command:
             solver.log.plan = plan_from_message(command["plan"])
-        solver.log.foreseen = True
         solver.read()
         return {}
+
+    def _shorten_log(self, command: Message) -> Message:
+        """Have a solver read what was foreseen, and put a checkpoint at the end of its log."""
+        self._follow(command)
+        solver = self._solvers[command["solver"]]
+        solver.begin_log_anew()
+        entry = self._known.keep(solver.log).entry
+        assert isinstance(entry, Checkpoint)
+        return {"checkpoint": entry.message}
 
     def _prepare(self, command: Message) -> Message:
         """Answer an update that may come, unless something else does before long; forget all but that."""

@@ -20,7 +20,7 @@ from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.oclingo.service.session import Output, Session
-from rosoclingo.oclingo.solving.solver import StreamSolver
+from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
 from rosoclingo.oclingo.unread import ends_unread
 
 DEFAULT_HOST = "127.0.0.1"

@@ -13,6 +13,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Literal, Statement, StreamUpdate
 from rosoclingo.oclingo.solving.fixed_atoms import FixedAtoms, look
 from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog
 from rosoclingo.oclingo.solving.stream_state import Past, Setting, StreamState
 
 COMPACT_AFTER = 100
@@ -57,6 +58,21 @@ def compact(setting: Setting, state: StreamState, grounding: Grounding) -> bool:
     if statements.sound:
         _move(program, state, grounding, fixed, statements)
     return statements.sound
+
+
+def checkpoint(setting: Setting, log: StreamLog, grounding: Optional[Grounding], idle: bool) -> StreamLog:
+    """Return the ``log``, whose state ``grounding`` fits, with a checkpoint, in which steps that are over are retired.
+
+    That is where they are many, or while the solver is ``idle`` not so many. The grounding fits the log's state as
+    before: only who reads the checkpoint has less to ground.
+    """
+    assert log.state is not None
+    form = log.state.copy()
+    due = grounding is not None and setting.steps_over(form) >= (COMPACT_ALONG if idle else COMPACT_AFTER)
+    retired = due and grounding is not None and compact(setting, form, grounding)
+    short = log.then(Checkpoint(form)).cut()
+    short.state = log.state if retired else form
+    return short
 
 
 def _close(state: StreamState, grounding: Grounding, start: int, before: int) -> None:

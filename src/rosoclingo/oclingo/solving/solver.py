@@ -8,7 +8,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Protocol, Sequence, Tuple
+from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Sequence, Tuple
 
 import clingo
 
@@ -16,6 +16,7 @@ from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.oclingo.solving.compaction import checkpoint
 from rosoclingo.oclingo.solving.foresight import log_after
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horizon, may_idle
@@ -31,6 +32,9 @@ BLOCK = 8
 
 LOG_LIMIT = 10
 """Entries of the log after which there is a checkpoint."""
+
+FORESEEN_LOG = 20
+"""Entries after which there is one though none of them took a search: who reads them has to take each."""
 
 Answer = FrozenSet[clingo.Symbol]
 Stopped = Callable[[], bool]
@@ -80,60 +84,6 @@ class SolveResult:
         return Plan.of(self.answers[-1], self.horizon, self.shortest) if self.answers else None
 
 
-class StreamSolver(Protocol):
-    """Solves a reactive logic program under a stream of updates.
-
-    See :class:`~rosoclingo.oclingo.solving.solver.ReactiveSolver` and
-    :class:`~rosoclingo.oclingo.remote.process_solver.ProcessSolver`.
-    """
-
-    @property
-    def horizon(self) -> int:
-        """N, the last grounded step."""
-
-    @property
-    def reached(self) -> int:
-        """The last step that is ground in the midst of a search."""
-
-    @property
-    def step(self) -> int:
-        """k, the step of the last update."""
-
-    def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
-        """Take ``update`` and search for answers until there is one, the bound is reached or ``stopped`` says so."""
-
-    def improve(self, stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
-        """Look for a shorter plan until there is one, ``stopped`` says so or nothing is left to try."""
-
-    def prepare(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
-        """Have the answer to ``update`` prepared, should it come after those ``before``; tell whether that is done."""
-
-    def has_prepared(self, update: StreamUpdate) -> bool:
-        """Whether the answer to ``update`` is there, should it come next."""
-
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to those in ``executed``."""
-
-    def forget_before(self, step: int) -> None:
-        """Let the steps before ``step`` be over."""
-
-    @property
-    def log(self) -> StreamLog:
-        """All that was taken, from which the state follows."""
-
-    def restore(self, log: StreamLog) -> None:
-        """Go on from a log: an earlier one, or another solver's."""
-
-    def inquire(
-        self,
-        update: StreamUpdate,
-        doubted: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
-        stopped: Optional[Callable[[], bool]] = None,
-    ) -> Verdict:
-        """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
-
-
 class ForeseeingSolver(LoggedSolver):
     """A solver that knows, wherever it works, when its last answer is that of the next update."""
 
@@ -144,6 +94,12 @@ class ForeseeingSolver(LoggedSolver):
     def _has_answered(self, result: SolveResult) -> None:
         """Note the answer to all that the log holds."""
         self._answer = (self._log, result)
+
+    def _replace_log(self, log: StreamLog) -> None:
+        """Go on with a ``log`` that is worth the same: its answer is known as before."""
+        if self._answer is not None and self._answer[0] is self._log:
+            self._answer = (log, self._answer[1])
+        self._log = log
 
     def _log_after(self, updates: Sequence[StreamUpdate]) -> Optional[StreamLog]:
         """Return the log after ``updates`` that are all foreseen; None where one takes a search."""
@@ -270,6 +226,11 @@ class ReactiveSolver(ForeseeingSolver):
         self._has_answered(result)
         return result
 
+    def shorten_log(self, stopped: Optional[Stopped] = None) -> None:
+        """Put a checkpoint at the end of the log, where it has grown long by what was foreseen."""
+        if self._log.length > FORESEEN_LOG and not (stopped is not None and stopped()):
+            self.begin_log_anew()
+
     def _shorten(self, plan: Plan, transaction: Transaction, halt: Callable[[], bool]) -> Optional[Search]:
         """Go on with what is tried to shorten ``plan``."""
         place = transaction.state.step, first_horizon(transaction)
@@ -359,9 +320,17 @@ class ReactiveSolver(ForeseeingSolver):
         log = self._log.then(Taken(update, transaction.state.horizon))
         log.state = transaction.state
         log.plan = (result.plan if self.shortest else None) or log.plan
-        self._log = self._read = log.checkpoint() if log.is_longer(self._log_limit) else log
+        self._log = self._read = log
+        if log.is_longer(self._log_limit):
+            self.begin_log_anew(idle=False)
         self._has_answered(result)
         return result
+
+    def begin_log_anew(self, idle: bool = True) -> None:
+        """Put a checkpoint at the end of the log, in which steps that are over are retired, while ``idle`` sooner."""
+        self.read()
+        self._replace_log(checkpoint(self._setting, self._log, self._grounding, idle))
+        self._read = self._log
 
     def _search(
         self, transaction: Transaction, update: Optional[StreamUpdate], halt: Callable[[], bool]

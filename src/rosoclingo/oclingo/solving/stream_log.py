@@ -370,6 +370,9 @@ class LoggedSolver:
         """Whether the answer to ``update`` is there, should it come next."""
         return False
 
+    def shorten_log(self, stopped: Optional[Callable[[], bool]] = None) -> None:
+        """Put a checkpoint at the end of a log that has grown long; one that never does stays as it is."""
+
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
         """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
 

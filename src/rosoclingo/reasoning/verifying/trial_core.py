@@ -4,7 +4,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.solving.solver import StreamSolver
+from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
 from rosoclingo.oclingo.solving.stream_log import StreamLog
 from rosoclingo.reasoning.events import Event, Problem, UpdateSent
 from rosoclingo.reasoning.input_feeder import Batch

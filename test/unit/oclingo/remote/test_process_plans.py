@@ -8,7 +8,7 @@ from children import kill
 from plain_walk import program_text
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
-from rosoclingo.oclingo.remote import solver_process
+from rosoclingo.oclingo.remote import process_solver, solver_process
 from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
@@ -130,6 +130,41 @@ def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
         assert solver.update(failed) == here.update(failed)
         assert here.horizon > first.horizon
         assert solver.log.key == here.log.key
+
+
+@pytest.mark.slow
+def test_a_long_log_of_what_was_foreseen_begins_anew_in_a_process_as_well(monkeypatch):
+    """A stop is not waited for, and whoever takes over reads what was written down."""
+    monkeypatch.setattr(process_solver, "FORESEEN_LOG", 3)
+    program = ReactiveProgram.from_text(WALK)
+    options = {"shortest": True, "oclingo_strings": False, "plan_time": 60.0}
+    here = ReactiveSolver(program, **options)
+
+    def update(step, value):
+        done = f":- not _action_lib(go,{step - 1},{step - 1}). _return(go,{value},{step - 1})."
+        return parse_update(f"#step {step} : 50. #closed {step - 1}. {done} #endstep.")
+
+    with SolverProcess(program, **options) as process:
+        solver = process.solver()
+        ask = parse_update("#step 1 : 50. _request(9,1). #endstep.")
+        assert solver.update(ask) == here.update(ask)
+        for step in range(2, 9):
+            assert solver.update(update(step, step - 1)) == here.update(update(step, step - 1))
+            if step == 5:
+                log = solver.log
+                os.kill(process.pid, signal.SIGSTOP)
+                solver.shorten_log(lambda: True)
+                assert solver.log is log
+                os.kill(process.pid, signal.SIGCONT)
+            if step in (3, 6):
+                solver.shorten_log(lambda: False)
+                assert len(solver.log.entries) == (1 if step == 6 else 3)
+            if step == 7:
+                kill(process)
+        assert len(solver.log.entries) == 3, "the checkpoint and the updates since"
+        failed = update(9, "no")
+        found, expected = solver.update(failed), here.update(failed)
+        assert (found.outcome, found.horizon) == (expected.outcome, expected.horizon)
 
 
 def test_what_would_be_is_asked_of_the_process_as_well():

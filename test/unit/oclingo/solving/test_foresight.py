@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, StreamUpdate, commitment, parse_atom
 from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, Statement, Volatile, Withdraw
+from rosoclingo.oclingo.solving import solver as solver_module
 from rosoclingo.oclingo.solving.foresight import Foreseen, foresee, goes_on, success_of
 from rosoclingo.oclingo.solving.stream_log import Plan, StreamLog, cycle_of
 
@@ -214,6 +215,63 @@ def test_steps_are_retired_after_updates_that_were_foreseen(compacts_at_once):
     assert solver.state.past is not None
     assert solver.state.past.first == 3
     assert first.answers[0] <= solver.update(told(solver)).answers[0]
+
+
+def walked(solver, steps):
+    """So many updates that are foreseen, each of which lets what lies before it be over."""
+    for _ in range(steps):
+        solver.update(told(solver, further=[Over(solver.step)]))
+
+
+def reader_of(solver, **options):
+    """Another solver that has read the log as a text."""
+    other = solver_of(WALK + FAILS, **options)
+    other.restore(StreamLog.parse(solver.log.text()))
+    other.read()
+    return other
+
+
+def test_a_long_log_of_what_was_foreseen_begins_anew(compacts_at_once, monkeypatch, searches):
+    """Who reads it has little to take and to ground."""
+    monkeypatch.setattr(solver_module, "FORESEEN_LOG", 4)
+    solver = solver_of(WALK + FAILS)
+    solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(8,1)")),)))
+    walked(solver, 3)
+    solver.shorten_log()
+    assert len(solver.log.entries) == 4, "that is not long"
+    walked(solver, 2)
+    solver.shorten_log(lambda: True)
+    assert len(solver.log.entries) == 6, "it was stopped"
+    assert reader_of(solver).state.past is None
+    solver.shorten_log()
+    assert len(solver.log.entries) == 1
+    searches.clear()
+    walked(solver, 1)
+    assert searches == [], "what was foreseen still is"
+    other = reader_of(solver)
+    assert other.state.past.first == 5
+    assert solver.state.past is None, "its grounding stays"
+    for fails in (True, False, True):
+        update = told(solver, fails)
+        assert (solver.update(update).horizon, solver.step) == (other.update(update).horizon, other.step)
+
+
+def test_a_solver_that_has_read_another_ones_log_retires_steps_for_the_next(compacts_at_once):
+    """It could not before it had an answer itself."""
+    solver = solver_of(WALK + FAILS)
+    solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(8,1)")),)))
+    walked(solver, 4)
+    second = reader_of(solver, log_limit=1)
+    second.log.plan = solver.log.plan
+    update = told(solver, fails=True)
+    assert second.update(update).horizon == solver.update(update).horizon
+    assert second.state.past is None
+    third = reader_of(second)
+    assert third.state.past.first == 4
+    third.log.plan = second.log.plan
+    update = told(second, fails=True)
+    assert second.update(update).horizon == third.update(update).horizon
+    assert second.state.past is not None, "it has an answer now"
 
 
 def test_a_plan_that_was_improved_is_foreseen(searches):
