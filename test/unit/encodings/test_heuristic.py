@@ -57,7 +57,8 @@ def ground(program, requests, horizon, heuristic="Domain", facts="", observer=No
     """Return a control with all steps up to the horizon, at which a plan has to end, and what was ground for each."""
     control = clingo.Control(program.arguments(), logger=lambda code, text: None)
     control.configuration.solver.heuristic = heuristic
-    control.register_observer(observer or Count())
+    if observer is not None:
+        control.register_observer(observer)
     program.load_into(control)
     told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
     control.add("told", [], " ".join(told) + facts)
