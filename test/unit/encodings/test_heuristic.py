@@ -1,5 +1,7 @@
 """The heuristic of delivery: plans for many requests are found at once, no answer changes, few rules are ground."""
 
+from itertools import chain
+
 import clingo
 import pytest
 from clingo.backend import Observer
@@ -63,10 +65,11 @@ def ground(program, requests, horizon, heuristic="Domain", facts="", observer=No
     told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
     control.add("told", [], " ".join(told) + facts)
     control.ground([("base", []), ("told", [])])
+    steps = [[("cumulative", [number]), ("volatile", [number])] for number in map(clingo.Number, range(1, horizon + 1))]
     counts = []
-    for step in range(1, horizon + 1):
+    for parts in steps if observer is not None else [list(chain(*steps))]:  # all at once takes half the time
         before = observer and observer.statements
-        control.ground([("cumulative", [clingo.Number(step)]), ("volatile", [clingo.Number(step)])])
+        control.ground(parts)
         counts.append(observer and observer.statements - before)
     control.assign_external(clingo.parse_term(f"__oclingo_volatile(1,{horizon})"), True)
     return control, counts

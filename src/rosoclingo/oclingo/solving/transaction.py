@@ -30,7 +30,7 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving import compaction
-from rosoclingo.oclingo.solving.grounding import Grounding, build_grounding
+from rosoclingo.oclingo.solving.grounding import BLOCK, Grounding, build_grounding
 from rosoclingo.oclingo.solving.stream_log import Close, Entry, StreamLog, Taken, Withdrawal
 from rosoclingo.oclingo.solving.stream_state import (
     FOREVER,
@@ -46,9 +46,6 @@ from rosoclingo.oclingo.solving.stream_state import (
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 _STRANGE = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
 _TOO_LATE = "Head {} comes too late: what concerns steps before {} is over. The entire rule will be ignored."
-
-AGAIN = 8
-"""Steps that are ground at once when an update is taken again."""
 
 
 class Transaction:
@@ -92,7 +89,7 @@ class Transaction:
         if isinstance(entry, Taken):
             self.begin(entry.update, lambda: self.state.horizon >= entry.horizon)
             while self.state.horizon < entry.horizon:
-                self.grow_to(min(self.state.horizon + (AGAIN if self._shortest else 1), entry.horizon))
+                self.grow_to(min(self.state.horizon + (BLOCK if self._shortest else 1), entry.horizon))
             list(self.remarks())
         elif isinstance(entry, Close):
             self.close_cycle(entry.cycle, entry.executed)
