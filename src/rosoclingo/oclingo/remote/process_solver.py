@@ -92,7 +92,7 @@ class ProcessSolver(ForeseeingSolver):
 
         The child makes it, with what is over retired; a stop is passed on, and not waited for.
         """
-        if self._log.length <= FORESEEN_LOG or self._answer is None or self._answer[0] is not self._log:
+        if self._log.length <= FORESEEN_LOG or self._known_answer is None:
             return
         reply: Message = {}
         with suppress(NotReadyError):

@@ -67,9 +67,10 @@ def checkpoint(setting: Setting, log: StreamLog, grounding: Optional[Grounding],
     before: only who reads the checkpoint has less to ground.
     """
     assert log.state is not None
+    if grounding is None or setting.steps_over(log.state) < (COMPACT_ALONG if idle else COMPACT_AFTER):
+        return log.checkpoint()
     form = log.state.copy()
-    due = grounding is not None and setting.steps_over(form) >= (COMPACT_ALONG if idle else COMPACT_AFTER)
-    retired = due and grounding is not None and compact(setting, form, grounding)
+    retired = compact(setting, form, grounding)
     short = log.then(Checkpoint(form)).cut()
     short.state = log.state if retired else form
     return short

@@ -95,24 +95,28 @@ class ForeseeingSolver(LoggedSolver):
         """Note the answer to all that the log holds."""
         self._answer = (self._log, result)
 
+    @property
+    def _known_answer(self) -> Optional[SolveResult]:
+        """The answer to all that the log holds, None where it is not known."""
+        return self._answer[1] if self._answer is not None and self._answer[0] is self._log else None
+
     def _replace_log(self, log: StreamLog) -> None:
         """Go on with a ``log`` that is worth the same: its answer is known as before."""
-        if self._answer is not None and self._answer[0] is self._log:
-            self._answer = (log, self._answer[1])
-        self._log = log
+        answer, self._log = self._known_answer, log
+        if answer is not None:
+            self._has_answered(answer)
 
     def _log_after(self, updates: Sequence[StreamUpdate]) -> Optional[StreamLog]:
         """Return the log after ``updates`` that are all foreseen; None where one takes a search."""
-        if self._answer is None or self._answer[0] is not self._log or not self._answer[1].foreseen:
-            return None
-        return log_after(self._log, self._answer[1].foreseen, updates)
+        answer = self._known_answer
+        return log_after(self._log, answer.foreseen, updates) if answer is not None and answer.foreseen else None
 
     def _go_on(self, update: Optional[StreamUpdate]) -> Optional[SolveResult]:
         """Take ``update`` where it is foreseen, and return the answer; None where it takes a search."""
-        log = None if update is None else self._log_after([update])
-        if log is None or self._answer is None:
+        log, result = None if update is None else self._log_after([update]), self._known_answer
+        if log is None or result is None:
             return None
-        self._log, result = log, self._answer[1]
+        self._log = log
         result = replace(result, step=self.step, warnings=(), statistics=dict.fromkeys(result.statistics, 0.0))
         self._has_answered(result)
         return result

@@ -100,6 +100,12 @@ wanted(X,t) :- wanted(X,t-1).
 """
 
 
+def told(step, value):
+    """The update that tells how the action before went."""
+    done = f":- not _action_lib(go,{step - 1},{step - 1}). _return(go,{value},{step - 1})."
+    return parse_update(f"#step {step} : 50. #closed {step - 1}. {done} #endstep.")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("between", [signal.SIGCONT, signal.SIGKILL])
 def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
@@ -107,10 +113,6 @@ def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
     program, last = ReactiveProgram.from_text(WALK), 2 * solver_process.BEHIND
     options = {"shortest": True, "oclingo_strings": False, "plan_time": 60.0}
     here = ReactiveSolver(program, **options)
-
-    def update(step, value):
-        done = f":- not _action_lib(go,{step - 1},{step - 1}). _return(go,{value},{step - 1})."
-        return parse_update(f"#step {step} : 50. #closed {step - 1}. {done} #endstep.")
 
     with SolverProcess(program, **options) as process:
         solver = process.solver()
@@ -120,13 +122,13 @@ def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
         assert first.horizon == last
         os.kill(process.pid, signal.SIGSTOP)
         for step in range(2, last):
-            result = solver.update(update(step, step - 1))
-            assert result == here.update(update(step, step - 1))
+            result = solver.update(told(step, step - 1))
+            assert result == here.update(told(step, step - 1))
             assert (result.step, result.answers) == (step, first.answers)
         os.kill(process.pid, between)
         if between == signal.SIGKILL:
             kill(process)
-        failed = update(last, "no")
+        failed = told(last, "no")
         assert solver.update(failed) == here.update(failed)
         assert here.horizon > first.horizon
         assert solver.log.key == here.log.key
@@ -140,16 +142,12 @@ def test_a_long_log_of_what_was_foreseen_begins_anew_in_a_process_as_well(monkey
     options = {"shortest": True, "oclingo_strings": False, "plan_time": 60.0}
     here = ReactiveSolver(program, **options)
 
-    def update(step, value):
-        done = f":- not _action_lib(go,{step - 1},{step - 1}). _return(go,{value},{step - 1})."
-        return parse_update(f"#step {step} : 50. #closed {step - 1}. {done} #endstep.")
-
     with SolverProcess(program, **options) as process:
         solver = process.solver()
         ask = parse_update("#step 1 : 50. _request(9,1). #endstep.")
         assert solver.update(ask) == here.update(ask)
         for step in range(2, 9):
-            assert solver.update(update(step, step - 1)) == here.update(update(step, step - 1))
+            assert solver.update(told(step, step - 1)) == here.update(told(step, step - 1))
             if step == 5:
                 log = solver.log
                 os.kill(process.pid, signal.SIGSTOP)
@@ -162,7 +160,7 @@ def test_a_long_log_of_what_was_foreseen_begins_anew_in_a_process_as_well(monkey
             if step == 7:
                 kill(process)
         assert len(solver.log.entries) == 3, "the checkpoint and the updates since"
-        failed = update(9, "no")
+        failed = told(9, "no")
         found, expected = solver.update(failed), here.update(failed)
         assert (found.outcome, found.horizon) == (expected.outcome, expected.horizon)
 
