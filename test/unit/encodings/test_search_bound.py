@@ -34,6 +34,17 @@ def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
 
     Beside the requests the ``facts`` are told.
     """
+    control = ground(program, requests, horizon, facts)
+    control.assign_external(clingo.parse_term(f"__oclingo_volatile(1,{horizon})"), True)
+    control.configuration.solve.models = str(models)
+    control.configuration.solve.solve_limit = f"{conflicts},umax"
+    plans = set()
+    result = control.solve(on_model=lambda model: plans.add(frozenset(map(str, model.symbols(shown=True)))))
+    return result, plans
+
+
+def ground(program, requests, horizon, facts=()):
+    """Ground all steps up to the horizon, the requests told for cycle 2."""
     control = clingo.Control(program.arguments(), logger=lambda code, text: None)
     program.load_into(control)
     told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
@@ -42,12 +53,7 @@ def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
     control.ground([("base", []), ("told", [])])
     steps = [clingo.Number(step) for step in range(1, horizon + 1)]
     control.ground([(part, [step]) for step in steps for part in ("cumulative", "volatile")])
-    control.assign_external(clingo.parse_term(f"__oclingo_volatile(1,{horizon})"), True)
-    control.configuration.solve.models = str(models)
-    control.configuration.solve.solve_limit = f"{conflicts},umax"
-    plans = set()
-    result = control.solve(on_model=lambda model: plans.add(frozenset(map(str, model.symbols(shown=True)))))
-    return result, plans
+    return control
 
 
 @pytest.mark.slow
@@ -123,6 +129,23 @@ def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
         assert solve(program, [*near, request, *near], 60, conflicts=1, facts=shut)[0].unsatisfiable
     assert solve(program, near, 30, models=1, facts=shut)[0].satisfiable
     assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
+
+
+def test_a_bound_is_made_anew_for_few_alone():
+    """Nothing is ground for it where many come at once, and no more loads than few make where many have come before."""
+    program = mailbot([(1, 2)], 3)
+    assert steps_of("_check", ground(program, [(1, 2)] * 16, 20)) == {1, 9, 17}
+    assert steps_of("_check", ground(program, [(1, 2)] * 17, 20)) == {1}
+    more = [f"_request(goal(o1,o2,{number}),3)" for number in range(20, 36)]
+    loads = {}
+    for atom in ground(program, [(1, 2)] * 16, 20, more).symbolic_atoms.by_signature("_loads", 3):
+        number, step = (one.number for one in atom.symbol.arguments[1:])
+        loads[step] = max(loads.get(step, 0), number)
+    assert loads == {1: 6, 2: 11, 10: 6, 18: 6}
+
+
+def steps_of(name, control):
+    return {atom.symbol.arguments[0].number for atom in control.symbolic_atoms.by_signature(name, 1)}
 
 
 @pytest.mark.slow
