@@ -7,6 +7,7 @@ grows by a quarter as long as a few conflicts do not tell (as in Rintanen's algo
 does from below. Where the program claims that so many steps are needed, as many and a quarter more are ground at once.
 """
 
+import math
 import time
 from typing import Callable, Iterator, List, Optional, Tuple
 
@@ -24,10 +25,10 @@ Clock = Callable[[], float]
 CLOCK: Clock = time.process_time
 
 PIECE_ATOMS = 250_000
-"""About so many atoms are grounded between two looks at the stop request: with each call clingo sorts in all it has."""
+"""About so many atoms are grounded between two looks at the stop request: each call goes through all there are."""
 
 PIECE = 64
-"""So many steps at least."""
+"""So many steps at least, nearly: what is to come is parted evenly."""
 
 CONFLICTS = 100
 """Conflicts that a question may take, at first.
@@ -195,8 +196,9 @@ class PlanSearch(HorizonSearch):
         last = transaction.last_horizon(last)
         while state.horizon < last:
             yield
-            piece = max(PIECE, PIECE_ATOMS // transaction.ready().atoms_per_step)
-            transaction.grow_to(min(last, state.horizon + piece))
+            rest = last - state.horizon
+            pieces = round(rest / max(PIECE, PIECE_ATOMS // transaction.ready().atoms_per_step))
+            transaction.grow_to(state.horizon + math.ceil(rest / max(1, pieces)))
 
     # ---- A shorter one -----------------------------------------------------------------------------------------------
 
