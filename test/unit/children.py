@@ -17,10 +17,10 @@ def ended(pid):
     """Whether a process has ended, waited for."""
     for _ in range(1200):
         try:
-            state = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()[0]
+            fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
         except OSError:  # it goes between the opening of the file and the reading, too
             return True
-        if state == "Z":
+        if fields[0] == "Z" and int(fields[17]) <= 1:  # the first of its threads may have ended before the others
             return True
         threading.Event().wait(0.05)
     return False

@@ -137,8 +137,8 @@ def test_a_bound_is_made_anew_for_few_alone():
     assert steps_of("_check", ground(program, [(1, 2)] * 16, 20)) == {1, 9, 17}
     assert steps_of("_check", ground(program, [(1, 2)] * 17, 20)) == {1}
     more = [f"_request(goal(o1,o2,{number}),3)" for number in range(20, 36)]
-    loads = {}
-    for atom in ground(program, [(1, 2)] * 16, 20, more).symbolic_atoms.by_signature("_loads", 3):
+    told, loads = ground(program, [(1, 2)] * 16, 20, more), {}
+    for atom in told.symbolic_atoms.by_signature("_loads", 3):
         number, step = (one.number for one in atom.symbol.arguments[1:])
         loads[step] = max(loads.get(step, 0), number)
     assert loads == {1: 6, 2: 11, 10: 6, 18: 6}
