@@ -27,27 +27,25 @@ def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) 
 
 def _sort(answer: Iterable[clingo.Symbol], last: int) -> Tuple[List[str], List[Row]]:
     """Part the atoms into those without time and rows; rows in order of predicate and first time."""
-    atoms = [(atom, _signature(atom), _time(atom, last)) for atom in answer]
+    atoms = [(str(atom), *_signature_and_time(atom, last)) for atom in answer]
     without_time = {signature for _, signature, time in atoms if time is None}
     held: Dict[Tuple[str, int, str], Set[int]] = {}
-    for atom, signature, time in atoms:
+    for text, signature, time in atoms:
         if time is not None and signature not in without_time:
-            stem = str(clingo.Function(atom.name, [*atom.arguments[:-1], clingo.Function("t")], atom.positive))
+            stem = text[: -len(f"{time})")] + "t)"
             held.setdefault((*signature, stem), set()).add(time)
-    timeless = [str(atom) for atom, signature, _ in atoms if signature in without_time]
+    timeless = [text for text, signature, _ in atoms if signature in without_time]
     order = sorted(held, key=lambda key: (key[0], key[1], min(held[key]), key[2]))
     return sorted(timeless), [(key[2], held[key]) for key in order]
 
 
-def _signature(atom: clingo.Symbol) -> Tuple[str, int]:
-    return (atom.name, len(atom.arguments)) if atom.type == clingo.SymbolType.Function else ("", 0)
-
-
-def _time(atom: clingo.Symbol, last: int) -> Optional[int]:
-    if atom.type != clingo.SymbolType.Function or not atom.name or not atom.arguments:
-        return None
-    time = atom.arguments[-1]
-    return time.number if time.type == clingo.SymbolType.Number and 0 <= time.number <= last else None
+def _signature_and_time(atom: clingo.Symbol, last: int) -> Tuple[Tuple[str, int], Optional[int]]:
+    if atom.type is not clingo.SymbolType.Function:
+        return ("", 0), None
+    name, arguments = atom.name, atom.arguments
+    time = arguments[-1] if name and arguments else atom
+    timed = time.type is clingo.SymbolType.Number and 0 <= time.number <= last
+    return (name, len(arguments)), time.number if timed else None
 
 
 def _wrap(words: List[str], width: int) -> List[str]:

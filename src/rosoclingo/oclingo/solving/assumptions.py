@@ -40,9 +40,12 @@ class Assumptions:
         self._doubts, self._kept = doubts, kept
         self.literals = [*(doubts.assumptions(untold) if doubts else ()), *kept.values()]
 
-    def refuted_by(self, handle: clingo.SolveHandle, horizon: List[int]) -> Search:
-        """Return the result of a search that has no answer, with the literals of its ``horizon`` assumed as well."""
-        core = set(handle.core()) if self.literals else set(horizon)
+    def refuted_by(self, found: List[int], horizon: List[int]) -> Search:
+        """Return the result of a search that has no answer, by the core that was ``found``.
+
+        The literals of its ``horizon`` were assumed as well.
+        """
+        core = set(found if self.literals else horizon)
         facts = self._doubts.among(core) if self._doubts else frozenset()
         blamed = frozenset(one for one, literal in self._kept.items() if literal in core)
         return Search(False, core=facts, timeless=core.isdisjoint(horizon), blamed=blamed)

@@ -20,14 +20,12 @@ from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.assumptions import Assumptions, Search
 from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads
+from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
 from rosoclingo.oclingo.solving.closed_steps import closed_blocks
 from rosoclingo.oclingo.solving.doubts import Doubts
 from rosoclingo.oclingo.solving.foresight import Foreseen, foresee
 from rosoclingo.oclingo.solving.horizon import ActionIndex, CycleIndex, ExternalIndex, HorizonLiterals
 from rosoclingo.oclingo.solving.stream_state import FOREVER, Lifetime, Past, StreamState, block_ends
-
-POLL = 0.002
-"""Seconds of wall time between two looks at the stop request while clingo searches."""
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
@@ -99,7 +97,7 @@ class Grounding:
         self._hidden: Set[clingo.Symbol] = set()
         self.shown: FrozenSet[clingo.Symbol] = frozenset()
         self.satisfied = False
-        self._options: Dict[str, str] = {}
+        self._clasp = ClaspSearch(self._control, program)
         self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
         self.past = past or Past(program.first_step, frozenset())
         self._retired = frozenset(atom for _, atom in self.past.shown)
@@ -287,7 +285,6 @@ class Grounding:
         assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
         self._session.close()
         answers, horizons, foreseen = [], [last], [Foreseen()]
-        self._configure(models, conflicts, best, advised)
         this = proxy(self)  # since the control keeps the function, which must not keep the control
 
         def keep(model: clingo.Model) -> None:
@@ -300,16 +297,15 @@ class Grounding:
                     foreseen.append(this._foresee(model, this._return_rules))
 
         assumptions: List[Any] = [*(assumed.literals if assumed else ()), *horizon, *given]  # clasp blames the first
-        with self._control.solve(assumptions=assumptions, on_model=keep, async_=True) as handle:
-            result = _awaited(handle, stopped)
-            refuted = Search(False, timeless=not horizon)
-            if assumed and result.satisfiable is False:
-                refuted = assumed.refuted_by(handle, horizon)
+        limits = Limits(models, conflicts, best, advised)
+        result, core = self._clasp.run(limits, assumptions, keep, stopped, blames=assumed is not None)
         self.satisfied = (satisfied := bool(result.satisfiable or answers)) or self.satisfied
         if (result.interrupted or result.unknown) and (proven or not answers):
             return Search(None)
         kept_answers = tuple(answers if proven else answers[-1:])
-        return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1]) if satisfied else refuted
+        if satisfied:
+            return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1])
+        return assumed.refuted_by(core, horizon) if assumed else Search(False, timeless=not horizon)
 
     def _assumed(self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol]) -> Optional[Assumptions]:
         """Return what a search assumes beside its horizon; None where nothing is in doubt or kept, as a rule."""
@@ -330,26 +326,6 @@ class Grounding:
             return atom not in self._asked and self.atoms.is_open(atom)
 
         return foresee(self._actions.among(self.shown), rules, may_be_told, is_true)
-
-    def _configure(self, models: int, conflicts: Optional[int], best: bool, advised: bool) -> None:
-        """Set clasp's options that differ from those of the last search: to set one takes long."""
-        options = {"models": str(models), "solve_limit": "umax,umax" if conflicts is None else f"{conflicts},umax"}
-        if self.program.optimizes:
-            options["opt_mode"] = "optN" if best else "ignore"
-        if self.program.advises:
-            options["heuristic"] = "Domain" if advised else "Vsids,92"  # clingo's own, where nothing is said
-        configuration = self._control.configuration
-        for name, value in options.items():
-            if self._options.get(name) != value:
-                setattr(configuration.solver if name == "heuristic" else configuration.solve, name, value)
-        self._options = options
-
-
-def _awaited(handle: clingo.SolveHandle, stopped: Callable[[], bool]) -> clingo.SolveResult:
-    while not handle.wait(POLL):
-        if stopped():
-            handle.cancel()
-    return handle.get()
 
 
 BLOCK = 64

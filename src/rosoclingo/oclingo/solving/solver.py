@@ -173,6 +173,8 @@ class ReactiveSolver(ForeseeingSolver):
         self._improvement: Optional[Improvement] = None
         self._inquiry: Optional[Inquiry] = None
         self._stop = False
+        if not shortest:
+            program.prepare_steps()
 
     @property
     def state(self) -> StreamState:

@@ -10,6 +10,7 @@ import clingo
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.solving.clasp_search import Limits
 from rosoclingo.oclingo.solving.grounding import BLOCK, Grounding
 from rosoclingo.oclingo.solving.stream_state import FOREVER
 
@@ -122,7 +123,7 @@ class Universe(Grounding):
     ) -> None:
         self._session.close()
         assumptions = [*assumed, *self._range(first, last)]
-        self._configure(most, CONFLICTS, best=False, advised=True)
+        limits = Limits(most, CONFLICTS, best=False, advised=True)
         found = 0
 
         def count(model: clingo.Model) -> None:
@@ -132,7 +133,7 @@ class Universe(Grounding):
             keep(model)
 
         while True:
-            result = self._control.solve(assumptions=assumptions, on_model=count)
+            result = self._clasp.run_in_place(limits, assumptions, count)
             if not result.unknown or found:
                 return
             if halt():
