@@ -9,8 +9,11 @@ much as each would get on a machine of its own, whatever else this one does.
 A row of the table:
   floor     offices in a row, or loops: twenty offices with two loops
   how       once: all requests are known at the start; stream: one more every --gap actions, sooner if none is left
-  first     the first plan that is found, with --plan-time 0: seconds by the clock, of processor time, and its steps
-  1 s ...   steps of the plan that is known after so many seconds, with nothing done yet: ours and OR-Tools'
+  first     the first plan, with --plan-time 0: seconds by the clock, of processor time, its steps, and how many
+            requests it is not for, as they wait until there is room for them
+  all       the same for a plan for all requests, as the core makes it without a limit for a search: seconds of
+            processor time and steps; given up after --all-seconds
+  1 s ...   steps of such a plan after so many seconds, with nothing done yet: ours and OR-Tools'
   driven    steps that are really done. While an action runs, for --action-time seconds, the plan is improved, unless
             nothing is left to try, or another process makes one with requests that wait, for a later action. OR-Tools
             drives its plan of --or-seconds; in a stream it plans again with each request, for --or-stream-seconds. The
@@ -20,8 +23,7 @@ A row of the table:
   ms        of processor time for an action, improvement and what the other process prepares aside
   waited    requests that waited at most while an action was under way, as the program had not been told of them
 
-Plans are for all requests, as the core makes them without a limit for a search; what is driven is with
---search-timeout, with which it lets requests wait.
+The first plan and what is driven are with --search-timeout, with which the core lets requests wait.
 
 To be run in the built workspace: ./dev exec python3 bench/many_goals.py; ./dev bench many_goals installs OR-Tools.
 """
@@ -30,6 +32,7 @@ import argparse
 import os
 import time
 from collections import deque
+from contextlib import suppress
 from pathlib import Path
 from statistics import mean
 
@@ -51,13 +54,17 @@ MOST_IDLE = 600
 """Seconds in which nothing is done, at most: the core waits a while with what its solver could not take."""
 
 
+class TooLongError(Exception):
+    """There is no plan for all requests in the time that it may take."""
+
+
 class Robot:
     """A core and the world that answers it."""
 
-    def __init__(self, floor, plan_time, search_timeout=0.0):
+    def __init__(self, floor, plan_time, search_timeout=0.0, all_seconds=0.0):
         program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
         settings = CoreSettings(search_timeout=search_timeout)
-        self.world, self._limit = World(floor), search_timeout
+        self.world, self._limit, self._all_seconds = World(floor), search_timeout, all_seconds
         self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self.core = Core(program, self.process.solver, self._note, settings, self._watch)
         self.improving, self.longest, self.waited, self.now, self.idle = 0.0, 0.0, 0, 0.0, 0
@@ -87,7 +94,7 @@ class Robot:
         while self.core.advance(self.now):
             pass
         self.longest = max(self.longest, self.used - begin)
-        self.waited = max(self.waited, self._unknown)
+        self.waited = max(self.waited, self.unknown)
         return self.steps()
 
     def improve(self, seconds):
@@ -103,7 +110,7 @@ class Robot:
 
     def prepare(self, seconds):
         """Let the process that is kept ready work as long as an action takes, where requests wait for a plan."""
-        if self._unknown:
+        if self.unknown:
             self.core.prepare()
         if not self.process.prepares:
             return
@@ -127,12 +134,12 @@ class Robot:
         world = self.world.copy()
         for action in sorted(actions, key=lambda action: action.cycle):
             world.do(action.interface_name, str(action.parameter))
-        if world.open > self._unknown:
+        if world.open > self.unknown:
             raise SystemExit(f"the plan leaves {world.open} requests open")
         return len(actions)
 
     @property
-    def _unknown(self):
+    def unknown(self):
         """How many requests the program does not know of yet."""
         return sum(not goal.fed for goal in self.core.live_goals)
 
@@ -149,6 +156,8 @@ class Robot:
         limit = self._limit * queue.patience
 
         def look():
+            if 0 < self._all_seconds <= self.used - begin:
+                raise TooLongError
             too_long = 0 < limit <= self.used - begin and not queue.unhurried
             return Halt(f"it took longer than {limit:g} s") if too_long else None
 
@@ -181,23 +190,37 @@ class Arrivals:
 # ---- What is measured ------------------------------------------------------------------------------------------------
 
 
-def first_plan(floor, requests):
-    """Seconds by the clock and of processor time until there is a plan, and its steps."""
-    with Robot(floor, plan_time=0.0) as robot:
+def first_plan(floor, requests, options):
+    """Seconds by the clock and of processor time until there is a plan, its steps, and how many requests wait."""
+    with Robot(floor, plan_time=0.0, search_timeout=options.search_timeout) as robot:
         begin, used = time.perf_counter(), robot.used
         robot.ask(requests)
         steps = robot.plan()
-        return {"first [s]": time.perf_counter() - begin, "cpu [s]": robot.used - used, "steps": steps}
+        seconds, cpu = time.perf_counter() - begin, robot.used - used
+        return {"first [s]": seconds, "cpu [s]": cpu, "steps": steps, "wait": robot.unknown}
+
+
+def plan_for_all(floor, requests, options):
+    """Seconds of processor time until there is a plan for all requests, and its steps; None where it takes too long."""
+    with Robot(floor, plan_time=0.0, all_seconds=options.all_seconds) as robot:
+        begin = robot.used
+        robot.ask(requests)
+        try:
+            steps = robot.plan()
+        except TooLongError:
+            return {"all [s]": None, "all": None}
+        return {"all [s]": robot.used - begin, "all": steps}
 
 
 def plans_after(floor, requests, seconds, plan_time):
     """Steps of the plan that is known after each of some seconds; None where there was none yet."""
-    with Robot(floor, plan_time) as robot:
-        begin = robot.used
+    with Robot(floor, plan_time, all_seconds=max(seconds)) as robot:
+        begin, found = robot.used, []
         robot.ask(requests)
-        found = [(robot.plan(), robot.used - begin)]
-        for _ in robot.improve(max(seconds) - found[0][1]):
-            found.append((robot.steps(), robot.used - begin))
+        with suppress(TooLongError):
+            found.append((robot.plan(), robot.used - begin))
+            for _ in robot.improve(max(seconds) - found[0][1]):
+                found.append((robot.steps(), robot.used - begin))
     known = {limit: [steps for steps, used in found if used <= limit + plan_time / 2] for limit in seconds}
     return {f"{limit:g} s": min(steps, default=None) for limit, steps in known.items()}
 
@@ -263,7 +286,8 @@ def measure(name, count, how, seed, options):
     gap = options.gap if how == "stream" else 0
     found = {}
     if how == "once":
-        found.update(first_plan(floor, requests))
+        found.update(first_plan(floor, requests, options))
+        found.update(plan_for_all(floor, requests, options))
         found.update(plans_after(floor, requests, options.seconds, options.plan_time))
     found.update(driven(floor, Arrivals(requests, gap), options))
     if not options.without_or_tools:
@@ -276,14 +300,16 @@ def measure(name, count, how, seed, options):
 # ---- What is told ----------------------------------------------------------------------------------------------------
 
 UNITS = {"first [s]": "s", "cpu [s]": "s of processor", "out [s]": "s of processor", "longest [s]": "s of processor"}
-UNITS.update({"ms": "ms of processor", "waited": "requests", "ratio": ""})
+UNITS.update({"all [s]": "s of processor", "ms": "ms of processor", "ratio": ""})
+UNITS.update({"wait": "requests", "waited": "requests"})
 
 
 def columns(options):
     """The columns of the table, as options ask for them."""
     seconds = [f"{one:g} s" for one in options.seconds]
     theirs = [] if options.without_or_tools else [*(f"or {one}" for one in seconds), "or driven", "ratio"]
-    return ["first [s]", "cpu [s]", "steps", *seconds, "driven", *theirs, "out [s]", "longest [s]", "ms", "waited"]
+    planned = ["first [s]", "cpu [s]", "steps", "wait", "all [s]", "all", *seconds]
+    return [*planned, "driven", *theirs, "out [s]", "longest [s]", "ms", "waited"]
 
 
 def line(head, cells, names):
@@ -291,7 +317,7 @@ def line(head, cells, names):
     shown = []
     for name in names:
         value = cells.get(name)
-        digits = 2 if "[s]" in name or name == "ratio" else 0 if name in ("ms", "waited") else 1
+        digits = 2 if "[s]" in name or name == "ratio" else 0 if name in ("ms", "wait", "waited") else 1
         text = value if isinstance(value, str) else "-" if value is None else f"{value:.{digits}f}"
         shown.append((text[:-2] if text.endswith(".0") else text).rjust(max(7, len(name))))
     return "  ".join([head[0].ljust(5), str(head[1]).rjust(8), head[2].ljust(6), *shown])
@@ -313,6 +339,12 @@ def main():
     )
     parser.add_argument(
         "--search-timeout", type=float, default=CoreSettings.search_timeout, help="(default: %(default)s)"
+    )
+    parser.add_argument(
+        "--all-seconds",
+        type=float,
+        default=60,
+        help="give up looking for a plan for all requests after so many seconds (default: %(default)s)",
     )
     parser.add_argument("--gap", type=int, default=4, help="actions between two requests (default: %(default)s)")
     parser.add_argument("--or-seconds", type=float, default=5, help="of the plan it drives (default: %(default)s)")
