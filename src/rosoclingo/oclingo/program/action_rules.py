@@ -23,7 +23,7 @@ ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
 FAILED = Signature("_failed", 3)
 STEPS = Signature("_steps", 2)
-"""``_steps(N,C)``: the program claims that a plan from cycle C on takes N steps at least."""
+"""``_steps(N,C)``: the program claims that a plan from cycle C on takes N steps at least; #sup: that there is none."""
 BEYOND = Signature("__oclingo_beyond", 1)
 """``__oclingo_beyond(T)``: the program's name for the literal that is true for steps beyond the horizon."""
 
@@ -54,6 +54,11 @@ def steps_claimed(claim: clingo.Symbol, cycle: int) -> int:
     """Return N where ``claim`` is ``_steps(N,cycle)`` for a number N, else 0."""
     steps, of = claim.arguments
     return steps.number if steps.type is clingo.SymbolType.Number and of == clingo.Number(cycle) else 0
+
+
+def no_plan_from(cycle: int) -> clingo.Symbol:
+    """Return the claim that from ``cycle`` on there is no plan, however many steps it may have."""
+    return clingo.Function(STEPS.name, [clingo.Supremum, clingo.Number(cycle)])
 
 
 def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:

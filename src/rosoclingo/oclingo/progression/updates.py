@@ -33,6 +33,12 @@ class Statement:
         return self.subject in atoms
 
     @property
+    def atoms(self) -> Tuple[clingo.Symbol, ...]:
+        """All atoms that it mentions."""
+        head = () if self.head is None else (self.head,)
+        return (*head, *(literal.atom for literal in self.body))
+
+    @property
     def subject(self) -> Optional[clingo.Symbol]:
         """The atom that this defines or, as a commitment, demands."""
         return self.body[0].atom if self.is_commitment else self.head

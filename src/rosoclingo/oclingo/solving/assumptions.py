@@ -28,24 +28,32 @@ class Search(NamedTuple):
 class Assumptions:
     """What a search assumes beside the horizon: what was told of the facts in doubt, and what is kept.
 
+    And that the program does not claim that there is no plan.
+
     Attributes:
         literals: they all.
 
     """
 
     def __init__(
-        self, doubts: Optional[Doubts], untold: FrozenSet[clingo.Symbol], kept: Dict[clingo.Symbol, int]
+        self,
+        doubts: Optional[Doubts],
+        untold: FrozenSet[clingo.Symbol],
+        kept: Dict[clingo.Symbol, int],
+        claim: Optional[int],
     ) -> None:
-        """Take the facts in doubt that are ``untold``, and the literals of what is ``kept``."""
+        """Take the facts in doubt that are ``untold``, and the literals of what is ``kept`` and of such a ``claim``."""
         self._doubts, self._kept = doubts, kept
-        self.literals = [*(doubts.assumptions(untold) if doubts else ()), *kept.values()]
+        unclaimed = [] if claim is None else [-claim]
+        self.literals = [*(doubts.assumptions(untold) if doubts else ()), *unclaimed, *kept.values()]
 
-    def refuted_by(self, found: List[int], horizon: List[int]) -> Search:
+    def refuted_by(self, found: List[int], horizon: List[int], gave: bool) -> Search:
         """Return the result of a search that has no answer, by the core that was ``found``.
 
-        The literals of its ``horizon`` were assumed as well.
+        The literals of its ``horizon`` were assumed as well, and other atoms if it ``gave`` any: clingo may blame those
+        by literals that are not theirs.
         """
         core = set(found if self.literals else horizon)
         facts = self._doubts.among(core) if self._doubts else frozenset()
         blamed = frozenset(one for one, literal in self._kept.items() if literal in core)
-        return Search(False, core=facts, timeless=core.isdisjoint(horizon), blamed=blamed)
+        return Search(False, core=facts, timeless=not gave and core.isdisjoint(horizon), blamed=blamed)

@@ -13,7 +13,7 @@ import clingo
 from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, STEPS, steps_claimed
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import ReturnRules
@@ -211,6 +211,12 @@ class Grounding:
         claims = [one.symbol for one in self._control.symbolic_atoms.by_signature(*STEPS) if one.is_fact]
         return max((steps_claimed(claim, step) for claim in claims), default=0)
 
+    def claim(self, step: int) -> Optional[int]:
+        """Return the literal of the claim that there is no plan from ``step`` on; None where it can't be true."""
+        claims = STEPS in self.program.head_signatures
+        known = self._control.symbolic_atoms[no_plan_from(step)] if claims else None
+        return known.literal or None if known is not None else None
+
     def show(self, propagator: Propagator) -> None:
         """Let ``propagator`` read the program as it stands, without a search."""
         self._control.register_propagator(propagator)
@@ -264,13 +270,14 @@ class Grounding:
         stopped: Callable[[], bool],
         first: int,
         last: int,
-        given: Iterable[Tuple[clingo.Symbol, bool]] = (),
+        given: Sequence[Tuple[clingo.Symbol, bool]] = (),
         conflicts: Optional[int] = None,
         best: bool = True,
         proven: bool = True,
         untold: FrozenSet[clingo.Symbol] = frozenset(),
         kept: Sequence[clingo.Symbol] = (),
         advised: bool = True,
+        claim: Optional[int] = None,
     ) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
@@ -279,10 +286,11 @@ class Grounding:
         they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
         ``best``, or else any; where that need not be ``proven``, the best that is found until the search is stopped.
         Facts in doubt were told but those ``untold``. What is ``kept`` is true. ``#heuristic`` counts if ``advised``.
+        The literal ``claim`` is false.
         """
         self.atoms.end_definitions()
         self._actions.forbid_late()
-        assumed, horizon = self._assumed(untold, kept), self._ends.range(first, last)
+        assumed, horizon = self._assumed(untold, kept, claim), self._ends.range(first, last)
         self._session.close()
         answers, horizons, foreseen = [], [last], [Foreseen()]
         this = proxy(self)  # since the control keeps the function, which must not keep the control
@@ -305,14 +313,16 @@ class Grounding:
         kept_answers = tuple(answers if proven else answers[-1:])
         if satisfied:
             return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1])
-        return assumed.refuted_by(core, horizon) if assumed else Search(False, timeless=not horizon)
+        return assumed.refuted_by(core, horizon, bool(given)) if assumed else Search(False)
 
-    def _assumed(self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol]) -> Optional[Assumptions]:
-        """Return what a search assumes beside its horizon; None where nothing is in doubt or kept, as a rule."""
-        if not (self._doubts or kept):
+    def _assumed(
+        self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol], claim: Optional[int]
+    ) -> Optional[Assumptions]:
+        """Return what a search assumes beside its horizon; None where it is nothing, as a rule."""
+        if not (self._doubts or kept or claim):
             return None
         literals = {one.symbol: one.literal for one in map(self._control.symbolic_atoms.__getitem__, kept) if one}
-        return Assumptions(self._doubts, untold, literals)
+        return Assumptions(self._doubts, untold, literals, claim)
 
     def _foresee(self, model: clingo.Model, rules: ReturnRules) -> Foreseen:
         """Return what is foreseen of a model whose shown atoms are known."""

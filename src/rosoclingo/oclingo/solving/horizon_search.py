@@ -18,6 +18,7 @@ class HorizonSearch:
         answered: the processor time of this process when there was an answer that would do, None where only the end
             gives it.
         permanent: True once nothing can make the program satisfiable again.
+        hopeless: True once no horizon has an answer, unless something is told.
         proven: True once an answer is known to be of the least horizon.
 
     """
@@ -31,13 +32,13 @@ class HorizonSearch:
         self._block = block
         self.seconds = 0.0
         self.answered: Optional[float] = None
-        self.permanent = False
+        self.permanent = self.hopeless = False
         self.proven = False
 
     def run(self, transaction: Transaction) -> Search:
         """Search at the grounded horizons, then grow until there is an answer or no more may be grounded."""
         found = self._search_grounded(transaction)
-        while found.satisfiable is False and not self.permanent and transaction.may_grow():
+        while found.satisfiable is False and not self.hopeless and transaction.may_grow():
             if self._halt():
                 return Search(None)
             first = transaction.state.horizon + 1
@@ -73,7 +74,7 @@ class HorizonSearch:
             found = self._ask(transaction, low, high)
             if found.satisfiable:
                 return self._improve(transaction, low, found)
-            if found.satisfiable is None or self.permanent:
+            if found.satisfiable is None or self.hopeless:
                 return found
         return found
 
@@ -95,10 +96,15 @@ class HorizonSearch:
         grounding = transaction.ready()
         models = limits.pop("models", self._models if first == last else 1)
         start = time.perf_counter()
-        found = grounding.search(models, self._halt, first, last, **limits)
+        found = grounding.search(models, self._halt, first, last, claim=self._claim(transaction), **limits)
         self.seconds += time.perf_counter() - start
         self.permanent = found.satisfiable is False and grounding.conflicting
+        self.hopeless = self.permanent or (found.timeless and grounding.complete)
         return found
+
+    def _claim(self, transaction: Transaction) -> Optional[int]:
+        """Return what the program may claim, for plans: other answers are what they are."""
+        return transaction.claim if self._shortest else None
 
 
 def first_horizon(transaction: Transaction) -> int:

@@ -91,7 +91,8 @@ class Inquiry:
             if halt():
                 return Search(None)
             grounding = transaction.ready()
-            found = grounding.search(1, halt, first_horizon(transaction), last, best=False, untold=untold, kept=kept)
+            first, claim = first_horizon(transaction), transaction.claim
+            found = grounding.search(1, halt, first, last, best=False, untold=untold, kept=kept, claim=claim)
             if found.satisfiable is not False:
                 return found
             core = set(found.core) if self._idles else core | found.core
@@ -111,10 +112,10 @@ class Inquiry:
     def _begun(self, halt: Callable[[], bool], dropped: Optional[Callable[[], bool]]) -> Optional[Transaction]:
         """Return the transaction that has taken the update; None where it was stopped."""
         if self._transaction is None or not self._idles:
-            begun = Transaction(self._setting, self._state.copy(), None, dropped, doubted=self._doubted)
+            begun = Transaction(self._setting, self._state.shortened(), None, dropped, doubted=self._doubted)
             if not begun.begin(self._update, halt):
                 return None
-            self._transaction, self._least = begun, begun.state.horizon
+            self._transaction, self._least = begun, max(self._state.horizon, begun.state.horizon)
         return self._transaction
 
     def _horizons(self, transaction: Transaction, halt: Callable[[], bool]) -> Iterator[int]:

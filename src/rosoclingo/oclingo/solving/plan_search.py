@@ -146,7 +146,7 @@ class PlanSearch(HorizonSearch):
                 self._take(transaction, found)
                 return found
             more, refuted = transaction.may_grow(), self._least > transaction.state.horizon
-            if self.permanent or (not more and (refuted or self._caller_halts())):
+            if self.hopeless or (not more and (refuted or self._caller_halts())):
                 return found
             harder *= 1 if refuted else 2
             for _ in self._grow(transaction, refuted) if more else ():
@@ -158,7 +158,7 @@ class PlanSearch(HorizonSearch):
         last, more, advises = transaction.state.horizon, transaction.may_grow(), transaction.program.advises
         for plan in self._old:
             found = self._look(transaction, self._least, last, CONFLICTS, [(one, True) for one in plan.actions])
-            if found.satisfiable or self.permanent:
+            if found.satisfiable or self.hopeless:
                 return found
         if self._block == 1 or not (more or advises):
             return self._look(transaction, self._least, last, None)
@@ -172,7 +172,7 @@ class PlanSearch(HorizonSearch):
             if last >= self._least and last - transaction.state.step < FEW_STEPS:
                 conflicts = harder * self._few(transaction, last)
                 found = self._look(transaction, self._least, last, conflicts, advised=False)
-                if found.satisfiable is not False or self.permanent:
+                if found.satisfiable is not False or self.hopeless:
                     break
         return found
 

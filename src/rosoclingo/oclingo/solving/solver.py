@@ -355,7 +355,7 @@ class ReactiveSolver(ForeseeingSolver):
         spent["needed"] = (search.answered or time.process_time()) - began
         state, warnings = transaction.state, (*transaction.warnings, *transaction.remarks())
         horizon = found.horizon if found.satisfiable else state.horizon
-        if search.permanent:
+        if search.hopeless:
             horizon = max(horizon, transaction.last_horizon())
         answers, proven, returns = found.answers, search.proven, self._foreseen(found, state, search.proven)
         return SolveResult(outcome, answers, horizon, state.step, warnings, search.permanent, spent, proven, returns)

@@ -10,6 +10,7 @@ before. Where nothing was committed for the cycle, it comes with each return: th
 """
 
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Optional, Set, Tuple, Union
 
 import clingo
@@ -38,6 +39,8 @@ class Term:
 
     term: clingo.Symbol
 
+
+_NUMBER = clingo.SymbolType.Number
 
 FOREVER, UPDATE = "forever", "update"
 Lifetime = Union[str, int, Term]
@@ -142,6 +145,10 @@ class StreamState:
         for entry in [*self.lapsing, *self.waiting]:
             yield entry.statement
 
+    def statements(self) -> Iterator[Statement]:
+        """Yield all that was told and still matters, be it in force or waiting."""
+        return chain(self.permanent, self.unsettled())
+
     def facts_without(self, doubted: FrozenSet[clingo.Symbol]) -> Set[clingo.Symbol]:
         """Return what is a fact for good, but what is ``doubted``."""
         facts = {one.head for one in self.permanent if one.head is not None and not one.body}
@@ -175,6 +182,18 @@ class StreamState:
             closed_cycles=dict(self.closed_cycles),
             told=set(self.told),
         )
+
+    def shortened(self) -> "StreamState":
+        """Return a copy with a shorter horizon, at which the steps are ground of which something was told.
+
+        The same where something lapses or was closed by then.
+        """
+        copy = self.copy()
+        if not self.forgotten and all(entry.lifetime == UPDATE for entry in self.lapsing):
+            atoms = [*self.open_atoms, *(atom for one in self.statements() for atom in one.atoms)]
+            told = [value.number for atom in atoms for value in atom.arguments if value.type is _NUMBER]
+            copy.horizon = min(self.horizon, max([self.step, *told]))
+        return copy
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
         """Return the state that would be, had none of ``facts`` been told; an action in it was not executed.

@@ -174,6 +174,17 @@ class Transaction:
         self.grounding.settle(min(self.state.settled, self.state.horizon) if self._shortest else self.state.horizon)
         return self.grounding
 
+    @property
+    def claim(self) -> Optional[int]:
+        """The literal that is true where the program claims that there is no plan; None where it can't, or is wrong.
+
+        That is so as long as nothing is told, be it of a later step and told already.
+        """
+        claim = self.ready().claim(self.state.step)
+        told = (one for one in self.state.statements() if claim is not None and one.head is not None)
+        ahead = any(self.program.may_mention(atom, self.state.step + 1) for one in told for atom in one.atoms)
+        return None if ahead else claim
+
     def may_grow(self) -> bool:
         """Whether the bound and the limit of the horizon allow another step."""
         return self.last_horizon(self.state.horizon + 1) > self.state.horizon

@@ -1,0 +1,18 @@
+"""The bench of goals that a blocked connection cuts off, on few of them."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
+
+import cut_off  # noqa: E402
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_goals_that_are_cut_off_are_told():
+    seconds, told = cut_off.measure(4, 4, seed=1)
+    assert seconds > 0.0
+    assert 0 < told <= 4

@@ -1,0 +1,114 @@
+"""The delivery robot's claims that there is no plan: right whatever has happened, so that none is ever lost by them."""
+
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+from mailbot_world import ENCODINGS
+
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo.program.action_rules import STEPS, is_action_of
+from rosoclingo.oclingo.program.sources import Source
+
+BOUND = 24
+FLOORS = {
+    "row": "corridor(o1,o2). corridor(o2,o3).",
+    "loop": "corridor(o1,o2). corridor(o2,o3). corridor(o3,o1).",
+}
+WAYS = st.sampled_from(["o1,o2", "o2,o3", "o3,o1"])
+GOALS = st.sampled_from(["o1,o3", "o3,o1", "o2,o3", "o1,o2"])
+REASONS = st.sampled_from([*6 * [None], "blocked", "failed", "unknown_label", "preempted", "not_here", "not_at_label"])
+LATER = st.sampled_from([0, 0, 0, 5])
+
+
+def solver_of(floor, claims):
+    """A solver of the mailbot, with the claims or without."""
+    facts = " ".join(f"office(o{number})." for number in (1, 2, 3))
+    text = f"#program base. start(o1). {facts} {FLOORS[floor]}"
+    program = ReactiveProgram([Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", text)])
+    for part in program.parts:
+        part.statements = [one for one in part.statements if claims or not is_claim(one)]
+    return ReactiveSolver(program, shortest=True, oclingo_strings=False)
+
+
+def is_claim(statement):
+    return str(statement.ast).startswith(f"{STEPS.name}(#sup,")
+
+
+@st.composite
+def news(draw):
+    """What is told with one update, its cycle left out, and how the action before has ended."""
+    way, number = draw(WAYS), draw(st.integers(1, 2))
+    kinds = [
+        f"_blocked({way},{{0}}+{draw(LATER)}).",
+        f"_opened({way},{{0}}+{draw(LATER)}).",
+        f"_request(cancel({number}),{{1}}).",
+        f"_request(goal({draw(GOALS)},{number}),{{1}}+1).",
+    ]
+    return draw(REASONS), draw(st.lists(st.sampled_from(kinds), max_size=2, unique=True))
+
+
+def written(step, action, reason, facts):
+    """The update of a step, with what became of the action before it."""
+    lines = [f"#step {step} : {BOUND}. #closed {step - 1}."]
+    if action is not None:
+        name, value = action.arguments[:2]
+        lines += [f":- not {action}.", f"_return({name},{reason or value},{step - 1})."]
+    lines += [evaluated(fact.format(step - 1, step)) for fact in facts]
+    return parse_update(" ".join([*lines, "#endstep."]))
+
+
+def evaluated(fact):
+    """The fact with its cycle as a number."""
+    head, _, cycle = fact.rstrip(").").rpartition(",")
+    return f"{head},{sum(map(int, cycle.split('+')))})."
+
+
+def test_the_rules_that_are_left_out_are_the_claims():
+    left_out = [one for part in solver_of("row", True).program.parts for one in part.statements if is_claim(one)]
+    assert len(left_out) == 2
+
+
+def check(floor, told, note=lambda text: None):
+    """Have both solvers take what is told, and do the first one's plan; return the outcomes."""
+    claiming, other = solver_of(floor, True), solver_of(floor, False)
+    action, outcomes = None, []
+    for step, (reason, facts) in enumerate(told, 1):
+        update = written(step, action, reason, facts)
+        ours, theirs = claiming.update(update), other.update(update)
+        assert ours.outcome is theirs.outcome, str(update)
+        action = None
+        if ours.outcome is SolveOutcome.SATISFIABLE:
+            assert ours.horizon == theirs.horizon
+            action = next(filter(is_action_of(step), ours.answers[0]), None)
+        elif claiming.horizon < other.horizon:
+            note("told by a claim")
+        outcomes.append(ours.outcome is SolveOutcome.SATISFIABLE)
+    return outcomes
+
+
+GOAL = "_request(goal(o1,o3,1),{1}+1)."
+SHUT, OPEN = "_blocked(o1,o2,{0}+0).", "_opened(o1,o2,{0}+0)."
+CANCEL = "_request(cancel(1),{1})."
+
+
+@pytest.mark.parametrize(
+    ("told", "outcomes"),
+    [
+        ([(None, [GOAL]), (None, [SHUT]), (None, []), (None, [OPEN])], [1, 0, 0, 1]),
+        ([(None, [GOAL]), (None, [SHUT]), (None, [CANCEL])], [1, 0, 1]),
+        ([(None, [GOAL]), (None, []), (None, []), (None, [SHUT, CANCEL])], [1, 1, 1, 1]),
+        ([(None, [GOAL]), (None, [SHUT]), (None, ["_opened(o1,o2,{0}+9)."])], [1, 0, 1]),
+        ([(None, [GOAL]), *3 * [("preempted", [])], (None, [GOAL.replace("1)", "2)")])], [1, 1, 1, 0, 1]),
+    ],
+    ids=["opened again", "cancelled", "cancelled, what it carries cut off", "opened later", "driven by somebody else"],
+)
+def test_it_is_told_as_without_them(told, outcomes):
+    assert check("row", told) == list(map(bool, outcomes))
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=settings.default.max_examples // 4)
+@given(st.sampled_from(sorted(FLOORS)), st.lists(news(), min_size=2, max_size=7))
+def test_there_is_a_plan_where_there_is_one_without_them(floor, told):
+    check(floor, told, event)
