@@ -1,6 +1,7 @@
 """clingo's messages as faults: file, line, what is wrong and, for the common ones, what to write instead."""
 
 import re
+from dataclasses import dataclass, field
 from typing import Callable, List, Tuple
 
 import clingo
@@ -25,35 +26,41 @@ ParameterAt = Callable[[str, int], str]
 """Returns the step parameter of the part that line LINE of FILE stands in."""
 
 
+@dataclass
 class Messages:
-    """Collects what clingo says while it parses, grounds or solves; pass :meth:`log` as its logger."""
+    """Collects what clingo says while it parses, grounds or solves; pass :meth:`log` as its logger.
 
-    def __init__(self) -> None:
-        self._said: List[Tuple[clingo.MessageCode, str]] = []
-        self._remarked = 0
+    Attributes:
+        said: the messages, each with its code.
+        remarked: how many of them were asked for.
+
+    """
+
+    said: List[Tuple[clingo.MessageCode, str]] = field(default_factory=list)
+    remarked: int = 0
 
     def log(self, code: clingo.MessageCode, text: str) -> None:
         """Take a message."""
-        self._said.append((code, text.strip()))
+        self.said.append((code, text.strip()))
 
     def clear(self) -> None:
         """Forget all messages."""
-        self._said.clear()
-        self._remarked = 0
+        self.said.clear()
+        self.remarked = 0
 
     def text(self) -> str:
         """Return all messages as one text."""
-        return "\n".join(text for _, text in self._said)
+        return "\n".join(text for _, text in self.said)
 
     def faults(self, error: RuntimeError, parameter_at: ParameterAt = lambda file, line: "t") -> List[Fault]:
         """Return the errors among the messages; where there is none what ``error`` itself says, then all messages."""
-        errors = [text for code, text in self._said if code == clingo.MessageCode.RuntimeError]
-        found = errors or [str(error).strip(), *(text for _, text in self._said)]
+        errors = [text for code, text in self.said if code == clingo.MessageCode.RuntimeError]
+        found = errors or [str(error).strip(), *(text for _, text in self.said)]
         return [_fault(text, parameter_at) for text in found]
 
     def new_remarks(self, parameter_at: ParameterAt) -> List[Fault]:
         """Return what clingo has said, since this was asked last, that is odd but no error."""
-        fresh, self._remarked = self._said[self._remarked :], len(self._said)
+        fresh, self.remarked = self.said[self.remarked :], len(self.said)
         return [_fault(text, parameter_at) for code, text in fresh if code in _ODD]
 
 

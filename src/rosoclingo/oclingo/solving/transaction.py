@@ -379,7 +379,9 @@ class Transaction:
     def remarks(self) -> Iterator[str]:
         """Yield what clingo has found odd while it ground, each of which is told once."""
         told = self.state.told
-        for one in self.grounding.messages.new_remarks(self.program.parameter_at) if self.grounding is not None else ():
+        if self.grounding is None or not self.grounding.messages.said:
+            return
+        for one in self.grounding.messages.new_remarks(self.program.parameter_at):
             if str(one) not in told and str(one) not in self.program.warnings:
                 told.add(str(one))
                 yield str(one)
