@@ -96,15 +96,13 @@ class HorizonSearch:
         grounding = transaction.ready()
         models = limits.pop("models", self._models if first == last else 1)
         start = time.perf_counter()
-        found = grounding.search(models, self._halt, first, last, claim=self._claim(transaction), **limits)
+        if self._shortest:  # other answers are no plans
+            limits["claim"] = transaction.claim_in(grounding)
+        found = grounding.search(models, self._halt, first, last, **limits)
         self.seconds += time.perf_counter() - start
         self.permanent = found.satisfiable is False and grounding.conflicting
         self.hopeless = self.permanent or (found.timeless and grounding.complete)
         return found
-
-    def _claim(self, transaction: Transaction) -> Optional[int]:
-        """Return what the program may claim, for plans: other answers are what they are."""
-        return transaction.claim if self._shortest else None
 
 
 def first_horizon(transaction: Transaction) -> int:

@@ -64,7 +64,7 @@ class Inquiry:
 
         Raises DroppedError and RuntimeError as a grounding made anew does.
         """
-        found = self.search(untold, bound, halt, dropped)
+        found = self.search(untold, bound, halt, dropped, believes=True)
         return Verdict(found.satisfiable, found.core)
 
     def search(
@@ -74,8 +74,12 @@ class Inquiry:
         halt: Callable[[], bool],
         dropped: Optional[Callable[[], bool]] = None,
         kept: Sequence[clingo.Symbol] = (),
+        believes: bool = False,
     ) -> Search:
         """Look for an answer as :meth:`ask` does, in which the atoms ``kept`` are true, those of them that are ground.
+
+        Where it ``believes`` the program it looks for none if that claims that there is none; but who wants to know
+        why there is none does not.
 
         The longest horizon that may do is asked for last: with more steps it is easier to find an answer, but all of
         them have to be ground where there is none, unless the reason for that has nothing to do with the horizon.
@@ -91,7 +95,7 @@ class Inquiry:
             if halt():
                 return Search(None)
             grounding = transaction.ready()
-            first, claim = first_horizon(transaction), transaction.claim
+            first, claim = first_horizon(transaction), transaction.claim_in(grounding) if believes else None
             found = grounding.search(1, halt, first, last, best=False, untold=untold, kept=kept, claim=claim)
             if found.satisfiable is not False:
                 return found

@@ -174,13 +174,12 @@ class Transaction:
         self.grounding.settle(min(self.state.settled, self.state.horizon) if self._shortest else self.state.horizon)
         return self.grounding
 
-    @property
-    def claim(self) -> Optional[int]:
-        """The literal that is true where the program claims that there is no plan; None where it can't, or is wrong.
+    def claim_in(self, grounding: Grounding) -> Optional[int]:
+        """Return the literal that is true where the program claims that there is no plan; None where it can't be.
 
-        That is so as long as nothing is told, be it of a later step and told already.
+        Nor where the claim may be wrong, as something was told of a later step.
         """
-        claim = self.ready().claim(self.state.step)
+        claim = grounding.claim(self.state.step)
         told = (one for one in self.state.statements() if claim is not None and one.head is not None)
         ahead = any(self.program.may_mention(atom, self.state.step + 1) for one in told for atom in one.atoms)
         return None if ahead else claim

@@ -37,7 +37,10 @@ class World:
     def ready(self):
         return self
 
-    def search(self, models, halt, first, last):
+    def claim_in(self, grounding):
+        assert grounding is self
+
+    def search(self, models, halt, first, last, claim=None):
         assert 1 <= first <= last <= self.state.horizon
         self.asked.append(f"{first}..{last}" + (f" {models}" if models != 1 else ""))
         self.conflicting = self.dead is not None and last >= self.dead

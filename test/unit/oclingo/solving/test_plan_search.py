@@ -76,7 +76,12 @@ class World:
         assert first == self.state.step
         return sorted(actions(*range(first, min(last, self.state.horizon) + 1)))
 
-    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, proven=True, advised=True):
+    def claim_in(self, grounding):
+        assert grounding is self
+
+    def search(
+        self, models, halt, first, last, given=(), conflicts=None, best=True, proven=True, advised=True, claim=None
+    ):
         assert self.state.settled <= first <= last <= self.state.horizon
         assert best or models == 1
         marks = "".join(sorted("-+"[value] + str(cycle_of(one)) for one, value in given))
