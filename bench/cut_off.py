@@ -12,53 +12,35 @@ import time
 
 from deliveries import floor_named, random_requests
 from figures import Figure, parse, write
-from many_goals import ENCODING
+from mailbot_core import MailbotCore
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Outcome
+from rosoclingo.reasoning import GoalChanged, Outcome
 
 DONE = 3
 """Actions that have been done when the connection is blocked."""
 
 
-class Run:
+class Run(MailbotCore):
     """A core whose actions all succeed; it has ended the goals in ``ended``, with these outcomes."""
 
     def __init__(self, floor):
-        program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
-        options = {"plan_time": CoreParameters.plan_time, "spare": True}
+        super().__init__(floor, CoreParameters.plan_time)
         self.ended = {}
-        self.process = SolverProcess(program, shortest=True, oclingo_strings=False, **options)
-        self.core = Core(program, self.process.solver, self._note, CoreSettings())
-
-    def __enter__(self):
-        self.process.start()
-        self.core.start()
-        return self
-
-    def __exit__(self, *error):
-        self.process.close()
 
     @property
     def used(self):
         """Seconds of processor time of this process and the solver's."""
         return time.process_time() + self.process.worked
 
-    def plan(self):
-        """Let the core go on until actions are out, or there is nothing to do."""
-        while self.core.advance(0.0):
-            pass
-
     def act(self, *facts):
         """Answer the actions that are out, and tell some facts beside."""
         answers = [f"_return({one.interface},{one.parameter},{one.cycle})" for one in self.core.awaited]
         self.core.receive("bench", [*facts, *answers])
-        self.plan()
+        self.advance()
 
-    def _note(self, event):
+    def note(self, event):
+        """Note how a goal has ended."""
         if isinstance(event, GoalChanged) and event.outcome is not None:
             self.ended[event.key] = event.outcome
 
@@ -68,9 +50,8 @@ def measure(offices, count, seed):
     floor = floor_named(str(offices))
     middle = offices // 2
     with Run(floor) as run:
-        for request in random_requests(floor, count, seed):
-            run.core.add_goal(str(request.number), request.goal)
-        run.plan()
+        run.add_goals(random_requests(floor, count, seed))
+        run.advance()
         for _ in range(DONE):
             run.act()
         begin = run.used

@@ -33,21 +33,17 @@ import os
 import time
 from collections import deque
 from contextlib import suppress
-from pathlib import Path
 from statistics import mean
 
 import routing
 from cycles import processor_clock
 from deliveries import World, actions_of_route, floor_named, random_requests
 from figures import Figure, parse, write
+from mailbot_core import MailbotCore
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
+from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome
 
-ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
 HOWS = ("once", "stream")
 
 MOST_IDLE = 600
@@ -58,24 +54,13 @@ class TooLongError(Exception):
     """There is no plan for all requests in the time that it may take."""
 
 
-class Robot:
+class Robot(MailbotCore):
     """A core and the world that answers it."""
 
     def __init__(self, floor, plan_time, search_timeout=0.0, all_seconds=0.0):
-        program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
-        settings = CoreSettings(search_timeout=search_timeout)
+        super().__init__(floor, plan_time, CoreSettings(search_timeout=search_timeout))
         self.world, self._limit, self._all_seconds = World(floor), search_timeout, all_seconds
-        self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
-        self.core = Core(program, self.process.solver, self._note, settings, self._watch)
         self.improving, self.longest, self.waited, self.now, self.idle = 0.0, 0.0, 0, 0.0, 0
-
-    def __enter__(self):
-        self.process.start()
-        self.core.start()
-        return self
-
-    def __exit__(self, *error):
-        self.process.close()
 
     @property
     def used(self):
@@ -85,14 +70,12 @@ class Robot:
     def ask(self, requests):
         """Send goals; their packages wait from now on."""
         self.world.ask(requests)
-        for request in requests:
-            self.core.add_goal(str(request.number), request.goal)
+        self.add_goals(requests)
 
     def plan(self):
         """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
         begin = self.used
-        while self.core.advance(self.now):
-            pass
+        self.advance(self.now)
         self.longest = max(self.longest, self.used - begin)
         self.waited = max(self.waited, self.unknown)
         return self.steps()
@@ -150,7 +133,7 @@ class Robot:
             self.world.do(action.interface_name, str(action.parameter))
             self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
 
-    def _watch(self):
+    def watch(self):
         """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""
         begin, queue = self.used, self.core.queue
         limit = self._limit * queue.patience
@@ -163,8 +146,8 @@ class Robot:
 
         return look
 
-    @staticmethod
-    def _note(event):
+    def note(self, event):
+        """See to it that what can be met is met."""
         if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
             raise SystemExit(f"request {event.key} can be met, but ended as {event.outcome.name}: {event.message}")
 

@@ -90,9 +90,7 @@ def _named(state: StreamState) -> Iterator[clingo.Symbol]:
     """Yield the atoms that the stream has spoken of."""
     yield from state.open_atoms
     for statement in [*state.permanent, *(entry.statement for entry in state.lapsing)]:
-        yield from (literal.atom for literal in statement.body)
-        if statement.head is not None:
-            yield statement.head
+        yield from statement.atoms
 
 
 class _Statements:

@@ -213,9 +213,10 @@ class Grounding:
 
     def claim(self, step: int) -> Optional[int]:
         """Return the literal of the claim that there is no plan from ``step`` on; None where it can't be true."""
-        claims = STEPS in self.program.head_signatures
-        known = self._control.symbolic_atoms[no_plan_from(step)] if claims else None
-        return known.literal or None if known is not None else None
+        if STEPS not in self.program.head_signatures:
+            return None
+        known = self._control.symbolic_atoms[no_plan_from(step)]
+        return (known.literal or None) if known is not None else None
 
     def show(self, propagator: Propagator) -> None:
         """Let ``propagator`` read the program as it stands, without a search."""

@@ -180,7 +180,9 @@ class Transaction:
         Nor where the claim may be wrong, as something was told of a later step.
         """
         claim = grounding.claim(self.state.step)
-        told = (one for one in self.state.statements() if claim is not None and one.head is not None)
+        if claim is None:
+            return None
+        told = (one for one in self.state.statements() if one.head is not None)
         ahead = any(self.program.may_mention(atom, self.state.step + 1) for one in told for atom in one.atoms)
         return None if ahead else claim
 
