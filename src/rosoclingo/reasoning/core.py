@@ -320,7 +320,8 @@ class Core:
 
     def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> None:
         """Take goals out of the program until it is their turn again, but for those in hand."""
-        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, self._announce.told)
+        executed = self._execution.executed
+        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, self._announce.told, executed)
         self._problem(told)
 
     def _keep_plan(self, now: float) -> bool:

@@ -7,22 +7,29 @@ from rosoclingo.oclingo.progression.updates import Item, Withdraw
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
-from rosoclingo.reasoning.keywords import cancellation
+from rosoclingo.reasoning.keywords import Action, cancellation, success_of
 from rosoclingo.reasoning.stream_planner import Planner
 
 
 def put_off(
-    planner: Planner, manager: GoalManager, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str, told: int
+    planner: Planner,
+    manager: GoalManager,
+    chosen: Sequence[Goal],
+    fresh: Sequence[Goal],
+    why: str,
+    told: int,
+    executed: Sequence[Action] = (),
 ) -> Tuple[Planner, str]:
     """Take those of the ``chosen`` goals that are not in hand out of the program; what was too much: ``why``.
 
     Where they all are, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up
-    to that of this cycle. Those of an update that is not in force can always wait. Returns the planner that goes on,
+    to that of this cycle; ``executed`` are the latest actions. Those of an update that is not in force can always wait. Returns the planner that goes on,
     and in words what was done. May raise DisturbedError, with nothing done.
     """
     fed = manager.fed
     others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
-    gone = _postponable(planner, chosen, fed, fresh) or _postponable(planner, others, fed, fresh)
+    trial = _Trial(planner, fed, fresh, executed)
+    gone = _postponable(planner, chosen, fresh, trial) or _postponable(planner, others, fresh, trial)
     if not gone:
         manager.queue.stay(chosen)
         return planner, f"{why}: the search goes on"
@@ -32,24 +39,28 @@ def put_off(
     return planner, f"{why}: {len(gone)} of {number} goals wait"
 
 
-def _postponable(planner: Planner, chosen: Sequence[Goal], fed: Sequence[Goal], fresh: Sequence[Goal]) -> List[Goal]:
-    """Return those of the ``chosen`` ones of all ``fed`` goals that are not in hand; ``fresh`` ones cannot be.
+def _postponable(planner: Planner, chosen: Sequence[Goal], fresh: Sequence[Goal], trial: "_Trial") -> List[Goal]:
+    """Return those of the ``chosen`` goals that are not in hand; ``fresh`` ones cannot be.
 
     A goal is in hand unless it makes no difference whether it is withdrawn, as if it had never been told, or cancelled:
     with all other goals cancelled there is a plan of the same length. What was picked up for a goal has to be
-    brought back when that is cancelled; and without its request it could never have been picked up.
+    brought back when that is cancelled; and without its request it could never have been picked up. The trial retracts
+    the success returns, since a program can take them as evidence that the action was possible.
     """
     new = [goal for goal in chosen if goal in fresh or not goal.fed]
     old = [goal for goal in chosen if goal not in new and (goal.request_cycle or 0) > planner.log.over]
-    gone = [*new, *_Trial(planner, fed, fresh).untouched(old)] if old else new
+    gone = [*new, *trial.untouched(old)] if old else new
     return [goal for goal in chosen if goal in gone]
 
 
 class _Trial:
     """Plans beside the stream in which each goal is withdrawn or cancelled."""
 
-    def __init__(self, planner: Planner, fed: Sequence[Goal], fresh: Sequence[Goal]) -> None:
+    def __init__(
+        self, planner: Planner, fed: Sequence[Goal], fresh: Sequence[Goal], executed: Sequence[Action]
+    ) -> None:
         self._planner = planner
+        self._successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.over)
         self._old = [goal for goal in fed if goal not in fresh]
         self._fresh = [goal for goal in fed if goal in fresh]
         self._steps = planner.lookahead
@@ -77,7 +88,7 @@ class _Trial:
         gone, step = requests_of([*self._fresh, *withdrawn]), self._planner.log.step + 1
         cancels = [Statement(cancellation(one.identifier, step)) for one in self._old if one not in withdrawn]
         items: List[Item] = [*map(Withdraw, sorted(gone)), *cancels]
-        beside = self._planner.restarted(gone)
+        beside = self._planner.restarted(gone | self._successes)
         beside.lookahead = self._steps
         try:
             result = beside.update(StreamUpdate(step, items=tuple(items)))
