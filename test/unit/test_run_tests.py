@@ -94,3 +94,24 @@ def test_without_python38_the_rest_is_run(whole, capsys):
 def test_what_is_named_is_there():
     named = {*run_tests.WAITING, *run_tests.ONCE, *run_tests.QUICK_ROSTESTS}
     assert named <= {path.stem for path in run_tests.ROSTESTS}
+
+
+def test_unit_tests_run_in_a_folder_with_a_blank(monkeypatch, tmp_path):
+    root = tmp_path / "a clone"
+    (root / "test" / "unit").mkdir(parents=True)
+    (root / "test" / "of_the_runner.py").write_text("VALUE = 1\n")
+    (root / "test" / "unit" / "of_the_units.py").write_text("VALUE = 2\n")
+    test = root / "test" / "unit" / "test_both.py"
+    test.write_text("import of_the_runner, of_the_units\n\n\ndef test_found():\n    assert of_the_runner.VALUE == 1\n")
+    (root / "pyproject.toml").write_text("[tool.pytest.ini_options]\n")
+    monkeypatch.setattr(run_tests, "ROOT", root)
+    outcome = run_tests.Tests(tmp_path / "work").unit(
+        ["--import-mode=importlib", "-c", str(root / "pyproject.toml"), str(test)]
+    )
+    assert (outcome.passed, outcome.failures) == (1, ())
+
+
+def test_what_gives_way_is_not_starved():
+    """The kernel divides a processor by weights, which fall by a fifth with each step of nice."""
+    assert run_tests.GIVING_WAY[:2] == ("nice", "-n")
+    assert 1.25 ** -int(run_tests.GIVING_WAY[2]) > 0.3
