@@ -23,8 +23,8 @@ def put_off(
     """Take those of the ``chosen`` goals that are not in hand out of the program; what was too much: ``why``.
 
     Where they all are, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up
-    to that of this cycle; ``executed`` are the latest actions. Those of an update that is not in force can always wait. Returns the planner that goes on,
-    and in words what was done. May raise DisturbedError, with nothing done.
+    to that of this cycle; ``executed`` are the latest actions. Those of an update that is not in force can always
+    wait. Returns the planner that goes on, and in words what was done. May raise DisturbedError, with nothing done.
     """
     fed = manager.fed
     others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
