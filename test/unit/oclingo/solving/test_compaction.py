@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from recorded_streams import STEPS, Planned
 from stream_logs import copied, cut
 from test_solver_properties import PARTS, UPDATES, without_strangers
 
@@ -309,3 +310,40 @@ def test_answers_equal_those_of_a_solver_that_only_forgets(parts, data, margin):
         assert set(found.answers) == set(expected.answers), (parts.text(), str(update), first)
         if found.permanent:
             return
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_withdrawal_after_a_checkpoint_has_the_verdict_of_the_whole_history(seed):
+    """And what was picked up for a request, of a package that no correction names, was not without it."""
+    stream, step, items, asked, picked = Planned("mailbot", 100 + seed), 0, [], set(), set()
+    compacting = stream.solver
+    whole = ReactiveSolver(compacting.program, shortest=True, oclingo_strings=False, log_limit=1000)
+    for _ in range(10):
+        items += stream.events()
+        stream.step = step = step + 1
+        asked |= {parse_atom(one) for one in items if one.startswith("_request(goal")}
+        compacting.forget_before(step - 4)
+        text = f"#step {step} : {STEPS}. " + " ".join(f"{item}." for item in items) + " #endstep."
+        result, other = compacting.update(parse_update(text)), whole.update(parse_update(text))
+        assert result.outcome is other.outcome, text
+        if result.outcome is not SolveOutcome.SATISFIABLE:
+            return
+        compacting.begin_log_anew()
+        for one in [one for one in asked if one.arguments[1].number > step - 3]:
+            verdicts = [outcome_without(solver, one) for solver in (compacting, whole)]
+            assert verdicts[0] is verdicts[1], (text, str(one))
+            if str(one.arguments[0].arguments[-1]) in picked:
+                assert verdicts[0] is SolveOutcome.UNSATISFIABLE, (text, str(one))
+        items = stream.outcomes(result)
+        returned = [parse_atom(item) for item in items if item.startswith("_return(pickup")]
+        picked |= {str(one.arguments[1]) for one in returned} - {"1", "2", "777"}  # what corrections name
+        assert whole.log.length > compacting.log.length
+
+
+def outcome_without(solver, request):
+    """The outcome after the same log without a request."""
+    beside = ReactiveSolver(solver.program, shortest=True, oclingo_strings=False)
+    beside.restore(solver.log.less(frozenset([request])))
+    return beside.solve().outcome
