@@ -18,10 +18,23 @@ from rosoclingo.oclingo.gringo3.elements import (
 )
 from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
-from rosoclingo.oclingo.gringo3.syntax import Aggregate, Element, Literal, Term, has_pool, show, show_literal
+from rosoclingo.oclingo.gringo3.syntax import (
+    Aggregate,
+    Element,
+    Literal,
+    Term,
+    WeakConstraint,
+    has_interval,
+    has_pool,
+    show,
+    show_literal,
+)
 
 SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
 """Tokens inside literals and terms that today's syntax lacks or reads otherwise."""
+
+_MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
+"""What a comparison with a bound in front of an average says of the average."""
 
 
 class AggregateTranslator:
@@ -39,7 +52,11 @@ class AggregateTranslator:
         """Translate any aggregate but averages and parities."""
         self._bounds(aggregate)
         first, after = aggregate.inside
-        if aggregate.bracket == "{":
+        if has_tuples(aggregate) or (aggregate.bracket == "{" and aggregate.function != "#count"):
+            self._rewriting.replace((aggregate.start, first + 1), aggregate.function + " {")
+            for element in aggregate.elements:
+                self._rewriting.replace(element.span, self._tuple_element(element, aggregate.function, in_head))
+        elif aggregate.bracket == "{":
             self._rewriting.replace((aggregate.start, first + 1), "{")
             for element in aggregate.elements:
                 self._set_element(element)
@@ -60,16 +77,29 @@ class AggregateTranslator:
         first = aggregate.span[0] + aggregate.negated
         before = aggregate.assigned or aggregate.lower
         if before and self.special(first, aggregate.start):
-            equals = " =" if aggregate.assigned else ""
-            self._rewriting.replace((first, aggregate.start), show(before) + equals)
+            sign = "=" if aggregate.assigned else aggregate.before
+            self._rewriting.replace((first, aggregate.start), f"{show(before)} {sign}".rstrip())
         if aggregate.upper and self.special(aggregate.inside[1], aggregate.span[1]):
-            self._rewriting.replace((aggregate.inside[1], aggregate.span[1]), show(aggregate.upper))
+            text = f"{aggregate.after} {show(aggregate.upper)}".lstrip()
+            self._rewriting.replace((aggregate.inside[1], aggregate.span[1]), text)
 
     def _check_bound(self, aggregate: Aggregate, bound: Optional[Term]) -> None:
         if bound and has_pool(bound):
             raise RefusalError(
                 self._tokens[aggregate.start], "a pool as bound has no clear meaning", "write one rule for each bound"
             )
+
+    def _tuple_element(self, element: Element, function: str, in_head: bool) -> str:
+        """An element of a set of tuples; where these are counted, literals are among them as tuples of their own."""
+        if element.terms is None:
+            self._check_set_literal(element.literal)
+            singles = [self.elements.counted(single) for single in self.elements.elements(element)]
+            return "; ".join(_with_tuple(f"0,{instance(one.literal)}", one, in_head) for one in singles)
+        mark = ["1"] if function == "#count" else []
+        singles = self.elements.tuples(element, in_head)
+        for one in singles if in_head else ():
+            self._check_set_literal(one.literal)
+        return "; ".join(_with_tuple(",".join([*mark, *map(show, one.terms or ())]), one, in_head) for one in singles)
 
     def _set_element(self, element: Element) -> None:
         self._check_set_literal(element.literal)
@@ -105,9 +135,7 @@ class AggregateTranslator:
         if in_head and not literal.is_atom:
             raise RefusalError(self._tokens[literal.span[0]], "a comparison in a head cannot be translated")
         terms = ",".join([change(weight(element)), key, *instance_variables(element)])
-        if in_head:
-            return f"{terms} : {show_element(element)}"
-        return f"{terms} : {show_conditions((literal, *element.conditions))}"
+        return _with_tuple(terms, element, in_head)
 
     def tuples(self, aggregate: Aggregate, in_head: bool, change: Callable[[str], str] = str) -> str:
         """All elements of a multiset in one text."""
@@ -127,7 +155,10 @@ class AggregateTranslator:
         The average of no weights lies between any bounds, and so does a sum of no differences.
         """
         sums = []
-        for bound, relation in ((aggregate.lower, ">="), (aggregate.upper, "<=")):
+        for bound, relation in (
+            (aggregate.lower, _MIRRORED[aggregate.before]),
+            (aggregate.upper, aggregate.after or "<="),
+        ):
             if bound is None:
                 continue
             self._check_bound(aggregate, bound)
@@ -144,6 +175,22 @@ class AggregateTranslator:
         return f"{value} = {function}{{ {elements} }}, {value} \\ 2 {relation} 0"
 
 
+def has_tuples(aggregate: Aggregate) -> bool:
+    """Whether an aggregate has elements such as ``<terms> : literal``."""
+    return any(element.terms is not None for element in aggregate.elements)
+
+
+def instance(literal: Literal) -> str:
+    """A term that stands for a literal, whatever it has for a condition."""
+    return f"({int(literal.negated)},{show(literal.left)})"
+
+
+def _with_tuple(terms: str, element: Element, in_head: bool) -> str:
+    if in_head:
+        return f"{terms} : {show_element(element)}"
+    return f"{terms} : {show_conditions((element.literal, *element.conditions))}"
+
+
 Domains = Sequence[Tuple[str, Sequence[str]]]
 """Atoms declared by ``#domain``, each with its variables."""
 
@@ -158,6 +205,7 @@ class OptimizationTranslator:
     def __init__(self, tokens: Sequence[Token], rewriting: Rewriting, naming: Naming, file: str) -> None:
         self._tokens, self._rewriting, self._file = tokens, rewriting, file
         self._elements = ElementTranslator(tokens, naming)
+        self._weak_constraints = 0
 
     def optimize(self, parsed: Elements, level: int, step: str, domains: Domains) -> None:
         """Translate in place.
@@ -170,7 +218,7 @@ class OptimizationTranslator:
         number = 0
         for element in parsed.elements:
             texts = []
-            for single in self._elements.elements(element):
+            for single in self._singles(element):
                 key = f'"{self._file}:{level + 1}"' + ("," + step if step else "")
                 key += "" if parsed.bracket == "{" else "," + str(number)
                 texts.append(self._element(single, parsed.bracket == "{", key, level, domains))
@@ -179,15 +227,33 @@ class OptimizationTranslator:
         for count, comma in enumerate(parsed.commas, 1):
             self._rewriting.replace((comma, comma + 1), ";" if count < len(parsed.elements) else "")
 
+    def _singles(self, element: Element) -> List[Element]:
+        if element.terms is None:
+            return self._elements.elements(element)
+        return self._elements.tuples(element, in_head=False)
+
     def _element(self, element: Element, unique: bool, key: str, level: int, domains: Domains) -> str:
         added = domain_atoms(self._tokens[element.span[0] : element.span[1]], domains)
-        element = self._elements.counted(element)
-        atom = f"({int(element.literal.negated)},{show(element.literal.left)})"
-        instance = [atom] if unique else instance_variables(element)
         priority = show(element.priority) if element.priority else str(level)
-        terms = ",".join([f"{weight(element)}@{priority}", key, *instance])
+        if element.terms is None:
+            element = self._elements.counted(element)
+            first, rest = weight(element), [instance(element.literal)] if unique else instance_variables(element)
+        else:
+            first, *rest = map(show, element.terms)
+        terms = ",".join([f"{first}@{priority}", key, *rest])
         conditions = show_conditions((element.literal, *element.conditions))
         return "{} : {}".format(terms, ", ".join([conditions, *added]))
+
+    def weak(self, weak: WeakConstraint, after: int, step: str, variables: Sequence[str]) -> None:
+        """Write the weight of a weak constraint, which ends before a token; each instance of its body counts."""
+        token = self._tokens[weak.dot]
+        for term, what in ((weak.weight, "weight"), (weak.priority, "priority")):
+            if has_pool(term) or has_interval(term):
+                raise RefusalError(token, f"a pool or an interval as {what} of a weak constraint has no clear meaning")
+        self._weak_constraints += 1
+        terms = [f'"{self._file}:~{self._weak_constraints}"', *([step] if step else []), *variables]
+        text = f". [{show(weak.weight)}@{show(weak.priority)},{','.join(terms)}]"
+        self._rewriting.replace((weak.dot, after), text)
 
     def compute(self, first: int, parsed: Elements, domains: Domains) -> None:
         """Replace a ``#compute`` statement by constraints."""

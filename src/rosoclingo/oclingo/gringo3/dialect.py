@@ -31,12 +31,15 @@ class Finding:
 
 
 _ONLY_GRINGO3 = ("#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;")
-_ONLY_CLINGO5 = (":~", "#heuristic", "#edge", "#project", "#theory", "#defined", "#inf", "#sup", "$")
+_ONLY_CLINGO5 = ("#heuristic", "#edge", "#project", "#theory", "#defined", "#inf", "#sup", "$")
 _WORDS = {**dict.fromkeys(_ONLY_GRINGO3, Sign.GRINGO3), **dict.fromkeys(_ONLY_CLINGO5, Sign.CLINGO5)}
 _COMPARISONS = ("=", "==", "!=", "<", "<=", ">", ">=")
 _OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")
 _TUPLE_FUNCTIONS = ("#sum", "#sum+", "#min", "#max")
 _OPENING = {"(": ")", "{": "}", "[": "]"}
+_FUNCTIONS = ("#count", *_TUPLE_FUNCTIONS, "#avg", "#even", "#odd")
+_BEFORE_AGGREGATE = ("", ":-", ":~", ",", ";", "not", ":")
+_AFTER_AGGREGATE = ("", ".", ":-", ",", ";", ":")
 _TUPLE_STARTS = (Kind.VARIABLE, Kind.NUMBER, Kind.STRING, Kind.BASED_NUMBER, Kind.ANONYMOUS)
 
 
@@ -60,6 +63,7 @@ def findings(statement: Sequence[Token]) -> Iterator[Finding]:
     scanner = _Scanner(statement)
     yield from scanner.words()
     yield from scanner.neighbours()
+    yield from scanner.bounds()
     yield from scanner.shapes()
 
 
@@ -85,19 +89,51 @@ class _Scanner:
 
     def neighbours(self) -> Iterator[Finding]:
         """Pairs of tokens that only one language has."""
-        for before, token in zip(self._tokens, self._tokens[1:]):
-            if before.text == "not" and token.text == "not":
+        for before, token in zip((None, *self._tokens), self._tokens):
+            left = "" if before is None else before.text
+            if left == "not" and token.text == "not":
                 yield Finding(Sign.CLINGO5, token, "double negation")
-            elif before.text == "}" and token.text in _COMPARISONS:
-                yield Finding(Sign.CLINGO5, token, "a comparison after an aggregate")
-            elif before.text in _COMPARISONS and (token.text == "{" or token.text in ("#count", *_TUPLE_FUNCTIONS)):
-                yield from self._before_aggregate(before)
+            elif token.text in ("..", ";") and self._name == "#const":
+                yield Finding(Sign.GRINGO3, token, "a constant of a pool or a range")
+            elif token.text == "&" and left in ("", ":-", ",", ";", "not"):
+                yield Finding(Sign.CLINGO5, token, "a theory atom")
+            elif token.text == "<" and left in ("{", ",") and self._name != "#theory":
+                yield Finding(Sign.GRINGO3, token, "a tuple in '<>'")
+        if self._tokens[0].text == ":~" and self._tokens[-1].text in ("]", ">"):
+            new = self._tokens[-1].text == "]"
+            yield Finding(Sign.CLINGO5 if new else Sign.GRINGO3, self._tokens[0], "a weak constraint")
         yield from self._display()
 
-    def _before_aggregate(self, comparison: Token) -> Iterator[Finding]:
-        left = self._tokens[self._tokens.index(comparison) - 1]
-        if comparison.text != "=" or left.kind is not Kind.VARIABLE:
-            yield Finding(Sign.CLINGO5, comparison, "a comparison before an aggregate")
+    def bounds(self) -> Iterator[Finding]:
+        """Comparisons beside aggregates, of which gringo 3 has some."""
+        depth = opening = 0
+        for index, token in enumerate(self._tokens):
+            if token.kind is Kind.STRING:
+                continue
+            if token.text in _OPENING:
+                opening = index if not depth else opening
+                depth += 1
+            elif token.text in _OPENING.values():
+                depth -= 1
+                if depth == 0 and token.text in "}]" and self._is_new(*self._around(opening, index)):
+                    yield Finding(Sign.CLINGO5, token, "a comparison beside an aggregate")
+
+    def _around(self, opening: int, closing: int) -> Tuple[int, int]:
+        """The indices of the tokens before and after an aggregate, -1 for none."""
+        named = opening > 0 and self._tokens[opening - 1].text in _FUNCTIONS
+        return opening - 1 - named, closing + 1 if closing + 1 < len(self._tokens) else -1
+
+    def _is_new(self, left: int, right: int) -> bool:
+        """Whether gringo 3 does not have these bounds: it has ``<`` and the like twice, or ``==``, ``=`` once."""
+        before, after = ("" if index < 0 else self._tokens[index].text for index in (left, right))
+        if before not in _COMPARISONS and after not in _COMPARISONS:
+            return False
+        if after not in _COMPARISONS:
+            variable = left > 0 and self._tokens[left - 1].kind is Kind.VARIABLE
+            return before == "!=" or (before == "=" and not variable) or after not in _AFTER_AGGREGATE
+        if before in _COMPARISONS:
+            return not any(before in same and after in same for same in (("<", "<="), (">", ">=")))
+        return after in ("=", "!=") or before not in _BEFORE_AGGREGATE
 
     def _display(self) -> Iterator[Finding]:
         if self._name == "#show" and len(self._tokens) > 1:
@@ -124,6 +160,8 @@ class _Scanner:
 
     def _open(self, index: int, token: Token) -> Iterator[Finding]:
         self._groups[-1].first_in_segment = False
+        if token.text != "(":
+            self._groups[-1].comparisons = 0  # those on both sides of an aggregate are no chain
         name = self._tokens[index - 1].text if index else ""
         self._groups.append(_Group(token.text, token, name if name.startswith("#") else ""))
         if token.text == "[":

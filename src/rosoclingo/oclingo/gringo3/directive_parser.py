@@ -152,7 +152,12 @@ class DirectiveParser(StatementParser):
         bracket, first = self.token.text, self.index
         elements, commas = self.elements(bracket, priorities)
         for element in elements:
-            self.require_atom(element.literal)
+            if element.terms is None:
+                self.require_atom(element.literal)
+            elif not priorities:
+                raise RefusalError(self._tokens[element.span[0]], "#compute takes no tuples")
+            elif not element.terms:
+                raise RefusalError(self._tokens[element.span[0]], "a tuple in '<>' needs a weight")
         return Elements(elements, commas, (first, self.index), bracket, self.dot())
 
 

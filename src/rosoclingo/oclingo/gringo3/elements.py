@@ -5,16 +5,19 @@ from typing import Iterable, List, Optional, Sequence, Set, Tuple
 from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
 from rosoclingo.oclingo.gringo3.syntax import (
     Element,
+    Function,
     Interval,
     Literal,
     Symbol,
     Term,
     Variable,
     alternative_count,
+    alternatives,
     has_interval,
     has_pool,
     literal_alternatives,
     literal_terms,
+    parts,
     replace_in_literal,
     show,
     show_literal,
@@ -78,6 +81,24 @@ class ElementTranslator:
         return [
             Element(element.span, literal, conditions, element.weight, element.priority)
             for literal in self.spelt_out(element.literal)
+        ]
+
+    def tuples(self, element: Element, in_head: bool) -> List[Element]:
+        """One element for each tuple that pools stand for, and in heads for each literal; in bodies these all hold."""
+        self.single(element.priority, element.literal, "priority")
+        heads = [[one] for one in self.spelt_out(element.literal)] if in_head else [self.spelt_out(element.literal)]
+        tuples = alternatives(Function("", (element.terms or (),)))
+        return [
+            Element(
+                element.span,
+                literals[0],
+                (*literals[1:], *self.conditions(element)),
+                None,
+                element.priority,
+                parts(terms),
+            )
+            for literals in heads
+            for terms in tuples
         ]
 
     def without_intervals(self, element: Element) -> Element:

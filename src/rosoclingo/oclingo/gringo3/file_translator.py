@@ -10,7 +10,17 @@ from rosoclingo.oclingo.gringo3.lexer import Kind, RefusalError, Token
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.rules import RuleTranslator
 from rosoclingo.oclingo.gringo3.statement_parser import FUNCTIONS
-from rosoclingo.oclingo.gringo3.syntax import Aggregate, Disjunction, Element, Rule, show
+from rosoclingo.oclingo.gringo3.syntax import (
+    Aggregate,
+    Disjunction,
+    Element,
+    Rule,
+    Variable,
+    has_interval,
+    has_pool,
+    show,
+    walk,
+)
 from rosoclingo.oclingo.gringo3.visibility import Statement, Visibility
 
 _ARITHMETIC = {"+", "-", "*", "/", "\\", "**", "..", "&", "^", "?", "~", "|", "#mod", "#div", "#pow"}
@@ -107,7 +117,7 @@ class FileTranslator:
             return
         if tokens[0].kind is Kind.SCRIPT:
             raise RefusalError(tokens[0], "scripts cannot be translated", "state what the script computes as facts")
-        if tokens[-1].text != ".":
+        if tokens[-1].text != "." and (tokens[0].text, tokens[-1].text) != (":~", ">"):
             raise RefusalError(tokens[-1], "this statement has no dot at its end")
         parser = DirectiveParser(self._tokens, statement.first, statement.after)
         try:
@@ -128,7 +138,9 @@ class FileTranslator:
     def _parsed(self, statement: StatementDialect, word: Token, parser: DirectiveParser) -> None:
         if word.text in _LPARSE_WORDS and self._tokens[statement.first + 1].text in ("[", "{"):
             raise RefusalError(word, f"'{word.text}' before an aggregate is no number")
-        if word.kind is not Kind.DIRECTIVE or word.text in _AGGREGATES:
+        if word.text == ":~":
+            self._weak(statement, parser)
+        elif word.kind is not Kind.DIRECTIVE or word.text in _AGGREGATES:
             self._rule(statement, parser)
         elif word.text in self._directives():
             parser.step()
@@ -169,6 +181,12 @@ class FileTranslator:
         self._rules.translate(statement.first, rule, domain_atoms(tokens, self._program.domains))
         self._program.visibility.define(_head_signatures(rule), self._step)
 
+    def _weak(self, statement: StatementDialect, parser: DirectiveParser) -> None:
+        weak = parser.weak_constraint()
+        tokens = self._tokens[statement.first : statement.after]
+        found = self._rules.weak_body(weak.body, weak.dot, domain_atoms(tokens, self._program.domains))
+        self._optimization.weak(weak, statement.after, self._step, found)
+
     def _part(self, statement: StatementDialect, parser: DirectiveParser) -> None:
         if self._tokens[statement.first].text == "#base":
             parser.dot()
@@ -190,6 +208,14 @@ class FileTranslator:
         directive = parser.term_directive(True, "=")
         if directive.term is None:
             raise RefusalError(self._tokens[statement.first], "#const needs a value", "write '#const name = value.'")
+        if has_pool(directive.term) or has_interval(directive.term):
+            raise RefusalError(
+                self._tokens[statement.first],
+                "a constant of a pool or a range cannot be translated",
+                f"write {show(directive.term)} in place of {directive.identifier}",
+            )
+        if any(isinstance(part, Variable) for part in walk(directive.term)):
+            raise RefusalError(self._tokens[statement.first], "a constant cannot hold a variable")
         self._program.constants.define(self._tokens[statement.first], directive.identifier)
         self._terms(directive)
 

@@ -96,23 +96,45 @@ def statements(all_tokens: Sequence[Token]) -> Iterator[Tuple[int, int]]:
 
 
 def _after_dot(all_tokens: Sequence[Token], first: int) -> int:
-    """The index after a statement and the bracket that weak constraints and some directives have after their dot."""
+    """The index after a statement, with the weight or value that some have behind their dot."""
     if all_tokens[first].kind is Kind.SCRIPT:
         return first + 1
     index, theory = first, all_tokens[first].text == "#theory"
     while all_tokens[index].kind is not Kind.END:
         if all_tokens[index].text == "." and (not theory or all_tokens[index - 1].text == "}"):
-            return _after_bracket(all_tokens, index + 1)
+            return _after_weight(all_tokens, all_tokens[first].text, index + 1)
         index += 1
     return index
 
 
-def _after_bracket(all_tokens: Sequence[Token], index: int) -> int:
-    if all_tokens[index].text != "[":
+def _after_weight(all_tokens: Sequence[Token], word: str, index: int) -> int:
+    """The index after ``[...]`` or, in gringo 3's weak constraints, ``<...>`` if that belongs to the dot before it."""
+    closing = {"[": "]", "<": ">"}.get(all_tokens[index].text, "")
+    if not closing or word not in _WEIGHTED or (closing == ">" and word != ":~"):
         return index
-    while all_tokens[index].kind is not Kind.END and all_tokens[index].text != "]":
-        index += 1
-    return min(index + 1, len(all_tokens) - 1)
+    end = index
+    while all_tokens[end].text not in (closing, ".") and all_tokens[end].kind is not Kind.END:
+        end += 1
+    if closing == "]" and all_tokens[end].text == "]" and _is_head(all_tokens, index + 1, end):
+        return index
+    return min(end + 1, len(all_tokens) - 1)
+
+
+_WEIGHTED = (":~", "#external", "#heuristic")
+"""Statements that can have brackets behind their dot."""
+
+_NO_WEIGHT = ("=", ":", "not", "{", "<", "<=", ">", ">=", "==", "!=")
+"""Tokens that gringo 3's weighted literals have, but not the weight behind a dot."""
+
+_BEHIND_HEAD = (".", ":-", "<", "<=", ">", ">=", "==")
+
+
+def _is_head(all_tokens: Sequence[Token], first: int, closing: int) -> bool:
+    """Whether brackets begin a statement of gringo 3: they hold what a weight cannot, or the statement goes on."""
+    behind = all_tokens[closing + 1 : closing + 3]
+    bound = len(behind) > 1 and behind[0].kind is Kind.NUMBER and behind[1].text in (".", ":-")
+    inside = (token.text for token in all_tokens[first:closing])
+    return bound or behind[0].text in _BEHIND_HEAD or any(text in _NO_WEIGHT for text in inside)
 
 
 class _LineCounter:

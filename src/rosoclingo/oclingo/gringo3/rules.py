@@ -8,6 +8,7 @@ from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.syntax import (
     Aggregate,
+    Body,
     BodyItem,
     Disjunction,
     Element,
@@ -16,9 +17,11 @@ from rosoclingo.oclingo.gringo3.syntax import (
     Literal,
     Pool,
     Rule,
+    Term,
     has_interval,
     literal_terms,
     show_literal,
+    variables,
     walk,
 )
 
@@ -34,13 +37,39 @@ class RuleTranslator:
 
     def translate(self, first: int, rule: Rule, domains: Sequence[str]) -> None:
         """Translate a rule that starts at a token; ``domains`` are atoms to add to its body."""
-        self._body(rule)
+        self._body(rule.body)
         if isinstance(rule.head, Aggregate) and rule.head.function in (*PARITIES, "#avg"):
             self._several_rules(first, rule, domains)
             return
         if rule.head is not None:
             self._head(rule.head)
         self._append(rule, domains)
+
+    def weak_body(self, body: Body, dot: int, domains: Sequence[str]) -> List[str]:
+        """Translate the body of a weak constraint; return its variables, which tell its instances apart.
+
+        Where an unnamed variable or an interval stands for several instances, it gets a name.
+        """
+        self._body(body)
+        self._append(Rule(None, dot, body, dot), domains)
+        terms: List[Term] = []
+        for item in body.items:
+            if isinstance(item, Literal):
+                literals = self._instances(item)
+                terms += [term for literal in literals for term in literal_terms(literal)]
+            elif isinstance(item, Aggregate):
+                terms += [term for term in (item.assigned, item.lower, item.upper) if term is not None]
+        return variables(terms)
+
+    def _instances(self, item: Literal) -> List[Literal]:
+        found: List[Literal] = []
+        for literal in self._aggregates.elements.spelt_out(item):
+            element = self._aggregates.elements.without_intervals(Element(item.span, literal))
+            element = element if literal.negated else self._aggregates.elements.named(element)
+            found += [element.literal, *element.conditions]
+        if found != [item]:
+            self._rewriting.replace(item.span, ", ".join(map(show_literal, found)))
+        return found
 
     def special(self, first: int, after: int) -> bool:
         """Whether a range of tokens holds one that today's syntax lacks or reads otherwise."""
@@ -58,11 +87,11 @@ class RuleTranslator:
     def _joint(self, rule: Rule) -> str:
         return "; " if isinstance(rule.body.items[-1], Element) else ", "
 
-    def _body(self, rule: Rule) -> None:
-        for number, item in enumerate(rule.body.items):
+    def _body(self, body: Body) -> None:
+        for number, item in enumerate(body.items):
             self._item(item)
-            if isinstance(item, Element) and number < len(rule.body.commas):
-                comma = rule.body.commas[number]
+            if isinstance(item, Element) and number < len(body.commas):
+                comma = body.commas[number]
                 self._rewriting.replace((comma, comma + 1), ";")
 
     def _item(self, item: BodyItem) -> None:

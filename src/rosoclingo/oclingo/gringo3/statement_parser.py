@@ -1,6 +1,6 @@
 """Recursive descent over the rules of gringo 3's language, with their bodies, heads and aggregates."""
 
-from typing import List, Optional, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.gringo3.lexer import Kind, RefusalError
 from rosoclingo.oclingo.gringo3.syntax import (
@@ -17,22 +17,25 @@ from rosoclingo.oclingo.gringo3.syntax import (
     Symbol,
     Term,
     Variable,
+    WeakConstraint,
 )
 from rosoclingo.oclingo.gringo3.term_parser import TermParser
 
 COMPARISONS = ("==", "!=", "<=", ">=", "<", ">")
 FUNCTIONS = {
-    "#count": "{",
-    "#sum": "[",
-    "#sum+": "[",
-    "#min": "[",
-    "#max": "[",
+    "#count": "{[",
+    "#sum": "[{",
+    "#sum+": "[{",
+    "#min": "[{",
+    "#max": "[{",
     "#avg": "[",
     "#even": "{[",
     "#odd": "{[",
 }
+BOUND_COMPARISONS = ("==", "<", "<=", ">", ">=")
 ASSIGNABLE = ("#count", "#sum", "#sum+", "#min", "#max")
 PARITY = ("#even", "#odd")
+_TWO_BOUNDS = "compare in one direction on both sides, as 1 <= { a, b } < 3, or write no comparison at all"
 
 
 class StatementParser(TermParser):
@@ -45,6 +48,18 @@ class StatementParser(TermParser):
         body = Body() if arrow is None else self.body()
         return Rule(head, arrow, body, self.dot())
 
+    def weak_constraint(self) -> WeakConstraint:
+        """A weak constraint with its dot, and with its weight and priority where it has them."""
+        self.expect(":~")
+        body, dot = self.body(), self.dot()
+        weight: Term = Symbol("1")
+        priority: Term = Symbol("1")
+        if self.accept("<") is not None:
+            weight = weight if self.at(":") else self.term()
+            priority = self.term() if self.accept(":") is not None else priority
+            self.expect(">")
+        return WeakConstraint(body, dot, weight, priority)
+
     def dot(self) -> int:
         """The dot that ends a statement; its index."""
         return self.expect(".")
@@ -56,7 +71,7 @@ class StatementParser(TermParser):
         if aggregate:
             return aggregate
         term = self.term()
-        if self._at_aggregate():
+        if self._at_aggregate() or self._at_compared_aggregate():
             return self.aggregate(first, lower=term)
         return self._disjunction(first, self._atom(first, term))
 
@@ -100,7 +115,7 @@ class StatementParser(TermParser):
         if self.at("#true", "#false"):
             return self._with_conditions(self._boolean(first, negated))
         term = self.term()
-        if self._at_aggregate():
+        if self._at_aggregate() or self._at_compared_aggregate():
             return self.aggregate(first, negated, lower=term)
         if not negated and self.at("=", ":="):
             return self._assignment(first, term)
@@ -157,6 +172,9 @@ class StatementParser(TermParser):
     def _at_aggregate(self) -> bool:
         return self.at("{", "[", *FUNCTIONS)
 
+    def _at_compared_aggregate(self) -> bool:
+        return self.at(*BOUND_COMPARISONS) and self._tokens[self.index + 1].text in ("{", "[", *FUNCTIONS)
+
     def _aggregate_at_cursor(self, first: Optional[int] = None, negated: bool = False) -> Optional[Aggregate]:
         start = self.index if first is None else first
         return self.aggregate(start, negated) if self._at_aggregate() else None
@@ -164,21 +182,51 @@ class StatementParser(TermParser):
     def aggregate(
         self, first: int, negated: bool = False, lower: Optional[Term] = None, assigned: Optional[Term] = None
     ) -> Aggregate:
-        """An aggregate from its function's name or opening bracket on, with its upper bound."""
+        """An aggregate from the comparison, its function's name or its opening bracket on, with its upper bound."""
+        before = self._tokens[self.step()].text if self.at(*BOUND_COMPARISONS) else ""
         start = self.index
         name = self._tokens[self.step()].text if self.at(*FUNCTIONS) else ""
         bracket = self._bracket(name)
         opening = self.index
         elements, commas = self.elements(bracket)
         inside = (opening, self.index)
+        self._check_elements(name, bracket, elements)
         parity = name in PARITY
-        upper = self.term() if assigned is None and not parity and self._at_term() else None
-        if parity and lower is not None:
+        if parity and (lower is not None or self.at(*BOUND_COMPARISONS)):
             raise RefusalError(self._tokens[start], f"{name} takes no bounds")
+        after, upper = self._upper(lower, before) if assigned is None and not parity else ("", None)
+        if name == "#avg" and not {before, after}.isdisjoint({"<", ">"}):
+            raise RefusalError(self._tokens[start], "'<' and '>' beside an average cannot be translated", "write '<='")
         return Aggregate(
             (first, self.index), start, inside, name or ("#count" if bracket == "{" else "#sum"), elements, commas,
-            negated, lower, upper, assigned, bracket,
+            negated, lower, upper, assigned, bracket, before, after,
         )  # fmt: skip
+
+    def _check_elements(self, name: str, bracket: str, elements: Sequence[Element]) -> None:
+        """Raise :class:`RefusalError` at an element that this function does not have in these brackets."""
+        for element in elements:
+            token, angled = self._tokens[element.span[0]], element.terms is not None
+            if angled and name in PARITY:
+                raise RefusalError(token, f"{name} takes no tuples")
+            if name == "#count" and element.weight is not None:
+                raise RefusalError(token, "#count takes no weights", "use #sum")
+            if bracket == "{" and name not in ("", "#count", *PARITY) and not element.terms:
+                raise RefusalError(
+                    token, f"{name} {{ .. }} takes tuples", f"write <weight> : literal, or {name} [ .. ]"
+                )
+
+    def _upper(self, lower: Optional[Term], before: str) -> Tuple[str, Optional[Term]]:
+        """The comparison and the bound behind an aggregate, each if there is one."""
+        token = self.token
+        if self.at(*BOUND_COMPARISONS):
+            after = self._tokens[self.step()].text
+            directions = ({"<", "<="}, {">", ">="})
+            if lower is not None and not any({before, after} <= one for one in directions):
+                raise RefusalError(token, "these bounds do not fit together", _TWO_BOUNDS)
+            return after, self.term()
+        if self._at_term() and before:
+            raise RefusalError(token, "these bounds do not fit together", _TWO_BOUNDS)
+        return "", self.term() if self._at_term() else None
 
     def _bracket(self, name: str) -> str:
         allowed = FUNCTIONS.get(name, "{[")
@@ -193,7 +241,8 @@ class StatementParser(TermParser):
         found: List[Element] = []
         commas: List[int] = []
         while not self.at(closing):
-            found.append(self.element(bracket == "[", priorities))
+            angled = bracket == "{" and self.at("<")
+            found.append(self.angled(priorities) if angled else self.element(bracket == "[", priorities))
             if self.at(","):
                 commas.append(self.step())
             elif not self.at(closing):
@@ -211,6 +260,23 @@ class StatementParser(TermParser):
         if not conditions:
             conditions = self.conditions()
         return Element((first, self.index), literal, conditions, weight, priority)
+
+    def angled(self, priorities: bool) -> Element:
+        """``<terms> : literal : conditions``; with priorities there may be no literal, else there may be no terms."""
+        first = self.step()
+        terms = [] if self.at(">") else [self.term()]
+        while self.accept(",") is not None:
+            terms.append(self.term())
+        self.expect(">")
+        priority = self.term() if priorities and self.accept("@") is not None else None
+        conditions = self.conditions()
+        if priorities and priority is None and self.accept("@") is not None:
+            priority = self.term()
+        if not conditions and not priorities:
+            raise self.unexpected("':'")
+        true = Literal((first, self.index), Symbol("#true"))
+        literal, *more = conditions or (true,)
+        return Element((first, self.index), literal, tuple(more), None, priority, tuple(terms))
 
     def _at_term(self) -> bool:
         return self.at("(", "-", "~", "|", "#abs", "#mod", "#div", "#pow", "#infimum", "#supremum", "@") or (

@@ -97,22 +97,27 @@ class Literal:
 
 @dataclass(frozen=True)
 class Element:
-    """A literal with conditions, and in multisets and optimization statements with a weight and a priority."""
+    """A literal with conditions, and in multisets and optimization statements with a weight and a priority.
+
+    ``terms`` is the tuple of ``<terms> : literal``; None where there is none.
+    """
 
     span: Span
     literal: Literal
     conditions: Tuple[Literal, ...] = ()
     weight: Optional[Term] = None
     priority: Optional[Term] = None
+    terms: Optional[Tuple[Term, ...]] = None
 
 
 @dataclass(frozen=True)
 class Aggregate:
     """``lower function{elements} upper``; braces hold sets, brackets multisets of weighted literals.
 
-    ``assigned`` is the term in front of ``=`` or ``:=`` that takes the aggregate's value. ``inside`` is the span from
-    the opening to the closing bracket, ``start`` the token where the function's name or the opening bracket stands;
-    ``commas`` are the indices of the tokens between elements.
+    ``assigned`` is the term in front of ``=`` or ``:=`` that takes the aggregate's value. ``before`` and ``after`` are
+    the comparisons beside ``lower`` and ``upper``, empty for ``<=``. ``inside`` is the span from the opening to the
+    closing bracket, ``start`` the token where the function's name or the opening bracket stands; ``commas`` are the
+    indices of the tokens between elements.
     """
 
     span: Span
@@ -126,6 +131,8 @@ class Aggregate:
     upper: Optional[Term] = None
     assigned: Optional[Term] = None
     bracket: str = "{"
+    before: str = ""
+    after: str = ""
 
 
 BodyItem = Union[Literal, Element, Aggregate]
@@ -158,6 +165,16 @@ class Rule:
     arrow: Optional[int]
     body: Body
     dot: int
+
+
+@dataclass(frozen=True)
+class WeakConstraint:
+    """``:~ body. <weight : priority>``; ``dot`` is the index of its token."""
+
+    body: Body
+    dot: int
+    weight: Term = Symbol("1")
+    priority: Term = Symbol("1")
 
 
 def show(term: Term) -> str:

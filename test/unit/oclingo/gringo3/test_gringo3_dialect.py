@@ -4,7 +4,7 @@ import pytest
 
 from rosoclingo.oclingo.gringo3 import Dialect, included_files, translate, translate_program
 from rosoclingo.oclingo.gringo3.dialect import inspect
-from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+from rosoclingo.oclingo.gringo3.lexer import Kind, statements, tokens
 
 
 def kind_of(text):
@@ -30,6 +30,11 @@ GRINGO3 = [
     "#external p(X) : q(X) : r(X).",
     "#minimize { a : b : c }.",
     "#minimize { not a }.",
+    "[ a = 1 ] 1.",
+    ":- 1 < #sum { <X> : p(X) }.",
+    "{ a : b, <X> : p(X) }.",
+    "#minimize { <1> }.",
+    ":~ a. <2:1>",
     "#begin_lua x #end_lua.",
 ]
 CLINGO5 = [
@@ -39,7 +44,14 @@ CLINGO5 = [
     ":- a : b, c; d.",
     "{ a } = 1.",
     ":- 1 = { a }.",
-    ":- 1 < #count { a : b }.",
+    ":- 1 != #count { X : a }.",
+    ":- 1 < { a } > 0.",
+    ":- 1 < { a } 2.",
+    ":- 1 { a } = 2.",
+    ":- X = { a } < 2.",
+    ":- { a } != 1.",
+    ":- not &sum { x } <= 3.",
+    "&diff { a - b } <= 3.",
     ":- X == #sum { 1 : a }.",
     ":- #count { X : p(X) } > 1.",
     ":- X = #sum { Y : p(Y) }.",
@@ -79,6 +91,7 @@ EITHER = [
     'p("a : b : c").',
     "q(#inf).".replace("#inf", "#infimum"),
     "p(X) :- X = #count { p(Y) : q(Y) }.".replace("#count ", ""),
+    "1 <= { a } < 2 :- not 1 == { b }, X > { c } >= Y, { d } == X.",
 ]
 CONFLICT = [
     ":- a : b, c.",
@@ -94,6 +107,8 @@ CONFLICT = [
     "#show p(X) : q(X).",
     "#minimize { a : b }.",
     ":- X = #count { p(Y) : q(Y) }.",
+    ":- 1 < #count { a : b }.",
+    ":- 1 == { a : b, c }.",
     "#external p(left;right, t).",
     "{ p(1;2) : q(X;Y) }.",
 ]
@@ -221,3 +236,25 @@ def test_included_files():
         ("a.lp", 2),
         ("c/d.lp", 3),
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("{ a }. [ b = 1 ] 1. c.", 3),
+        ("a. [ b ] 1 :- a.", 2),
+        ("#external e. [ b = 1 ] 1.", 2),
+        ("#external e. [ b ] 1.", 2),
+        ("#external e. [ b ].", 2),
+        (":~ a. [ b : c ] 1 :- a.", 2),
+        (":~ a. [ not b ] == 1.", 2),
+        (":~ a. <1> [ b ] 1.", 2),
+        (":~ a. <1:2> :~ b. <X> c.", 3),
+        ("#external e. % one\n[true] %* two *% 1 { a; b } 1.", 2),
+        (":~ a. [1@2, X] b.", 2),
+        ("#heuristic a : b. [1, sign] c.", 2),
+        ('p("a. [ b ]"). [ a = 1 ].', 2),
+    ],
+)
+def test_brackets_behind_a_dot_belong_to_it_only_where_they_hold_a_weight(text, count):
+    assert len(list(statements(tokens(text)))) == count

@@ -1,6 +1,7 @@
 """Properties that hold for any text, and answers of random programs against a model of gringo 3's meaning."""
 
 import itertools
+import operator
 
 from gringo3_answers import answers, solve, translated
 from hypothesis import given
@@ -13,7 +14,7 @@ from rosoclingo.oclingo.gringo3.lexer import tokens
 PIECES = """p q(X) r(1,2) -p not X Y _ 1 23 "s" f(a,_) , ; : :- . .. | ( ) { } [ ] + - * / \\ ** & ? ^ ~ @ = := == != <
     <= > >= ;; #hide #show #const #domain #base #cumulative #volatile #external #minimize #maximize #compute #sum #count
     #min #max #avg #even #odd #mod #abs #true #infimum #program #include #forget #iinit t 0x1 :~ % %* *% not ` $"""
-WORDS = PIECES.split()
+WORDS = [*PIECES.split(), "[1@2]", "[true]", "<1>", "<X,a>", "<2:1>"]
 TEXTS = st.lists(st.sampled_from([*WORDS, "\n", ".\n", " "]), max_size=40).map(" ".join)
 
 
@@ -47,13 +48,31 @@ BODY_ITEMS = st.one_of(
         lambda t: " : ".join([t[0], "x(X)", *t[1]])
     ),
     st.sampled_from(
-        ["x(1;2)", "1 { a, b } 1", "2 [ a=2, b : x(_) = 1 ]", "Y := 1..2", "Y = #count { a, b }", "w(1..2)"]
+        [
+            "x(1;2)",
+            "1 { a, b } 1",
+            "1 == { a, b : x(1) }",
+            "2 > { <1> : x(X) : a } >= 1",
+            "2 [ a=2, b : x(_) = 1 ]",
+            "Y := 1..2",
+            "Y = #count { a, b }",
+            "w(1..2)",
+        ]
     ),
 )
 HEADS = st.one_of(
     ATOMS,
     st.sampled_from(
-        ["", "{ a, b }", "1 { c(X) : x(X) : X != 2, a }", "a | b : x(1)", "c(1;2)", "e(1;2,x)", "1 [ a=1, b=2 ] 2"]
+        [
+            "",
+            "{ a, b }",
+            "1 { c(X) : x(X) : X != 2, a }",
+            "a | b : x(1)",
+            "c(1;2)",
+            "e(1;2,x)",
+            "1 [ a=1, b=2 ] 2",
+            "[ a=1 ] < 2",
+        ]
     ),
 )
 RULES = st.tuples(HEADS, st.lists(BODY_ITEMS, max_size=4)).map(
@@ -84,6 +103,9 @@ CHOICE = ("a", "b", "c(1)", "c(2)")
 SUBSETS = [frozenset(s) for n in range(5) for s in itertools.combinations(CHOICE, n)]
 WEIGHTED = st.lists(st.tuples(st.booleans(), st.sampled_from(CHOICE), st.integers(-3, 3)), max_size=5)
 BOUNDS = st.tuples(st.none() | st.integers(-6, 6), st.none() | st.integers(-6, 6))
+COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
+PAIRS = [(one, "") for one in COMPARISONS] + [("", one) for one in COMPARISONS]
+PAIRS += [(one, other) for same in (("<", "<="), (">", ">=")) for one in same for other in same]
 
 
 def holds(negated, atom, true):
@@ -130,6 +152,22 @@ def test_sets_count_each_literal_once(elements, bounds, name):
     program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded(name + "{ " + inside + " }", bounds))
     meant = expected(lambda true: between(len({(n, a) for n, a, _ in elements if holds(n, a, true)}), bounds))
     assert answers(program) == meant
+
+
+@given(WEIGHTED, st.sampled_from(PAIRS), st.integers(-6, 6), st.integers(-6, 6), st.booleans(), st.booleans())
+def test_comparisons_stand_on_both_sides_of_sums_and_sets(elements, signs, left, right, negate, brackets):
+    inside = ", ".join(shown(n, a) + (f"={w}" if brackets else "") for n, a, w in elements)
+    before, after = (f"{left} {signs[0]}" if signs[0] else ""), (f"{signs[1]} {right}" if signs[1] else "")
+    aggregate = f"[ {inside} ]" if brackets else f"{{ {inside} }}"
+    program = "#base. {{ a, b, c(1..2) }}. ok :- {}{} {} {}.".format("not " if negate else "", before, aggregate, after)
+
+    def meaning(true):
+        value = sum(w for n, a, w in elements if holds(n, a, true))
+        value = value if brackets else len({(n, a) for n, a, _ in elements if holds(n, a, true)})
+        held = not signs[0] or COMPARISONS[signs[0]](left, value)
+        return (held and (not signs[1] or COMPARISONS[signs[1]](value, right))) != negate
+
+    assert solve(translated(program).replace("#base.", "")) == expected(meaning)
 
 
 @given(WEIGHTED, BOUNDS)
