@@ -24,7 +24,7 @@ from rosoclingo.oclingo.program.lint.trial import Trial, redefined_by, suspiciou
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import Pattern, Patterns
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
-from rosoclingo.oclingo.program.signatures import Dependencies, has_weights, rule_edges
+from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
@@ -48,7 +48,6 @@ class ReactiveProgram:
         external_signatures: all predicates that some external declares.
         signatures: all predicates that the program mentions.
         advises: whether ``#heuristic`` statements tell the solver where to look first.
-        weighs: whether statements have aggregates or bounds on choices.
         shows: the predicates of ``#show p/n.``
         domains: what the rules of a step could use of open signatures, where they tell.
         return_rules: rules that tell what returns bear on; None where they can't.
@@ -185,17 +184,15 @@ class ReactiveProgram:
         return clingo.Function(GUARD, [clingo.Number(window), clingo.Number(step)])
 
     def arguments(self) -> List[str]:
-        """Return clingo's command line arguments: the constants, and that ``#heuristic`` counts where there is one.
+        """Return clingo's command line arguments for every control that loads the program.
 
-        Where rules have weights, without equivalence preprocessing: where two literals of a body with weights turn out
-        equivalent, clasp 3.3.10 to 3.4.0 (clingo 5.7.0 to 5.8.3) can go on propagating to that body what is no longer
-        in it, and loses answers. Neither stream updates nor the solver itself add rules with weights.
-        What is open is false first, lest a plan hold actions that are of no use.
+        They set the constants, let ``#heuristic`` count where there is one, and try false first for open atoms, so that
+        plans hold no useless actions. Equivalence preprocessing is off: over several solve calls of one control, clasp
+        3.3.10 to 3.4.0 (clingo 5.7.0 to 5.8.3) loses facts and answers with it.
         """
         heuristic = ["--heuristic=Domain"] if self.advises else []
         constants = (f"-c{name}={value}" for name, value in self.constants.items())
-        equivalences = ["--eq=0"] if self.weighs else []
-        return ["-Wno-atom-undefined", "--sign-def=neg", *equivalences, *heuristic, *constants]
+        return ["-Wno-atom-undefined", "--sign-def=neg", "--eq=0", *heuristic, *constants]
 
     def may_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
         """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with one of ``atoms``.
@@ -271,13 +268,12 @@ class ReactiveProgram:
         }
         self.domains: Dict[Signature, Domain] = {}
         self.return_rules: Optional[ReturnRules] = None
-        self.optimizes = self.advises = self.weighs = False
+        self.optimizes = self.advises = False
         self.shows: Set[Signature] = set()
         for part in self.parts:
             for statement, found in part.found:
                 self.optimizes |= statement.ast_type == ASTType.Minimize
                 self.advises |= statement.ast_type == ASTType.Heuristic
-                self.weighs |= has_weights(statement)
                 if statement.ast_type == ASTType.ShowSignature:
                     self.shows.add(Signature(statement.name, statement.arity, bool(statement.positive)))
                 self.dependencies.add(*rule_edges(statement, found))

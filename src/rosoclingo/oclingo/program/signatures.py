@@ -71,19 +71,6 @@ def occurrences(statement: Node) -> List[Occurrence]:
     return found
 
 
-def has_weights(statement: Node) -> bool:
-    """Tell whether ``statement`` has an aggregate or a bound on a choice: what rules with weights are ground from."""
-    head, body = getattr(statement, "head", None), getattr(statement, "body", ())
-    atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
-    return any(map(_has_weights, atoms if head is None else [head, *atoms]))
-
-
-def _has_weights(atom: Node) -> bool:
-    if atom.ast_type == ASTType.Aggregate:
-        return not (atom.left_guard is None and atom.right_guard is None)
-    return atom.ast_type in (ASTType.BodyAggregate, ASTType.HeadAggregate)
-
-
 def _from_atom(atom: Node, head: bool, positive: bool, found: List[Occurrence]) -> None:
     found.extend(Occurrence(term, term_signature(term), head, positive) for term in atom_terms(atom.symbol))
 

@@ -11,7 +11,6 @@ from rosoclingo.oclingo.program.signatures import (
     Signature,
     atom_terms,
     evaluate,
-    has_weights,
     occurrences,
     rule_edges,
 )
@@ -146,67 +145,3 @@ def test_who_depends_on_whom(edges, further, source, targets):
 
     assert dependencies.reaches(source, targets) == bool(users(edges) & targets)
     assert twin.reaches(source, targets) == bool(users(edges + further) & targets)
-
-
-def weighs(text):
-    """Whether clingo grounds a rule with weights from a statement, a to d being open."""
-    found = []
-
-    class Weights(clingo.Observer):
-        """Hears of these rules alone."""
-
-        def weight_rule(self, choice, head, lower_bound, body):
-            """Record one."""
-            found.append(head)
-
-    control = clingo.Control()
-    control.register_observer(Weights())
-    control.add("base", [], f"{{a; b; c; d}}. {text}")
-    control.ground([("base", [])])
-    return bool(found)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "2 { e; f; g }.",
-        "{ e; f; g } = 2 :- a.",
-        "#count { 1 : e; 2 : f; 3 : g } < 3.",
-        "#sum { 1 : e; 2 : f; 3 : g } 4 :- b.",
-        ":- 2 { a; b; c }.",
-        ":- not { a; b; c } 1.",
-        "e :- #count { 1 : a; 2 : b; 3 : c } > 1.",
-        "e(N) :- N = #sum { 1 : a; 2 : b; 3 : c }.",
-        "e :- d, not #sum+ { 1 : a; 2 : b; 3 : c } 3.",
-        "#show e : 2 { a; b; c }.",
-        "#heuristic a : 2 { a; b; c }. [1, sign]",
-        "#edge (1, 2) : 2 { a; b; c }.",
-    ],
-)
-def test_rules_with_weights_come_from_aggregates_and_bounds(text):
-    assert weighs(text)
-    assert has_weights(statement(text))
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "{ e; f : a }.",
-        "e; f : a.",
-        "e : a; f : b :- c : d; not d.",
-        ":- a, not b, 1 < 2.",
-        "e :- { a; b }.",
-        "#minimize { 1 : a; 2, b : b }.",
-        ":~ a. [3]",
-        "#show e : a.",
-        "#external e : a.",
-        "#heuristic a : b. [1, sign]",
-        "#edge (1, 2) : a.",
-        "#project a.",
-        "#defined e/1.",
-        "#const n = 2.",
-    ],
-)
-def test_other_statements_bring_no_weights(text):
-    assert not has_weights(statement(text))
-    assert not weighs(text)
