@@ -283,6 +283,8 @@ class Transaction:
         grounding, head = self._standing(), statement.head
         if head in self._given and not statement.body and lifetime == FOREVER:
             self.state.permanent.append(statement)
+        elif head in self._given:
+            return  # a fact of this update says more
         elif head is None or grounding.atoms.is_open(head):
             self._put(statement, lifetime)
         elif self._is_new(head, grounding):

@@ -294,12 +294,17 @@ ALWAYS, IF_A, NEVER = (
     ],
 )
 @pytest.mark.parametrize("before", ["", "#step 1."])
-def test_what_an_update_may_say_of_an_open_predicate(before, update, now, later):
+@pytest.mark.parametrize("rule", ["w(X,t) :- r(X,t).", ""])
+def test_what_an_update_may_say_of_an_open_predicate(before, rule, update, now, later):
     """Whether it was ground up to that step before or comes to it with the update; its log and state lead there too."""
-    solver = solver_of("{ a }. #external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.", models=0)
+    solver = solver_of(f"{{ a }}. #external r/2. #cumulative t. {rule} #volatile t.", models=0)
+    if not rule:
+        now, later = ([[atom for atom in one if atom[0] != "w"] for one in answers] for answers in (now, later))
     if before:
         play(solver, before)
-    assert sorted(map(sorted, texts(play(solver, f"#step 2. {update}")))) == now
+    result = play(solver, f"#step 2. {update}")
+    assert sorted(map(sorted, texts(result))) == now
+    assert not any("declared external" in warning for warning in result.warnings)
     readers = [ReactiveSolver(solver.program, models=0) for _ in range(2)]
     for reader, log in zip(readers, (copied(solver.log), cut(solver))):
         reader.restore(log)
