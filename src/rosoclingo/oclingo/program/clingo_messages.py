@@ -12,7 +12,8 @@ _MESSAGE = re.compile(
     r"(?P<file>.+?):(?P<line>[0-9]+):(?P<column>[0-9]+)(?:-[0-9:]+)?: (?P<kind>[a-z]+): (?P<text>.*)", re.S
 )
 _NOTE = re.compile(r"\n?[^\n]*: note: '(?P<variable>[^']*)' is unsafe")
-_PART = re.compile(r":-(\[#inc_\w+(\([^]]*\))?\];?)+")
+_PART = re.compile(r"(:-?)(\[#inc_\w+(\([^]]*\))?\];?)+")
+_VALUE = re.compile(r"\.\[false\]$")
 _GUARD = re.compile(r";?__oclingo_volatile\([^)]*\)")
 _ODD = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
 _PROJECTED = (  # how clingo, and this package, write "_"
@@ -24,6 +25,13 @@ _PROJECTED = (  # how clingo, and this package, write "_"
 
 ParameterAt = Callable[[str, int], str]
 """Returns the step parameter of the part that line LINE of FILE stands in."""
+
+StatementAt = Callable[[str, int, int], str]
+"""Returns the statement of a program that stands at a line and column of a file, as its author wrote it, or nothing."""
+
+
+def _no_statement(file: str, line: int, column: int) -> str:
+    return ""
 
 
 @dataclass
@@ -52,11 +60,16 @@ class Messages:
         """Return all messages as one text."""
         return "\n".join(text for _, text in self.said)
 
-    def faults(self, error: RuntimeError, parameter_at: ParameterAt = lambda file, line: "t") -> List[Fault]:
+    def faults(
+        self,
+        error: RuntimeError,
+        parameter_at: ParameterAt = lambda file, line: "t",
+        statement_at: StatementAt = _no_statement,
+    ) -> List[Fault]:
         """Return the errors among the messages; where there is none what ``error`` itself says, then all messages."""
         errors = [text for code, text in self.said if code == clingo.MessageCode.RuntimeError]
         found = errors or [str(error).strip(), *(text for _, text in self.said)]
-        return [_fault(text, parameter_at) for text in found]
+        return [_fault(text, parameter_at, statement_at) for text in found]
 
     def new_remarks(self, parameter_at: ParameterAt) -> List[Fault]:
         """Return what clingo has said, since this was asked last, that is odd but no error."""
@@ -64,13 +77,14 @@ class Messages:
         return [_fault(text, parameter_at) for code, text in fresh if code in _ODD]
 
 
-def _fault(text: str, parameter_at: ParameterAt) -> Fault:
+def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no_statement) -> Fault:
     match = _MESSAGE.match(text)
     if match is None:
         return Fault("<program>", 0, 0, text, kind=_kind_of(text))
     message = (
-        _GUARD.sub("", _PART.sub(":- ", match.group("text").strip())).replace(":- .", ".").replace("#void:-", ":-")
+        _GUARD.sub("", _PART.sub(r"\1 ", match.group("text").strip())).replace(":- .", ".").replace("#void:-", ":-")
     )
+    message = _VALUE.sub(".", message).replace(": .", ".")
     for form, written in _PROJECTED:
         message = form.sub(written, message)
     if "#Inc0" in message:
@@ -80,7 +94,8 @@ def _fault(text: str, parameter_at: ParameterAt) -> Fault:
     if variables:
         kind = "unsafe"
         rule = _NOTE.sub("", message).split("\n", 1)[-1].strip()
-        rule = rule.replace(":- 0=0;", ":- ")
+        place = match.group("file"), int(match.group("line")), int(match.group("column"))
+        rule = statement_at(*place) or rule.replace(":- 0=0;", ":- ")
         message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
         mend = "bind each variable by a positive body literal, for instance a domain like office(X)"
     elif message.startswith("operation undefined:"):

@@ -1,7 +1,7 @@
 """Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
 
 import json
-from functools import cached_property
+from functools import cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
@@ -25,7 +25,7 @@ from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, r
 from rosoclingo.oclingo.program.patterns import Pattern, Patterns
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
-from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources
+from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources, statement_at
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
@@ -314,7 +314,8 @@ class ReactiveProgram:
             self.load_into(control)
             control.ground([("__oclingo_no_part", [])])  # now clingo looks for unsafe variables
         except RuntimeError as error:
-            raise ProgramError(messages.faults(error, self.parameter_at)) from None
+            told = partial(statement_at, self.texts)
+            raise ProgramError(messages.faults(error, self.parameter_at, told)) from None
         return control
 
     def parameter_at(self, file: str, line: int) -> str:

@@ -11,6 +11,7 @@ from clingo.ast import Position
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
+from rosoclingo.oclingo.gringo3.lexer import Token, statements, tokens
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
 from rosoclingo.oclingo.program.endings import ended_before
@@ -214,6 +215,25 @@ def _remark(name: str, text: str) -> Fault:
 def _named(fault: Fault, name: str) -> Fault:
     message = fault.message.replace("<string>", name)
     return replace(fault, file=name if fault.file == "<string>" else fault.file, message=message)
+
+
+def statement_at(sources: Sequence[Source], file: str, line: int, column: int) -> str:
+    """Return the statement at a place of one of the ``sources`` as it is written there, on one line; else nothing.
+
+    A translation keeps lines, but not columns: the last statement that begins before the place is the one.
+    """
+    text = next((one.text for one in sources if one.name == file and language_of(file) is None), "")
+    all_tokens = tokens(text)
+    found: Sequence[Token] = ()
+    for first, after in statements(all_tokens):
+        begin = all_tokens[first]
+        if (begin.line, begin.column) > (line, column) and (found or begin.line > line):
+            break
+        found = all_tokens[first:after] if all_tokens[after - 1].line >= line else ()
+    pairs = zip(found, found[1:])
+    return "".join(
+        [*(one.text + " " * (one.end < other.start) for one, other in pairs), *(one.text for one in found[-1:])]
+    )
 
 
 def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:

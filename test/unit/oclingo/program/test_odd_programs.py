@@ -77,15 +77,28 @@ def test_operations_without_a_value_are_told_once_while_running():
 
 def test_unsafe_variables_are_told_in_the_words_of_the_program():
     text = (
-        "#program cumulative(s).\np(X,s) :- not q(X).\n#program volatile(k).\nr(k,X).\n:- not p(X,_), p(_,k).\nq(1).\n"
+        "#program cumulative(s).\np(X,s) :- not q(X).\n#program volatile(k).\nr(k,X).\n"
+        ":- not p(X,_),  % first\n  p(_,k). #external e(X). a.  #external\n  f(Y,k) : q(X).\nq(1).\n"
     )
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_text(text, "f.lp")
     found = [fault.message for fault in caught.value.faults]
     assert found == [
-        "unsafe variable X in p(X,s):- not q(X).",
+        "unsafe variable X in p(X,s) :- not q(X).",
         "unsafe variable X in r(k,X).",
-        "unsafe variable X in :- p(_,k);not p(X,_).",
+        "unsafe variable X in :- not p(X,_), p(_,k).",
+        "unsafe variable X in #external e(X).",
+        "unsafe variable Y in #external f(Y,k) : q(X).",
+    ]
+
+
+def test_unsafe_variables_of_old_programs_are_told_in_their_words():
+    text = "#base.\nd(1..2).\n#cumulative t.\n#external e(X,t). #external f(X;Y,t) : d(X) : d(X). #hide.\n"
+    with pytest.raises(ProgramError) as caught:
+        ReactiveProgram.from_text(text, "f.lp")
+    assert [fault.message for fault in caught.value.faults] == [
+        "unsafe variable X in #external e(X,t).",
+        "unsafe variable Y in #external f(X;Y,t) : d(X) : d(X).",
     ]
 
 
