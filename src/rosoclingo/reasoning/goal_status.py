@@ -116,7 +116,7 @@ def update_status(goal: Goal, reading: Reading) -> None:
     elif first > cycle:
         _update_early(goal, statuses.read(goal.identifier, first), reading.horizon >= first and not reading.speaks)
     elif reading.speaks and not goal.known:
-        _end(goal, Outcome.REJECTED, "it has no word for it")
+        _end(goal, Outcome.REJECTED, "it has rules for _status, but none gives this goal a status")
     else:
         goal.accept()
         if not reading.plan.remaining(cycle):

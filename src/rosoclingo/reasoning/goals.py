@@ -190,7 +190,7 @@ def read_goal(text: str) -> Symbol:
     try:
         term = parse_term(text)
     except ProgressionError as error:
-        raise GoalError(f"'{shortened(text)}' is no ground term: {error}") from error
+        raise GoalError(f"'{shortened(text)}' cannot be a goal: {error.message}") from error
     if identifier_of(term) is None:
         raise GoalError(f"'{shortened(text)}' names no goal: write a function whose last argument identifies it")
     if term.name == CANCEL:

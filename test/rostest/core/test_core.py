@@ -75,7 +75,7 @@ class Core(unittest.TestCase):
         kept.arrived()
         dropped.arrived()
         refused = other.send("do(")
-        self.assertIn("no ground term", refused.ends_as(REJECTED))
+        self.assertIn("cannot be a goal", refused.ends_as(REJECTED))
         dropped.cancel()
         dropped.ends_as(RECALLED)
         self.hands.succeed(first)
@@ -90,13 +90,13 @@ class Core(unittest.TestCase):
         good = self.client.send(good_text)
         command = self.hands.take()
         reasons = {
-            "": "no ground term",
-            "do(X,1)": "no ground term",
-            "do(walk,1": "no ground term",
+            "": "cannot be a goal",
+            "do(X,1)": "cannot be a goal",
+            "do(walk,1": "cannot be a goal",
             "walk": "names no goal",
             "cancel(1)": "cancel the goal itself",
             good_text: "taken",
-            "\u00e4(1)": "no ground term",
+            "\u00e4(1)": "cannot be a goal",
         }
         for text, reason in reasons.items():
             self.assertIn(reason, self.client.send(text).ends_as(REJECTED))

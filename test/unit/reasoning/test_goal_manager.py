@@ -82,7 +82,7 @@ def test_undeclared_requests_end_their_goals_alone():
     [
         ("g1", "go(2)", "is in use"),
         ("g2", "stay(1)", "is taken"),
-        ("g2", "go(", "no ground term"),
+        ("g2", "go(", "cannot be a goal"),
         ("g2", "(go,2)", "names no goal"),
     ],
 )

@@ -159,7 +159,7 @@ def test_empty_plan():
 def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
     unknown = judged("_status(2,accepted,5)", speaks=True)
     assert unknown.state.value == "rejected"
-    assert unknown.message == "the program rejects go(1): it has no word for it"
+    assert unknown.message == "the program rejects go(1): it has rules for _status, but none gives this goal a status"
     assert judged(speaks=True, request_cycle=6).state.value == "pending"
     assert judged(speaks=True, known=True).state.value == "succeeded"
     assert judged(speaks=False).state.value == "succeeded"

@@ -74,16 +74,18 @@ def test_a_goal_ends_once(outcome):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "no ground term"),
-        ("goal(X,office2,1)", "no ground term"),
-        ("goal(office3,office2,1", "no ground term"),
-        ("goal(a). goal(b)", "no ground term"),
-        ("not a", "no ground term"),
+        ("", "cannot be a goal"),
+        ("Disinfect(kitchen,1)", "'Disinfect.kitchen,1.' cannot be a goal: Disinfect begins .* write disinfect"),
+        ("disinfect(Kitchen,1)", 'goal: Kitchen is a variable, since .* such as kitchen or "Kitchen"'),
+        ("goal(X,office2,1)", "cannot be a goal"),
+        ("goal(office3,office2,1", "cannot be a goal"),
+        ("goal(a). goal(b)", "cannot be a goal"),
+        ("not a", "cannot be a goal"),
         ("office", "names no goal"),
         ("17", "names no goal"),
         ("cancel(1)", "cancel the goal itself"),
-        ("\x00", "no ground term"),
-        ("goal(" * 2000, "no ground term"),
+        ("\x00", "cannot be a goal"),
+        ("goal(" * 2000, "cannot be a goal"),
     ],
 )
 def test_goals_that_cannot_be_taken(text, reason):
@@ -156,7 +158,7 @@ def test_what_is_kept_of_a_goal(rests_until):
 def test_refused_goals_reach_the_client_with_the_reason():
     driver = Driver()
     driver.goal("bad", "do(").goal("good", "do(walk,1)").goal("twin", "do(walk,1)")
-    assert "no ground term" in driver.message("bad")
+    assert "cannot be a goal" in driver.message("bad")
     assert "taken" in driver.message("twin")
     assert driver.finish().states("good") == ["active", "succeeded"]
 

@@ -205,7 +205,8 @@ class CoreNode:
         try:
             self._solvers.start(lambda: self._ending)
         except DroppedError as error:
-            rospy.logwarn("%s", error)
+            if not self._ending:
+                rospy.logwarn("%s", error)
         self._core.start()
 
     def _go_on_with_clients(self) -> None:

@@ -247,7 +247,7 @@ def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:
         try:
             values[name] = parse_term(str(value))
         except ProgressionError as error:
-            faults.append(Fault(place, 0, 0, f"the value is no ground term: {error.message}"))
+            faults.append(Fault(place, 0, 0, f"the value is no term: {error.message}"))
     if faults:
         raise ProgramError(faults)
     return values

@@ -92,8 +92,18 @@ def _complaint(text: str, offset: int) -> str:
         return 'string without end; close it with " on the same line (escapes are \\", \\\\ and \\n)'
     variable = _VARIABLE.match(text, offset)
     if variable:
-        return f"variable {variable.group()}; an online progression is ground, write a value"
+        return _of_variable(variable.group(), text[variable.end() : variable.end() + 1] == "(")
     return f"unexpected character {text[offset]!r}"
+
+
+def _of_variable(name: str, with_arguments: bool) -> str:
+    first = len(name) - len(name.lstrip("_'"))
+    small = name[: first + 1].lower() + name[first + 1 :]
+    if name == "_":
+        return "_ is a variable: write a value in its place"
+    if with_arguments:
+        return f"{name} begins with a capital letter, as only variables do: write {small}"
+    return f'{name} is a variable, since it begins with a capital letter: write a value, such as {small} or "{name}"'
 
 
 def scan(text: str) -> Iterator[Token]:
@@ -238,7 +248,7 @@ def _read_simple(tokens: TokenStream) -> Union[clingo.Symbol, _Compound]:
     if not positive:
         tokens.fail("expected a number or a name behind '-'")
     if not tokens.accept("("):
-        tokens.fail('expected a ground term: a name in lower case, an integer, a "string", f(terms) or a tuple')
+        tokens.fail('expected a term: a name in lower case, an integer, a "string", f(terms) or a tuple')
     return _Compound("")
 
 
@@ -296,4 +306,4 @@ def _unescape(text: str) -> str:
 
 def _expect_end(tokens: TokenStream) -> None:
     if tokens.next.kind != "end":
-        tokens.fail("expected one ground term or atom and nothing behind it")
+        tokens.fail("expected one term or atom and nothing behind it")

@@ -290,7 +290,7 @@ class SolverProcess:
             if reply is not None:
                 return reply
             if stopped is not None and stopped():
-                raise NotReadyError("the solver still takes again what led here; ask again")
+                raise NotReadyError("stopped before the solver was ready: nothing was solved, send it again")
 
     def _reads(self, place: Place, log: StreamLog) -> bool:
         """Whether the child has a solver at ``place`` that has read nothing but what is in ``log``."""

@@ -114,7 +114,7 @@ class Trials:
         try:
             update = parse_update(f"{text.strip().rstrip('.')}.\n#endstep.")
         except ProgressionError as error:
-            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, str(error), mend)]) from None
+            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, error.message, mend)]) from None
         heads = [item.head if isinstance(item, Statement) and not item.body else None for item in update.items]
         terms = [head for head in heads if head is not None]
         if not terms or len(terms) < len(heads) or update.step is not None:

@@ -368,7 +368,7 @@ def build_grounding(
     closed = closed_blocks(grounding, state, known, told) if known >= start else ()
     for last in chain(closed, block_ends(state, known + 1, BLOCK if shortest or program.steps_apart else 1)):
         if dropped():
-            raise DroppedError("a stop came while the program was ground anew; what was asked for was dropped")
+            raise DroppedError("stopped while the program was grounded again; the request was discarded")
         grounding.ground_to(last)
     for atom in state.forgotten:
         grounding.atoms.close(atom)

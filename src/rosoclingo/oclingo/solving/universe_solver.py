@@ -278,7 +278,7 @@ def _query(state: StreamState) -> Query:
     statements = [*state.permanent, *(one.statement for one in state.lapsing)]
     strange = [one for one in statements if one.body and not one.is_commitment]
     if strange:
-        raise SolverError(f"the universe takes facts and commitments alone, not {strange[0]}")
+        raise SolverError(f"only facts and executed actions can be fed here, not {strange[0]}")
     told = frozenset(one.head for one in statements if one.head is not None)
     closed = tuple(sorted((cycle, done) for cycle, done in state.closed_cycles.items()))
     return Query(state.step, told, closed, frozenset(one.body[0].atom for one in statements if one.body))

@@ -213,7 +213,7 @@ def test_anonymous_variables_may_differ():
 
 def test_bad_constants():
     assert "'N' is no name" in faults("a.", N="1")[0][2]
-    assert "no ground term" in faults("a.", n="X")[0][2]
+    assert "the value is no term: X is a variable" in faults("a.", n="X")[0][2]
 
 
 def test_bad_files(tmp_path):

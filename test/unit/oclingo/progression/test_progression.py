@@ -177,7 +177,13 @@ def test_stop_ends_an_update():
 @pytest.mark.parametrize(
     ("text", "place", "words"),
     [
-        ("#step 1.\ne(X).\n#endstep.", (2, 3), "variable X"),
+        (
+            "#step 1.\ne(X).\n#endstep.",
+            (2, 3),
+            'X is a variable, since it begins with a capital letter: write a value, such as x or "X"',
+        ),
+        ("#step 1. e(_). #endstep.", (1, 12), "_ is a variable: write a value in its place"),
+        ("#step 1. Open(1). #endstep.", (1, 10), "Open begins with a capital letter, as only variables do: write open"),
         ("a.\n", (2, 1), "#endstep"),
         ("a b.", (1, 3), "'.'"),
         ("#foo.", (1, 1), "unknown directive"),

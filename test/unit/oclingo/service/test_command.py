@@ -185,7 +185,7 @@ def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, cap
     (files / "updates.str").write_text(text, encoding="utf-8")
     code, output, _ = play(capsys, "program.lp", "--stream", "updates.str")
     assert code == 1
-    assert "updates.str:2:4: variable X" in output
+    assert "updates.str:2:4: X is a variable" in output
     assert "Warning: Head at(1,9) has not been declared external. The entire rule will be ignored." in output
     assert "updates.str:5:22: " in output
     assert output.count("Answer 1, horizon 1") == 2
@@ -268,7 +268,7 @@ def test_interactive(files):
     text = "#step 1.\ngo(1). go(X).\n#endstep.\n#step 1. go(1).\n#endstep.\n#stop.\n#step 2. #endstep.\n"
     code, output, error = run("program.lp", "0", "--interactive", text=text)
     assert (code, error) == (0, "")
-    assert "<input>:2:11: variable X" in output
+    assert "<input>:2:11: X is a variable" in output
     assert output.count("Answer") == 2, "what comes after #stop. is not taken"
     assert run("program.lp", "--interactive", "--json", text="#step 1. go(1). #endstep. #step 2.")[1].count("\n") == 2
 

@@ -9,7 +9,7 @@ from rosoclingo.oclingo import ProgressionError, SolveOutcome, SolveResult, Stre
 from rosoclingo.oclingo.service import protocol
 
 WRONG = [
-    ("#step 1. e(X). #endstep.", "1:12: variable X"),
+    ("#step 1. e(X). #endstep.", "1:12: X is a variable"),
     ("#step 1.\ne(1)\n#endstep.", "3:1: expected '.'"),
     ("#step 1. e(1).", "1:15: update without end"),
     ("", "1:1: a message without an update"),

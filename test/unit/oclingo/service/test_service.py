@@ -79,7 +79,7 @@ def test_every_byte():
         b"Warning: Head d(1) has not been declared external. The entire rule will be ignored.\n",
         b"Step: 1\ne(1) ",
         b"End of Step.\n",
-        b"Error: 1:12: variable X; an online progression is ground, write a value",
+        b'Error: 1:12: X is a variable, since it begins with a capital letter: write a value, such as x or "X"',
         b"Input:\n",
         b"Input:\n",
         b"UNSAT at step 3",
@@ -106,7 +106,7 @@ def test_several_updates_in_one_message(client):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"#step 1. e(X). #endstep.", "1:12: variable X"),
+        (b"#step 1. e(X). #endstep.", "1:12: X is a variable"),
         (b"#step 1. e(1).", "1:15: update without end"),
         (b"#step 1. e(\xff). #endstep.", "1:12: no UTF-8 text: byte 0xff"),
         (b"#step 1. e(" + b"f(" * 1000 + b"1" + b")" * 1000 + b"). #endstep.", "1:522: term nested deeper than"),

@@ -88,7 +88,7 @@ def test_it_ends_with_what_is_true_when_time_is_over(ask):
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        (["--goal", "visit("], "is no ground term"),
+        (["--goal", "visit("], "cannot be a goal"),
         (["--fact", "_opened"], "_opened is no external of the program"),
     ],
 )
