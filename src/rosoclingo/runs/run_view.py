@@ -76,7 +76,8 @@ class RunView:
         self._track = Track()
         self._account = Account(lambda _line: None, self._log)
         self._goals: Dict[str, int] = {}
-        self._history: Optional[Set[str]] = None  # goals that had ended when all were told first
+        self._history: Set[str] = set()  # goals that had ended before this view
+        self._met = False  # whether all goals were reported once
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of actions under way, by interface and cycle
@@ -133,17 +134,18 @@ class RunView:
         """
         for key, text, number, reason, came in told:
             still = 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] not in ENDED
-            if self._history is None and not still:
+            is_new = key not in self._goals
+            if is_new and not self._met and not still:
+                self._history.add(key)
+            if (is_new and key in self._history) or not (self._met or still):
                 continue
-            is_new = key not in self._goals and key not in (self._history or ())
             if is_new:
                 self.goal(came if 0.0 < came < time else time, key, text)
             if number == STATUS_WORDS.index(PENDING):
                 self.feedback(time, key, f"{WAITING}: {reason}" if reason else PENDING)
             elif is_new or not still:
                 self.status(time, key, number, reason)
-        if self._history is None:
-            self._history = {one.key for one in told} - set(self._goals)
+        self._met = True
 
     def cancel(self, time: float, key: str) -> None:
         """Record that a client cancelled a goal; an empty key stands for all of them."""
@@ -267,6 +269,11 @@ class RunView:
         words = len(self._terms.entries), len(self._words.entries), len(self._shapes.entries)
         return self.revision, words, (self._track.thinned, len(self._track.poses))
 
+    def has_ended(self, key: str) -> bool:
+        """Whether a goal was heard of and has ended."""
+        number = self._goals.get(key)
+        return key in self._history if number is None else self.tables["goals"][number]["ended"] is not None
+
     @property
     def full(self) -> bool:
         """Whether so much is kept that a page that goes on had better begin anew."""
@@ -279,7 +286,7 @@ class RunView:
         start = self._start or 0.0
         fresh.begin(self._run)
         fresh._drawings, fresh._account.sentences = self._drawings, self._account.sentences
-        fresh._history = None if self._history is None else {*self._history, *self._goals}
+        fresh._met, fresh._history = self._met, {*self._history, *self._goals}
         for goal in (record for _, record in self.tables["goals"].since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
             for time, word, reason in goal["states"][1:]:

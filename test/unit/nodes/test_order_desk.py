@@ -74,6 +74,27 @@ def test_without_a_key_nothing_is_taken(counter, key):
     assert counter.sent == []
 
 
+@pytest.mark.parametrize("key", ["\ud800" + "a" * 9, "a" * 9 + "\udfff", "aaaa\udc00\ud800aaaa"])
+@pytest.mark.parametrize("message", [{"order": 0, "chosen": {"package": "1", "to": "office1"}}, {"cancel": "id 1"}])
+def test_desk_answers_a_key_that_is_no_unicode(counter, key, message):
+    counter.order()
+    assert "no Unicode text" in counter.take(key=key, **message)["fault"]
+    assert (len(counter.sent), counter.canceled) == (1, [])
+
+
+@pytest.mark.parametrize("half", ["\ud800", "id 1\udfff"])
+def test_desk_answers_half_a_surrogate_pair_anywhere(counter, half):
+    counter.order()
+    assert "fault" in counter.take(key=KEY, cancel=half)
+    assert "fault" in counter.order(package=half)
+    assert "fault" in counter.take(key=KEY, order=half)
+    assert "ordered" in counter.take(key=KEY, order=0, chosen={"package": "1", "to": "office1", half: half})
+
+
+def test_desk_answers_a_message_without_order_or_cancel(counter):
+    assert counter.take(key=KEY) == {"fault": "give 'order' or 'cancel'"}
+
+
 def test_what_is_not_offered_is_not_sent(counter):
     assert "choose one" in counter.order(package="2")["fault"]
     assert counter.sent == []
@@ -85,6 +106,49 @@ def test_so_many_orders_are_open_and_no_more(counter):
     assert "too many orders are open" in counter.order()["fault"]
     counter.view.status(2.0, "id 1", 3, "")
     assert "ordered" in counter.order()
+
+
+def test_desk_burst_accepts_only_free_places():
+    """The view hears of a goal only after the burst: places are counted by what was sent."""
+    desk = Counter()
+    desk.send = lambda text: desk.sent.append(text) or f"id {len(desk.sent)}"
+    desk.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), lambda text: desk.send(text), lambda key: None)
+    answers = [desk.order(f"key of page {number % 20}") for number in range(400)]
+    assert [("ordered" in one) for one in answers] == [True] * MOST_OPEN + [False] * (400 - MOST_OPEN)
+    assert len(desk.sent) == MOST_OPEN
+    for number in range(1, MOST_OPEN + 1):
+        desk.view.goal(1.0, f"id {number}", "g")
+    assert "fault" in desk.order()
+    for number in range(1, 11):
+        desk.view.status(2.0, f"id {number}", 3, "")
+    assert sum("ordered" in desk.order() for _ in range(720)) == 10
+
+
+def test_desk_place_is_kept_after_a_failed_sending(counter):
+    def fail(_text):
+        raise OrderError("the core is not there: try again later")
+
+    desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), fail, fail)
+    for _ in range(MOST_OPEN + 1):
+        message = {"order": 0, "key": KEY, "chosen": {"package": "1", "to": "office1"}}
+        assert desk.take(message, counter.view) == {"fault": "the core is not there: try again later"}
+
+
+def test_desk_counts_orders_of_an_earlier_view(counter):
+    for _ in range(MOST_OPEN):
+        counter.order()
+    for number in range(1, 6):
+        counter.view.status(2.0, f"id {number}", 3, "")
+    counter.view = counter.view.renewed()
+    assert sum("ordered" in counter.order() for _ in range(20)) == 5
+
+
+def test_desk_remembers_an_open_order_behind_many_others(counter):
+    counter.order()
+    for number in range(MOST_KNOWN + 5):
+        counter.order()
+        counter.view.status(2.0, f"id {number + 2}", 3, "")
+    assert "canceled" in counter.take(cancel="id 1", key=KEY)
 
 
 def test_old_orders_are_forgotten(counter):

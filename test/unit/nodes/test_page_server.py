@@ -7,6 +7,7 @@ import socket
 import threading
 import time
 from contextlib import contextmanager
+from http.client import HTTPResponse
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import HTTPRedirectHandler, Request, build_opener
@@ -17,8 +18,11 @@ from told_runs import GOAL, delivery, plan_of
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
+from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.pages.access import Access
+from rosoclingo.nodes.pages.order_desk import MOST_OPEN, OrderDesk
 from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_MESSAGES, MOST_VIEWERS, PageServer
+from rosoclingo.runs.orders import read_orders
 from rosoclingo.runs.report_page import LIVE_SCRIPTS
 from rosoclingo.runs.run_view import RunView
 
@@ -61,6 +65,23 @@ class Served:
                 return answer.status, answer.headers, answer.read().decode()
         except HTTPError as error:
             return error.code, error.headers, error.read().decode()
+
+    def shake_hands(self, **headers):
+        """Status and body of the answer to a request for the WebSocket with these headers; its bytes are Latin-1."""
+        usual = {
+            "Host": f"127.0.0.1:{self.port}",
+            "Origin": self.address,
+            "Upgrade": "websocket",
+            "Connection": "Upgrade",
+            "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+            "Sec-WebSocket-Version": "13",
+        }
+        lines = ["GET /run HTTP/1.1", *(f"{name}: {value}" for name, value in {**usual, **headers}.items()), "", ""]
+        with socket.create_connection(("127.0.0.1", self.port), PATIENCE) as one:
+            one.sendall("\r\n".join(lines).encode("utf-8"))
+            answer = HTTPResponse(one)
+            answer.begin()
+            return answer.status, b"" if answer.status == 101 else answer.read()
 
     async def connect(self, origin=None, **headers):
         headers["Origin"] = self.address if origin is None else origin
@@ -156,6 +177,54 @@ def test_another_site_s_page_is_no_viewer(served):
         assert error.value.code == 403, origin
     with pytest.raises(HTTPClientError):
         play(served.connect(""))
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["http://[::1", "http://[::1]:x", "http://a@[::1", "http://[zz]", "http://\u2100.x", "[", "]", "//[", "http://\u00ff"],
+)
+def test_server_refuses_an_origin_that_is_no_url(served, origin):
+    status, body = served.shake_hands(Origin=origin)
+    assert (status, b"<html" in body, len(body) > 4) == (403, False, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("Sec-WebSocket-Key", ""),
+        ("Sec-WebSocket-Key", "\u00ff"),
+        ("Sec-WebSocket-Key", "short=="),
+        *(
+            ("Sec-WebSocket-Extensions", f"permessage-deflate; {one}")
+            for one in (
+                "server_max_window_bits=abc",
+                "server_max_window_bits=99",
+                "server_max_window_bits=8",
+                'server_max_window_bits="9',
+                "client_max_window_bits=0",
+                "x=9",
+                "",
+            )
+        ),
+        ("Sec-WebSocket-Extensions", "other; x=1, permessage-deflate; client_max_window_bits=16"),
+    ],
+)
+def test_server_refuses_a_malformed_handshake(served, name, value):
+    status, body = served.shake_hands(**{name: value})
+    assert (status, name.encode() in body) == (400, True)
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["", "permessage-deflate", "x; y=z", "permessage-deflate; client_max_window_bits; server_max_window_bits=10"],
+)
+def test_server_accepts_a_proper_handshake(served, value):
+    assert served.shake_hands(**{"Sec-WebSocket-Extensions": value})[0] == 101
+
+
+@pytest.mark.parametrize("token", ["%ff", "%ed%a0%80", "%c3"])
+def test_server_refuses_a_token_that_is_not_utf8(served, token):
+    assert served.get(f"/?token={token}")[::2] == (400, "400 The token is not UTF-8\n")
 
 
 def test_with_a_token_only_who_knows_it_is_let_in():
@@ -318,6 +387,60 @@ def test_what_is_no_question_ends_the_connection(text):
             assert await answered(client) is None
 
         play(scene())
+
+
+@pytest.mark.parametrize("number", ['"7"', "1.5", "NaN", "1e999", "[]", "[" * 100 + "]" * 100, "true", "{}"])
+def test_server_answers_a_number_that_is_none(number):
+    with serving(take=lambda message: {"heard": 1}) as served:
+
+        async def scene():
+            client = await served.connect()
+            await client.write_message(f'{{"number": {number}}}')
+            assert await answered(client) == {"number": None, "fault": "'number' is no whole number"}
+            await client.write_message('{"number": 3}')
+            assert await answered(client) == {"number": 3, "heard": 1}
+
+        play(scene())
+
+
+@pytest.mark.parametrize("text", ['{"key": "\\ud800aaaaaaaa", "order": 0, "number": 1}', '{"\\udfff": 1, "number": 1}'])
+def test_server_answers_half_a_surrogate_pair(text):
+    view = delivery()
+    desk = OrderDesk([], lambda _text: "id", lambda _key: None)
+    with serving(view, take=lambda message: desk.take(message, view)) as served:
+
+        async def scene():
+            client = await served.connect()
+            await client.write_message(text)
+            found = await answered(client)
+            assert (found["number"], "fault" in found) == (1, True)
+            await client.write_message('{"number": 2}')
+            assert (await answered(client))["number"] == 2
+
+        play(scene())
+
+
+@pytest.mark.slow
+def test_server_accepts_as_many_orders_as_places_in_a_burst():
+    """20 viewers order 400 times at once, while nothing is heard of the goals."""
+    view, sent = delivery(), []
+    forms = read_orders(Reader([{"title": "Wave", "goal": "wave({a})", "choices": {"a": [1, 2]}}]))
+    desk = OrderDesk(forms, lambda text: sent.append(text) or f"id {len(sent)}", lambda _key: None)
+    with serving(view, take=lambda message: desk.take(message, view)) as served:
+
+        async def order(number):
+            client = await served.connect()
+            for place in range(MOST_MESSAGES):
+                message = {"key": f"key of page {number}", "order": 0, "chosen": {"a": "1"}, "number": place}
+                await client.write_message(json.dumps(message))
+            return [await answered(client) for _ in range(MOST_MESSAGES)]
+
+        async def scene():
+            return await asyncio.gather(*map(order, range(20)))
+
+        answers = [one for some in play(scene()) for one in some]
+    assert sum("ordered" in one for one in answers) == len(sent) == MOST_OPEN
+    assert all("too many orders" in one["fault"] for one in answers if "ordered" not in one)
 
 
 def test_who_asks_too_often_is_let_go():

@@ -43,4 +43,7 @@ class Access:
     @staticmethod
     def own(origin: Optional[str], host: str) -> bool:
         """Whether a page of this very address asks; a request without an ``Origin`` is no browser's."""
-        return origin is not None and urlsplit(origin).netloc.lower() == host.lower()
+        try:
+            return origin is not None and urlsplit(origin).netloc.lower() == host.lower()
+        except ValueError:  # not a URL
+            return False

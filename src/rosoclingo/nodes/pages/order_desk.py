@@ -9,7 +9,7 @@ from rosoclingo.runs.run_view import RunView
 
 __all__ = ["OrderDesk"]
 
-#: Goals of pages that may be open at a time, and that are remembered; characters of a key.
+#: Goals of pages that may be open at a time, and that are remembered, with all open ones; characters of a key.
 MOST_OPEN, MOST_KNOWN, LONGEST_KEY = 50, 1000, 100
 
 Answer = Dict[str, Any]
@@ -37,9 +37,13 @@ class OrderDesk:
         try:
             if not isinstance(key, str) or not 8 <= len(key) <= LONGEST_KEY:
                 raise OrderError("the page sent no key")
+            if not is_unicode(key):
+                raise OrderError("the key is no Unicode text: it has half of a surrogate pair")
             if "order" in message:
                 return self._order(message, key, view)
-            return self._withdraw(message.get("cancel"), key)
+            if "cancel" in message:
+                return self._withdraw(message["cancel"], key)
+            raise OrderError("give 'order' or 'cancel'")
         except OrderError as error:
             return {"fault": str(error)}
 
@@ -47,16 +51,14 @@ class OrderDesk:
         number, chosen = message["order"], message.get("chosen")
         if type(number) is not int or not 0 <= number < len(self._forms) or not isinstance(chosen, dict):
             raise OrderError("there is no such order")
-        still = [
-            goal for _, goal in view.tables["goals"].since(0) if goal["ended"] is None and goal["id"] in self._keys
-        ]
+        text = self._forms[number].fill(chosen, *_world(view))
+        still = [one for one in self._keys if not view.has_ended(one)]  # one that was just sent is not heard of yet
         if len(still) >= MOST_OPEN:
             raise OrderError("too many orders are open: wait until some have ended")
-        text = self._forms[number].fill(chosen, *_world(view))
+        for one in [one for one in self._keys if view.has_ended(one)][: max(0, len(self._keys) + 1 - MOST_KNOWN)]:
+            del self._keys[one]
         found = self._send(text)
         self._keys[found] = key
-        while len(self._keys) > MOST_KNOWN:
-            self._keys.popitem(last=False)
         return {"ordered": found, "text": text}
 
     def _withdraw(self, found: Any, key: str) -> Answer:
@@ -65,6 +67,11 @@ class OrderDesk:
             raise OrderError("this was not ordered here")
         self._cancel(found)
         return {"canceled": found}
+
+
+def is_unicode(text: str) -> bool:
+    """Whether a text can be encoded: JSON may escape half of a surrogate pair."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
 def _world(view: RunView) -> "tuple[Sequence[str], Mapping[str, str]]":

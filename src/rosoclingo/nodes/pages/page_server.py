@@ -3,6 +3,7 @@
 import asyncio
 import json
 import logging
+import re
 import socket
 import threading
 import time
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set
 
 from tornado.httpserver import HTTPServer
+from tornado.httputil import HTTPHeaders
 from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
@@ -38,6 +40,16 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:; connect-src 'self' ws://{host} wss://{host};"
     " base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+#: Types of the number of a message, which its answer repeats.
+_NUMBERS = (int, type(None))
+
+#: A WebSocket's key, 16 bytes in base64; an offer to compress whose parameters zlib accepts (RFC 7692).
+_KEY = re.compile(r"[A-Za-z0-9+/]{22}==")
+_DEFLATE = re.compile(
+    r"permessage-deflate(\s*;\s*((server|client)_no_context_takeover|client_max_window_bits"
+    r"|server_max_window_bits=(?P<q>\"?)(9|1[0-5])(?P=q)|client_max_window_bits=(?P<r>\"?)([89]|1[0-5])(?P=r)))*"
+)
+
 TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 
 
@@ -142,6 +154,11 @@ def _check(handler: RequestHandler, server: PageServer) -> None:
         raise HTTPError(403, reason="Token needed: open the address that the node has logged")
 
 
+def _say_error(handler: RequestHandler, status_code: int, reason: str) -> None:
+    handler.set_header("Content-Type", "text/plain; charset=utf-8")
+    handler.finish(f"{status_code} {reason}\n")
+
+
 class _Nothing(RequestHandler):
     """What there is not."""
 
@@ -155,8 +172,7 @@ class _Nothing(RequestHandler):
 
     def write_error(self, status_code: int, **_more: Any) -> None:
         """Say in plain text what is wrong."""
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(f"{status_code} {self._reason}\n")
+        _say_error(self, status_code, self._reason)
 
 
 class _File(_Nothing):
@@ -176,7 +192,10 @@ class _File(_Nothing):
 
     def get(self) -> None:
         """Answer with the file."""
-        token = self.get_query_argument("token", None)
+        try:
+            token = self.get_query_argument("token", None)
+        except HTTPError:
+            raise HTTPError(400, reason="The token is not UTF-8") from None
         if self._file == "/" and token is not None and self._server.access.known(token):
             self.set_cookie(COOKIE, self._server.access.proof, httponly=True, samesite="Lax")
             self.redirect("/")
@@ -213,6 +232,13 @@ class _Viewer(WebSocketHandler):
             raise HTTPError(403, reason="No page of this server")
         if len(self._server.viewers) >= MOST_VIEWERS:
             raise HTTPError(503, reason="Too many viewers")
+        fault = _handshake_fault(self.request.headers)
+        if fault:
+            raise HTTPError(400, reason=fault)
+
+    def write_error(self, status_code: int, **_more: Any) -> None:
+        """Say in plain text what is wrong."""
+        _say_error(self, status_code, self._reason)
 
     def get_compression_options(self) -> Dict[str, Any]:
         """Compress, lightly: texts repeat much."""
@@ -223,15 +249,21 @@ class _Viewer(WebSocketHandler):
         self._server.viewers.add(self)
 
     def on_message(self, message: Any) -> None:
-        """Answer what a viewer asks for; let go who says what is none, or too much."""
+        """Answer what a viewer asks for; disconnect it for a message that is no JSON object, or too many of them."""
         now = time.monotonic()
         too_often = len(self._spoken) == MOST_MESSAGES and now - self._spoken[0] < WINDOW
         self._spoken.append(now)
-        found = _read(message)
-        if self._server.take is None or too_often or found is None:
-            self.close(1008, "not taken")
+        if self._server.take is None or too_often:
+            words = "nothing can be ordered here"
+            self.close(1008, f"at most {MOST_MESSAGES} messages in {WINDOW:g} s" if too_often else words)
             return
-        answer = json.dumps({"answer": {**self._server.take(found), "number": found.get("number")}})
+        found = _read(message)
+        if found is None:
+            self.close(1008, "a message is a JSON object")
+            return
+        number = found.get("number")
+        taken = self._server.take(found) if type(number) in _NUMBERS else {"fault": "'number' is no whole number"}
+        answer = json.dumps({"answer": {**taken, "number": number if type(number) in _NUMBERS else None}})
         self._server.put(lambda: self._say(answer))
 
     def on_close(self) -> None:
@@ -268,6 +300,16 @@ def _read(message: Any) -> Optional[Dict[str, Any]]:
     except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def _handshake_fault(headers: HTTPHeaders) -> str:
+    """Return what is wrong with the headers that open a WebSocket, empty where tornado can accept them."""
+    if not _KEY.fullmatch(headers.get("Sec-WebSocket-Key", "")):
+        return "Sec-WebSocket-Key is not 16 bytes in base64"
+    offers = [offer.strip() for offer in headers.get("Sec-WebSocket-Extensions", "").split(",")]
+    if all(map(_DEFLATE.fullmatch, (one for one in offers if one.partition(";")[0].strip() == "permessage-deflate"))):
+        return ""
+    return "Sec-WebSocket-Extensions has no parameters of permessage-deflate"
 
 
 def _plain(host: str) -> str:
