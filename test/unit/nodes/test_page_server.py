@@ -181,7 +181,17 @@ def test_another_site_s_page_is_no_viewer(served):
 
 @pytest.mark.parametrize(
     "origin",
-    ["http://[::1", "http://[::1]:x", "http://a@[::1", "http://[zz]", "http://\u2100.x", "[", "]", "//[", "http://\u00ff"],
+    [
+        "http://[::1",
+        "http://[::1]:x",
+        "http://a@[::1",
+        "http://[zz]",
+        "http://\u2100.x",
+        "[",
+        "]",
+        "//[",
+        "http://\u00ff",
+    ],
 )
 def test_server_refuses_an_origin_that_is_no_url(served, origin):
     status, body = served.shake_hands(Origin=origin)
