@@ -10,7 +10,7 @@ class Live {
     this.wait = RETRY.first;
     this.answers = new Map(); // what to do with the answer to a message, by its number
     this.asked = 0;
-    this.orders = new OrdersView(document.getElementById("orders"), (message, then) => this.ask(message, then));
+    this.orders = new OrdersView(document.getElementById("orders"), this.model, (message, then) => this.ask(message, then));
     this.player.goals.mine = (goal) => this.orders.orders.has(goal.id);
     this.player.goals.cancel = (goal) => this.orders.cancel(goal);
     this.connect();
@@ -49,9 +49,9 @@ class Live {
       this.player.update();
       return;
     }
-    this.orders.draw(changes.orders || []);
     if (changes.whole) this.model.clear();
     this.model.merge(changes);
+    this.orders.draw(changes.orders || []);
     if (changes.core) this.say("live", "Live");
     else this.say("lost", "The core is not there: nothing is planned.");
     if (!document.hidden || changes.whole) this.player.update();

@@ -3,6 +3,13 @@
 
 const MINE = "rosoclingo orders";
 
+const FOLLOWED = 5;
+
+/** What is said of an order by the state of its goal. */
+const BECAME = {
+  succeeded: "Done", rejected: "Rejected", aborted: "Aborted", canceled: "Cancelled", lost: "Lost", waiting: "Ordered, waits its turn",
+};
+
 /** What this browser keeps: its key, and the ids of the goals that it has ordered. */
 class Orders {
   constructor() {
@@ -34,54 +41,104 @@ class Orders {
 
 class OrdersView {
   /** ``ask`` sends a message and is given what is to be done with its answer. */
-  constructor(parent, ask) {
+  constructor(parent, model, ask) {
+    this.model = model;
     this.ask = ask;
     this.orders = new Orders();
     this.forms = html("div", { class: "forms" });
-    this.said = html("p", { class: "caption", role: "status" });
-    this.known = "";
+    this.said = html("div", { role: "status" });
+    this.followed = []; // orders and faults of this page, the latest first: {goal, begun, line}
+    this.shape = "";
     show(parent, this.forms, this.said);
   }
 
-  /** Show the forms; those that are as they were keep what was chosen. */
+  /** Show the forms. What was chosen stays chosen, also while it is not offered. */
   draw(forms) {
-    const known = JSON.stringify(forms);
-    if (known === this.known) return;
-    this.known = known;
-    document.getElementById("asking").hidden = !forms.length;
-    const chosen = new Map([...this.forms.querySelectorAll("select")].map((one) => [one.id, one.value]));
-    const focus = document.activeElement && document.activeElement.id;
-    show(this.forms, forms.map((form, number) => this.form(form, number, chosen)));
-    const again = focus && document.getElementById(focus);
-    if (again && this.forms.contains(again)) again.focus();
+    const shape = JSON.stringify(forms.map(({ title, fields }) => [title, fields.map(({ name }) => name)]));
+    if (shape !== this.shape) {
+      this.shape = shape;
+      document.getElementById("asking").hidden = !forms.length;
+      this.selects = forms.map(({ fields }, number) => new Map(fields.map(({ name }) => [name, this.select(name, number)])));
+      show(this.forms, forms.map((form, number) => this.form(form, number)));
+    }
+    this.offered = forms;
+    forms.forEach((_form, number) => this.offer(number));
+    this.follow();
   }
 
-  form(form, number, chosen) {
-    const fields = form.fields.map(({ name, options }) => {
-      const id = `order-${number}-${name}`;
-      const select = html("select", { id, name }, options.map(([value, words]) => html("option", { value }, words)));
-      if (options.some(([value]) => value === chosen.get(id))) select.value = chosen.get(id);
-      return html("label", {}, `${name} `, select);
-    });
+  select(name, number) {
+    const select = html("select", { id: `order-${number}-${name}`, name });
+    select.addEventListener("change", () => this.offer(number));
+    return select;
+  }
+
+  form(form, number) {
+    const fields = [...this.selects[number]].map(([name, select]) => html("label", {}, `${name} `, select));
     const button = html("button", { type: "submit", id: `order-${number}` }, "Order");
     const whole = html("form", { "aria-label": form.title }, html("strong", {}, form.title), fields, button);
     whole.addEventListener("submit", (event) => {
       event.preventDefault();
-      this.order(number, Object.fromEntries([...whole.querySelectorAll("select")].map((one) => [one.name, one.value])));
+      this.order(number, Object.fromEntries([...this.selects[number]].map(([name, select]) => [name, select.value])));
     });
     return whole;
+  }
+
+  /** Bring the options of a form up to date: a place that another field has is left out. */
+  offer(number) {
+    const selects = this.selects[number];
+    const fields = this.offered[number].fields;
+    for (const { name, options, apart } of [...fields.filter((one) => !one.apart), ...fields.filter((one) => one.apart)]) {
+      const taken = (apart || []).map(({ field, places }) => (places ? places[selects.get(field).value] : selects.get(field).value));
+      this.renew(selects.get(name), options.filter(([value]) => !taken.includes(value)));
+    }
+  }
+
+  /** Give a select other options, in place, so that nobody's choice is lost. */
+  renew(select, options) {
+    const [chosen, before] = [select.value, [...select.options]];
+    const known = new Map(before.map((option) => [option.value, option]));
+    const gone = chosen !== "" && !options.some(([value]) => value === chosen);
+    const after = [...options, ...(gone ? [[chosen, `${chosen} (not now)`]] : [])].map(([value, words]) => {
+      const option = known.get(value) || html("option", { value });
+      say(option, words);
+      option.disabled = gone && value === chosen;
+      return option;
+    });
+    if (after.length === before.length && after.every((option, place) => option === before[place])) return;
+    select.replaceChildren(...after);
+    if (chosen !== "") select.value = chosen;
   }
 
   order(number, chosen) {
     this.ask({ order: number, chosen, key: this.orders.kept.key }, (answer) => {
       if (answer.ordered) this.orders.add(answer.ordered);
-      this.said.textContent = answer.fault ? `Not ordered: ${answer.fault}` : `Ordered: ${answer.text}`;
+      this.note(answer.ordered, answer.fault ? `Not ordered: ${answer.fault}` : answer.text, "Ordered");
     });
   }
 
   cancel(goal) {
     this.ask({ cancel: goal.id, key: this.orders.kept.key }, (answer) => {
-      this.said.textContent = answer.fault ? `Not cancelled: ${answer.fault}` : `Cancelled: ${goal.request}`;
+      this.note(answer.canceled, answer.fault ? `Not cancelled: ${answer.fault}` : goal.request, "Asked to cancel");
     });
+  }
+
+  /** Follow a goal, or say why there is none. */
+  note(goal, text, begun) {
+    const others = this.followed.filter((one) => one.goal && one.goal !== goal);
+    this.followed = [{ goal, text, begun, line: html("p", { class: "caption" }, goal ? `${begun}: ${text}` : text) }, ...others].slice(0, FOLLOWED);
+    show(this.said, this.followed.map(({ line }) => line));
+    this.follow();
+  }
+
+  /** Say what has become of the latest orders. */
+  follow() {
+    const goals = new Map(this.model.goals.map((goal) => [goal.id, goal]));
+    for (const { goal, text, begun, line } of this.followed) {
+      const found = goals.get(goal);
+      if (!found) continue; // not heard of yet, or long ago
+      const [, word, reason] = found.states[found.states.length - 1];
+      const why = reason && !["pending", "active", "canceling", "succeeded", "canceled"].includes(word) ? ` (${reason})` : "";
+      say(line, `${BECAME[word] || begun}: ${text}${why}`);
+    }
   }
 }

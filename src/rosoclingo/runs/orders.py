@@ -6,7 +6,8 @@
         choices: {package: packages, from: place of package, to: labels}
 
 A choice is a list of terms, or ``labels``: all that have a pose, or ``packages``: those that lie somewhere, or
-``place of NAME``: where the package lies that was chosen as NAME; nobody is asked for that.
+``place of NAME``: where the package lies that was chosen as NAME; nobody is asked for that. The places of one goal differ:
+what is chosen among the ``labels`` is no other place of it.
 """
 
 import re
@@ -45,13 +46,26 @@ class OrderForm(NamedTuple):
     def shown(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
         """Return the form as a page has it: its title, and the fields that people fill with what they can choose.
 
-        ``packages`` maps each package to the label where it lies, empty where it lies nowhere.
+        ``packages`` maps each package to the label where it lies, empty where it lies nowhere. A field has to be
+        ``apart`` from others: from what is chosen there, or from the place that it has.
         """
         fields = [
-            {"name": one.name, "options": [[term, _described(term, one, packages)] for term in terms]}
-            for one, terms in ((one, _options(one, labels, packages)) for one in self.choices if one.kind != PLACE_OF)
+            {"name": one.name, "options": [[term, _described(term, one, packages)] for term in terms], **apart}
+            for one, terms, apart in (
+                (one, _options(one, labels, packages), self._apart(one, packages)) for one in self.choices
+            )
+            if one.kind != PLACE_OF
         ]
         return {"title": self.title, "fields": fields}
+
+    def _apart(self, choice: Choice, packages: Mapping[str, str]) -> Dict[str, Any]:
+        """Return the fields that take a label from the options of a choice among labels."""
+        if choice.kind != LABELS:
+            return {}
+        earlier = self.choices[: self.choices.index(choice)]
+        apart = [{"field": one.of, "places": dict(packages)} for one in self.choices if one.kind == PLACE_OF]
+        apart += [{"field": one.name, "places": None} for one in earlier if one.kind == LABELS]
+        return {"apart": apart} if apart else {}
 
     def fill(self, chosen: Mapping[str, Any], labels: Sequence[str], packages: Mapping[str, str]) -> str:
         """Return the goal for what was chosen; raises OrderError for what cannot be."""
@@ -66,7 +80,16 @@ class OrderForm(NamedTuple):
         for one in self.choices:
             if one.kind == PLACE_OF:
                 found[one.name] = packages[found[one.of]]
+        self._check_places(found)
         return _NAME.sub(lambda match: found[match.group(1)], self.goal)
+
+    def _check_places(self, found: Mapping[str, str]) -> None:
+        """Raise OrderError where a label was chosen that is another place of the same goal."""
+        places = [one for one in self.choices if one.kind in (LABELS, PLACE_OF)]
+        for one in (place for place in places if place.kind == LABELS):
+            same = next((other for other in places if other != one and found[other.name] == found[one.name]), None)
+            if same is not None:
+                raise OrderError(f"{one.name}: {found[one.name]} is '{same.name}' already, choose another place")
 
     def samples(self, labels: Sequence[str], packages: Sequence[str]) -> Iterator[str]:
         """Yield some of the goals that may be chosen where nothing is known of the world but names.

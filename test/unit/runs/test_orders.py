@@ -36,7 +36,11 @@ def test_what_is_shown():
         "title": "Deliver a package",
         "fields": [
             {"name": "package", "options": [["1", "1 (at office2)"]]},
-            {"name": "to", "options": [["office1", "office1"], ["office2", "office2"]]},
+            {
+                "name": "to",
+                "options": [["office1", "office1"], ["office2", "office2"]],
+                "apart": [{"field": "package", "places": PACKAGES}],
+            },
         ],
     }
     assert clean["fields"] == [{"name": "how", "options": [["wet", "wet"], ["dry", "dry"], ["3", "3"]]}]
@@ -71,6 +75,36 @@ def test_a_goal():
 def test_what_there_is_not_cannot_be_chosen(chosen):
     with pytest.raises(OrderError, match="choose one of those that there are"):
         forms()[0].fill(chosen, LABELS, PACKAGES)
+
+
+PATROL = """
+- title: Patrol
+  goal: "patrol({a},{b},{c})"
+  choices: {a: labels, b: labels, c: [office1, office2]}
+"""
+
+
+def test_order_places_differ():
+    deliver, _ = forms()
+    with pytest.raises(OrderError, match="to: office2 is 'from' already, choose another place"):
+        deliver.fill({"package": "1", "to": "office2"}, LABELS, PACKAGES)
+    (patrol,) = forms(PATROL)
+    assert "apart" not in patrol.shown(LABELS, PACKAGES)["fields"][0]
+    assert patrol.shown(LABELS, PACKAGES)["fields"][1]["apart"] == [{"field": "a", "places": None}]
+    with pytest.raises(OrderError, match="a: office1 is 'b' already"):
+        patrol.fill({"a": "office1", "b": "office1", "c": "office1"}, LABELS, PACKAGES)
+    assert patrol.fill({"a": "office1", "b": "office2", "c": "office1"}, LABELS, PACKAGES).startswith("patrol")
+
+
+def test_order_of_two_packages_at_one_place():
+    text = """
+- title: Both
+  goal: "both({a},{b},{at_a},{at_b},{to})"
+  choices: {a: packages, at_a: place of a, b: packages, at_b: place of b, to: labels}
+"""
+    places = {"1": "office2", "2": "office2"}
+    chosen = {"a": "1", "b": "2", "to": "office1"}
+    assert forms(text)[0].fill(chosen, LABELS, places) == "both(1,2,office2,office2,office1)"
 
 
 def test_from_elsewhere_no_place_can_be_given():
