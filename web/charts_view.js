@@ -26,7 +26,6 @@ function figures(model) {
     metres: last ? last[4] : null,
     solver,
     total,
-    share: model.seconds ? total / model.seconds : 0,
   };
 }
 
@@ -43,13 +42,14 @@ class ChartsView {
     this.shown = what;
     const found = figures(this.model);
     const spread = (values) => (values.length ? `median ${seconds(median(values))}, longest ${seconds(Math.max(...values))}` : "none");
-    const share = `${brief(found.total)} of wall time, ${(100 * found.share).toFixed(1)} % of the run's ${seconds(this.model.seconds)}`;
+    const longest = found.solver.reduce((most, one) => Math.max(most, one.ground + one.solve), 0);
+    const solver = `${brief(found.total)} of wall time, ${brief(longest)} in the longest cycle`;
     const charts = [
       this.chart("Goals by their end", count(this.model.goals.length, "goal", "goals"), this.ends(found.ends), 6 + 26 * found.ends.size),
       this.chart("Time until the end", spread(found.waits), this.histogram(found.waits)),
       this.chart("Response: time until accepted", spread(found.responses), this.histogram(found.responses)),
     ];
-    if (this.model.timed) charts.push(this.chart("Solver's share", share, this.solver(found.solver)));
+    if (this.model.timed) charts.push(this.chart("Solver's time", solver, this.solver(found.solver)));
     if (found.metres !== null) charts.push(this.chart("Metres driven", `${found.metres.toFixed(1)} m`, this.metres(found.metres)));
     show(this.parent, charts);
   }

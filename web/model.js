@@ -100,13 +100,13 @@ class RunModel {
     return words.map((word) => this.words[word]).filter((action) => action.cycle >= found.cycle.cycle);
   }
 
-  /** The actions that have begun, with how they stand: "now", "done" or "failed". */
+  /** The actions that have begun, with how they stand: "now", "done", "failed", or "gone" where the core has ended it. */
   actionsAt(time) {
     const begun = this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1);
     return begun
       .map((one) => {
         const under = one.ended === null || one.ended > time;
-        return { ...one, word: this.words[one.action], state: under ? "now" : one.failed ? "failed" : "done" };
+        return { ...one, word: this.words[one.action], state: under ? "now" : one.failed ? "failed" : one.preempted ? "gone" : "done" };
       });
   }
 
@@ -175,7 +175,7 @@ class RunModel {
   troublesAt(time) {
     const troubles = new Map();
     for (const one of this.actionsAt(time)) {
-      if (one.state === "now" || !(one.word.parameter in this.about.labels)) continue;
+      if (one.state === "now" || one.state === "gone" || !(one.word.parameter in this.about.labels)) continue;
       if (one.failed) troubles.set(one.word.parameter, one.value);
       else troubles.delete(one.word.parameter);
     }

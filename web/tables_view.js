@@ -1,7 +1,7 @@
 "use strict";
 // Goals, the present cycle and the log: the run in words.
 
-const STATE_MARKS = { done: "✓", now: "▶", failed: "✕", ahead: "○" };
+const STATE_MARKS = { done: "✓", now: "▶", failed: "✕", gone: "–", ahead: "○" };
 
 class GoalsView {
   constructor(parent, model) {
@@ -89,7 +89,7 @@ class CycleView {
       const one = done.get(word);
       const action = this.model.words[word];
       const state = one ? one.state : action.cycle < cycle.cycle ? "done" : "ahead";
-      const end = one && one.state === "failed" ? `: ${one.value}` : "";
+      const end = one && (one.state === "failed" || one.state === "gone") ? `: ${one.value}` : "";
       return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${this.model.actionName(action)}${end}`);
     });
     const times = plan.ground === null ? "" : `; grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}`;

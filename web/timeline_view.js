@@ -20,7 +20,7 @@ class TimelineView {
       this.draw(this.time);
     });
     this.picture.addEventListener("click", (event) => this.clicked(event));
-    const key = [["done", "done"], ["now", "under way"], ["failed", "failed"], ["ahead", "planned"]];
+    const key = [["done", "done"], ["now", "under way"], ["failed", "failed"], ["gone", "ended early"], ["ahead", "planned"]];
     const keys = key.map(([name, words]) => html("span", { class: `key ${name}` }, words));
     show(parent, html("div", { class: "row tools" }, this.zoom, html("span", { class: "keys" }, keys)), this.picture);
   }
@@ -118,7 +118,7 @@ class TimelineView {
     const lane = lanes.indexOf(one.word.interface);
     if (lane < 0) return null;
     const end = one.state === "now" ? time : one.ended;
-    const whole = `${this.model.actionName(one.word)}: ${one.state === "now" ? "under way" : one.failed ? one.value : "done"}, ${seconds(end - one.begun)}`;
+    const whole = `${this.model.actionName(one.word)}: ${one.state === "now" ? "under way" : one.state === "done" ? "done" : one.value}, ${seconds(end - one.begun)}`;
     return this.bar(one.begun, end, top + lane * LANE, one.state, one.word.parameter || one.word.interface, whole);
   }
 

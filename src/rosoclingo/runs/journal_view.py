@@ -102,6 +102,7 @@ class _Teller:
         if self._reader is None:
             self._begin(time, state)
         else:
+            self._preempted(time, state)
             self._answers(time, state)
             self._reader.take(state)
             self._progress(time, self._reader.cycles)
@@ -117,6 +118,7 @@ class _Teller:
             self._view.plan(time, cycle, horizon_of(state), [str(one.atom) for one in plan_of(state["plan"]).actions])
         if state["dispatch"] is not None:
             self._view.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"][1])])
+            self._preempted(time, state)
             self._answers(time, state)
 
     def _arrivals(self, time: float, state: State) -> None:
@@ -131,6 +133,10 @@ class _Teller:
             if client.cancelled and not (before is not None and before.cancelled):
                 self._view.cancel(time, key)
         self._clients.update(found)
+
+    def _preempted(self, time: float, state: State) -> None:
+        """Tell which of the actions under way the core has cancelled."""
+        self._view.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"][1])])
 
     def _answers(self, time: float, state: State) -> None:
         """Tell what has come back for the actions under way."""

@@ -13,6 +13,7 @@ from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
+    PREEMPTED,
     Return,
     name_of,
     shortened,
@@ -22,7 +23,7 @@ from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import ActionWords, Record, Revision, Shapes, Table, Track, Words, simplified
 from rosoclingo.runs.sentences import sentences_of
-from rosoclingo.runs.topic_atoms import return_in
+from rosoclingo.runs.topic_atoms import action_in, return_in
 
 #: What to ask for later changes with.
 Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
@@ -81,6 +82,7 @@ class RunView:
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of actions under way, by interface and cycle
+        self._unwanted: Set[int] = set()  # numbers of actions that the core has cancelled
         self._early: List[Return] = []  # of no action that has been heard of: topics overtake each other
         self._run = ""
         self._start: Optional[float] = None
@@ -195,9 +197,13 @@ class RunView:
             self._sent.add(text)
             if text.startswith(ACTION_LIB):
                 word = self._words.number(text)
-                number = self.tables["actions"].add(action=word, begun=now, ended=None, value=None, failed=False)
+                number = self.tables["actions"].add(
+                    action=word, begun=now, ended=None, value=None, failed=False, preempted=False
+                )
                 action = self._words.entries[word]
                 self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
+            else:
+                self._preempt(text)
         if fresh:
             self._account.dispatched(now, fresh)
             self._early = [answer for answer in self._early if not self._answered(now, answer)]
@@ -386,10 +392,19 @@ class RunView:
         if not under_way:
             return False
         meant = [number for number in under_way if self._parameter(number) == value]
-        number = (meant or under_way)[0]
+        unwanted = [number for number in under_way if number in self._unwanted and answer.value == PREEMPTED]
+        number = (meant or unwanted or under_way)[0]
         under_way.remove(number)
-        self.tables["actions"].change(number).update(ended=now, value=value, failed=not meant)
+        found = {"failed": not (meant or unwanted), "preempted": bool(unwanted) and not meant}
+        self.tables["actions"].change(number).update(ended=now, value=value, **found)
         return True
+
+    def _preempt(self, cancellation: str) -> None:
+        """Note that the core has cancelled an action."""
+        action = action_in(ACTION_LIB + cancellation[len(CANCEL_ACTION) :])
+        if action is not None:
+            under_way = self._open.get((action.interface_name, action.cycle), [])
+            self._unwanted.update(one for one in under_way if self._parameter(one) == name_of(action.parameter))
 
     def _parameter(self, number: int) -> str:
         return str(self._words.entries[self.tables["actions"][number]["action"]]["parameter"])

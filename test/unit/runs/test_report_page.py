@@ -82,6 +82,20 @@ def test_the_slider_shows_a_moment(opened):
     assert page.texts("#goals tbody td")[0] == "pending"
 
 
+def test_page_draws_a_preempted_action_as_ended_early(opened):
+    view = delivery()
+    view.plan(140.0, 6, 8, ["_action_lib(move_base,office1,6)"], (0.01, 0.01))
+    view.dispatched(140.0, ["_action_lib(move_base,office1,6)"])
+    view.dispatched(141.0, ["_cancel(move_base,office1,6)"])
+    view.returned(142.0, "tests", ["_return(move_base,preempted,6)"])
+    view.plan(142.5, 6, 8, ["_action_lib(move_base,office1,6)"], (0.01, 0.01))
+    page = opened(view)
+    assert page.texts("#cycle li") == ["– move_base office1: preempted"]
+    assert page.run("document.querySelectorAll('.timeline .bar.gone').length") == 1
+    assert "Not reached" not in page.text("#map .caption")
+    assert "ended early" in page.text(".keys")
+
+
 def test_a_failed_action_is_seen(opened):
     page = opened(delivery())
     move(page, 21.0)
@@ -133,7 +147,7 @@ def test_the_figures(opened):
     assert found["Goals by their end"] == "1 goal"
     assert found["Time until the end"] == "median 32.5 s, longest 32.5 s"
     assert found["Response: time until accepted"] == "median 1.5 s, longest 1.5 s"
-    assert found["Solver's share"] == "250 ms of wall time, 0.8 % of the run's 32.5 s"
+    assert found["Solver's time"] == "250 ms of wall time, 130 ms in the longest cycle"
     assert found["Metres driven"] == "4.0 m"
 
 

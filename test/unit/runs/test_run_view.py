@@ -191,6 +191,37 @@ def test_of_two_actions_of_an_interface_in_a_cycle_each_has_its_own_return():
     assert (first["ended"], first["value"], first["failed"]) == (3.0, "stuck", True)
 
 
+@pytest.mark.parametrize(
+    ("told", "returns", "expected"),
+    [
+        (["_cancel(go,a,1)"], "preempted", (False, True)),
+        (["_cancel(go,a,1)"], "a", (False, False)),
+        (["_cancel(go,a,1)"], "blocked", (True, False)),
+        (["_cancel(go,b,1)"], "preempted", (True, False)),
+        (["_cancel(go,a,2)"], "preempted", (True, False)),
+        (["_cancel(go"], "preempted", (True, False)),
+        ([], "preempted", (True, False)),
+    ],
+)
+def test_view_tells_preempted_actions_from_failures(told, returns, expected):
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.dispatched(1.0, ["_action_lib(go,a,1)"])
+    view.dispatched(2.0, told)
+    view.returned(3.0, "go", [f"_return(go,{returns},1)"])
+    (action,) = records(view.changes(), "actions")
+    assert (action["ended"], action["failed"], action["preempted"]) == (3.0, *expected)
+
+
+def test_view_gives_a_preempted_return_to_the_cancelled_action():
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    view.dispatched(1.0, ["_action_lib(go,a,1)", "_action_lib(go,b,1)", "_cancel(go,b,1)"])
+    view.returned(2.0, "go", ["_return(go,preempted,1)"])
+    first, second = records(view.changes(), "actions")
+    assert (first["ended"], second["ended"], second["preempted"]) == (None, 2.0, True)
+
+
 def test_a_return_may_overtake_its_action():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
