@@ -1,13 +1,15 @@
 """One goal sent from the command line."""
 
+import time
 from typing import Callable
 
 import rospy
 
 from rosoclingo.msg import ROSoClingoFeedback
 from rosoclingo.nodes.goal_client import CoreClient, SentGoal
-from rosoclingo.nodes.words import words_of
-from rosoclingo.runs.sentences import Sentences
+from rosoclingo.nodes.words import interfaces_of, words_of
+from rosoclingo.reasoning.interface_register import ReportedInterfaces
+from rosoclingo.runs.sentences import Sentences, actions_now
 
 Line = Callable[[ROSoClingoFeedback], str]
 Tell = Callable[[ROSoClingoFeedback], None]
@@ -22,12 +24,13 @@ _TURN = 0.2
 def request(text: str, server: str, wait: float, say: Callable[[str], None], plain: bool = False) -> int:
     """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES.
 
-    Feedback is the plan, or ``plain`` what is done now in the program's words.
+    Feedback is the plan, or ``plain`` what is done now in the program's words, or that no interface is there for it.
 
     A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost.
 
     Subscribes:
         CORE/program (std_msgs/String): the program, once, for its words.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): with ``plain``, which interfaces the core has.
     Actions called:
         SERVER (rosoclingo/ROSoClingoAction): that of ``server``.
     """
@@ -36,7 +39,8 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         still = "" if rospy.get_time() else "; ROS time has not begun, and the core tells its status by it"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
-    tell = _changes(_plain_line(words_of(client.node)) if plain else _line, say)
+    line = _plain_line(words_of(client.node), interfaces_of(client.node)) if plain else _line
+    tell = _changes(line, say)
     goal = client.send(text)
     cancelled = False
     while True:
@@ -68,18 +72,29 @@ def _changes(line: Line, say: Callable[[str], None]) -> Tell:
     shown = ""
 
     def tell(feedback: ROSoClingoFeedback) -> None:
-        """Say its line, if it is another one."""
+        """Say its line, if it has one and that is another one."""
         nonlocal shown
         text = line(feedback)
-        if text != shown:
+        if text and text != shown:
             say(text)
-        shown = text
+            shown = text
 
     return tell
 
 
-def _plain_line(words: Sentences) -> Line:
-    return lambda feedback: words.now(feedback.cycle, feedback.status, feedback.task_plan[feedback.position :])
+def _plain_line(words: Sentences, interfaces: ReportedInterfaces) -> Line:
+    """What is done now; empty as long as it is not known whether an interface does it."""
+
+    def line(feedback: ROSoClingoFeedback) -> str:
+        """Return the line of a feedback."""
+        plan = feedback.task_plan[feedback.position :]
+        found = [interfaces.fault(one, time.monotonic()) for one in actions_now(feedback.cycle, plan)]
+        faults = [one for one in found if one is not None]
+        if not faults or feedback.status.startswith("waiting"):
+            return words.now(feedback.cycle, feedback.status, plan)
+        return next((f"waits: {one}" for one in faults if one), "")
+
+    return line
 
 
 def _line(feedback: ROSoClingoFeedback) -> str:

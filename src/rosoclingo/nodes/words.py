@@ -1,13 +1,19 @@
-"""The words that a core's program has for actions."""
+"""The words that a core's program has for actions, and whether anybody does them."""
 
+import time
 from contextlib import suppress
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 
+from rosoclingo.reasoning.interface_register import ReportedInterfaces
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_names import full_name
+
+#: Seconds of wall time to wait for the core's report, which it publishes once a second, and between two looks.
+_REPORT, _TURN = 5.0, 0.02
 
 #: Seconds of wall time to wait for the program where there is a core: it tells it as it starts.
 _WAIT = 10.0
@@ -27,3 +33,21 @@ def words_of(core: str) -> Sentences:
         with suppress(rospy.ROSException):
             return words_in(rospy.wait_for_message(topic, String, _WAIT).data)
     return Sentences()
+
+
+def interfaces_of(core: str) -> ReportedInterfaces:
+    """The interfaces that the core of this name reports from now on; waits for its first report, not for long."""
+    found, name = ReportedInterfaces(), core.strip("/") + ": core"
+
+    def take(message: DiagnosticArray) -> None:
+        """Take the status of the core."""
+        for one in message.status:
+            if one.name == name:
+                values = {value.key: value.value for value in one.values}
+                found.report(filter(None, values.get("interfaces", "").split(", ")), one.message)
+
+    rospy.Subscriber("/diagnostics", DiagnosticArray, take)
+    end = time.monotonic() + _REPORT
+    while not found.known and time.monotonic() < end and not rospy.is_shutdown():
+        time.sleep(_TURN)
+    return found

@@ -1,11 +1,19 @@
 """Which interfaces there are, and which actions wait for one that is not there."""
 
-from typing import AbstractSet, Dict, List, NamedTuple, Sequence, Set
+import re
+from typing import AbstractSet, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set
 
 from rosoclingo.reasoning.keywords import Action, shortened
 
 #: Seconds for which an action may wait for its interface to appear before that is told.
 GRACE = 2.0
+
+
+#: Seconds after which a client may expect the core to have reported an interface that is not there.
+REPORTED = GRACE + 3.0
+
+_MISSING = "no interface '{}' for {}: {}"
+_MISSED = re.compile(r"no interface '.*?' for (_action_lib\(.*\)): ")
 
 
 class Missing(NamedTuple):
@@ -64,4 +72,35 @@ class InterfaceRegister:
         wanted, known = shortened(action.interface_name), ", ".join(self.names) or "none"
         perhaps = f", and {', '.join(silent)} may have others" if silent else ""
         there = f"the interfaces are {known}{perhaps}" if heard else "nobody listens on out_rosoclingo"
-        return f"no interface '{wanted}' for {shortened(str(action.atom))}: {there}"
+        return _MISSING.format(wanted, shortened(str(action.atom)), there)
+
+
+class ReportedInterfaces:
+    """Which actions are served, as a client knows it by what the core reports on /diagnostics."""
+
+    def __init__(self) -> None:
+        self._names: Optional[FrozenSet[str]] = None
+        self._message = ""
+        self._since: Dict[Action, float] = {}
+
+    @property
+    def known(self) -> bool:
+        """Whether the core has reported."""
+        return self._names is not None
+
+    def report(self, names: Iterable[str], message: str) -> None:
+        """Take the interfaces that were announced to the core, and the message of its report."""
+        self._names, self._message = frozenset(names), message
+
+    def fault(self, action: Action, now: float) -> Optional[str]:
+        """Return why an action that went out is not done, empty where that is not known yet, None where it is done.
+
+        ``now`` is in seconds of a clock that only goes forward. An interface that announces nothing is there unless
+        the core reports after a while that it is not.
+        """
+        if self._names is None or action.interface_name in self._names:
+            return None
+        missed = _MISSED.match(self._message)
+        if missed is not None and missed.group(1) == shortened(str(action.atom)):
+            return self._message
+        return "" if now - self._since.setdefault(action, now) < REPORTED else None

@@ -104,7 +104,7 @@ class Summary:
 
 
 class _Line(NamedTuple):
-    time: float  # seconds since the run began
+    time: float  # seconds of the run's clock
     kind: str
     text: str
     after: Set[str]
@@ -114,6 +114,8 @@ class _Line(NamedTuple):
 
 class Account:
     """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line.
+
+    Lines count seconds since the first thing that anybody asked, told or did, as reports and pages do.
 
     It may begin in the midst of a run: then with what the latched topics have, in whatever order. ``with_state`` it
     says what the program believes as well.
@@ -178,7 +180,7 @@ class Account:
         come, gone = self._state - before, before - self._state
         words = [sign + one for sign, found in (("+", come), ("-", gone)) for one in sorted(found) if _is_news(one)]
         if words and self._with_state:
-            self._line(time, "state", " ".join(words), {_BEGUN})
+            self._line(time, "state", " ".join(words), {_BEGUN}, begins=False)
 
     def cancel(self, time: float, key: str) -> None:
         """Record that a client cancelled a goal; an empty key stands for all of them."""
@@ -206,7 +208,7 @@ class Account:
         late = not self._planned and (cycle > 1 or bool(actions)) and not self.summary.updates
         self._planned = True
         after = set() if first or late else {f"update {cycle}"}
-        self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}", cycle if late else 0)
+        self._line(time, "plan", ahead, after, "" if first else f"plan {cycle}", cycle if late else 0, begins=False)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Record actions on out_rosoclingo, once each however often they are sent, and what ends them early."""
@@ -239,11 +241,11 @@ class Account:
 
     def note(self, time: float, text: str) -> None:
         """Record anything else worth a line."""
-        self._line(time, "note", text)
+        self._line(time, "note", text, begins=False)
 
     def pass_time(self, time: float) -> None:
         """Write the lines that have been held back for long enough at a time, though nothing else came."""
-        while self._start is not None and self._release(time - self._start):
+        while self._release(time):
             pass
 
     def finish(self) -> None:
@@ -257,13 +259,24 @@ class Account:
         return text if action is None else self.sentences.of(action)
 
     def _line(
-        self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "", cycle: int = 0
+        self,
+        time: float,
+        kind: str,
+        text: str,
+        after: Iterable[str] = (),
+        gives: str = "",
+        cycle: int = 0,
+        begins: bool = True,
     ) -> None:
-        self._start = time if self._start is None else self._start
-        now = time - self._start
-        self.summary.seconds = max(self.summary.seconds, now)
-        self._held.append(_Line(now, kind, text, set(after), gives, cycle))
+        """Take a line; what ``begins`` a run is what anybody asks, tells or does."""
+        if self._start is None and begins:
+            self._start = time
+        self.summary.seconds = max(self.summary.seconds, self._elapsed(time))
+        self._held.append(_Line(time, kind, text, set(after), gives, cycle))
         self.pass_time(time)
+
+    def _elapsed(self, time: float) -> float:
+        return 0.0 if self._start is None else max(0.0, time - self._start)
 
     def _release(self, now: float) -> bool:
         for line in self._held:
@@ -276,7 +289,7 @@ class Account:
 
     def _print(self, line: _Line) -> None:
         self._cycle = line.cycle or self._cycle
-        self._now = max(self._now, line.time)
+        self._now = max(self._now, self._elapsed(line.time))
         cycle = max(1, self._cycle)
         self._say(f"{self._now:7.1f} s  cycle {cycle:<3d} {line.kind:8s} {line.text}")
         if self._enter is not None:

@@ -192,7 +192,7 @@ class RunView:
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Record actions that went out, once each, and what ends them early."""
         fresh = [text for text in facts if text.startswith((ACTION_LIB, CANCEL_ACTION)) and text not in self._sent]
-        now = self._now(time)
+        now = self._now(time, begins=bool(fresh))
         for text in fresh:
             self._sent.add(text)
             if text.startswith(ACTION_LIB):
@@ -333,7 +333,7 @@ class RunView:
     # ---- how it is put together -------------------------------------------------------------------------------------
 
     def _now(self, time: float, begins: bool = False) -> float:
-        """Return the time since the run began, 0 before; what ``begins`` a run is what anybody asks or tells."""
+        """Return the time since the run began, 0 before; what ``begins`` a run is what anybody asks, tells or does."""
         if self._start is None and not begins:
             return 0.0
         if self._start is None:

@@ -1,6 +1,6 @@
 """Actions in plain words, as a program has them for people: ``_says(move_base,"drives to {}").`` among its facts."""
 
-from typing import Dict, Iterable, Mapping, Optional
+from typing import Dict, Iterable, List, Mapping, Optional
 
 from clingo import SymbolType
 
@@ -9,7 +9,7 @@ from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.topic_atoms import action_in
 
-#: ``_says(A,Text)``: what an action A does, with ``{}`` where its parameter is to be, which else comes last.
+#: ``_says(A,Text)``: what an action A does, with ``{}`` in place of its parameter; a text without it leaves that out.
 SAYS = "_says"
 
 _PLACE = "{}"
@@ -18,24 +18,27 @@ _CANCELLING = ("recalling", "preempting")
 
 
 class Sentences:
-    """Says what actions do: by interface a text each, the interface and the parameter where there is none."""
+    """Says what actions do: by a text for each interface, or by interface and parameter where it has no text."""
 
     def __init__(self, texts: Optional[Mapping[str, str]] = None) -> None:
         self._texts: Dict[str, str] = dict(texts or {})
 
     def of(self, action: Action) -> str:
         """What an action does, "drives to office2"."""
-        text = self._texts.get(action.interface_name, action.interface_name)
-        parameter = name_of(action.parameter)
-        return text.replace(_PLACE, parameter) if _PLACE in text else f"{text} {parameter}"
+        text = self._texts.get(action.interface_name, f"{action.interface_name} {_PLACE}")
+        return text.replace(_PLACE, name_of(action.parameter))
 
     def now(self, cycle: int, state: str, plan: Iterable[str]) -> str:
         """What is done in a cycle of a plan for a goal in this state (its feedback), in one line."""
         if state.startswith("waiting"):
             return state
-        actions = filter(None, map(action_in, plan))
-        doing = ", ".join(self.of(one) for one in actions if one.cycle == cycle) or "nothing to do now"
+        doing = ", ".join(map(self.of, actions_now(cycle, plan))) or "nothing to do now"
         return f"is cancelled: {doing}" if state in _CANCELLING else doing
+
+
+def actions_now(cycle: int, plan: Iterable[str]) -> List[Action]:
+    """Return the actions of a cycle in a plan's texts."""
+    return [one for one in filter(None, map(action_in, plan)) if one.cycle == cycle]
 
 
 def sentences_of(program: RunProgram) -> Sentences:

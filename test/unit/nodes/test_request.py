@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 import rosoclingo
+from rosoclingo.reasoning.interface_register import ReportedInterfaces
 from rosoclingo.runs.sentences import Sentences
 
 
@@ -19,6 +20,7 @@ def command(monkeypatch):
     module = import_module("rosoclingo.nodes.request")
     monkeypatch.setattr(module, "CoreClient", Client)
     monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}))
+    monkeypatch.setattr(module, "interfaces_of", lambda core: ReportedInterfaces())
     return module
 
 
@@ -71,3 +73,23 @@ def test_what_is_done_is_said_once_also_after_a_cancel(plain, first, then, comma
     assert command.request("walk(3)", "rosoclingo", 1.0, said.append, plain) == 2
     cancelling = "cancelling walk(3) (Ctrl-C again: do not wait)"
     assert said == [first, cancelling, then, "canceled: as you like"]
+
+
+MISSING = "no interface 'walk' for _action_lib(walk,3,1): nobody listens on out_rosoclingo"
+
+
+@pytest.mark.parametrize(
+    ("names", "message", "expected"),
+    [
+        (["walk"], "waits for _action_lib(walk,3,1)", ["walks to 3", "is cancelled: walks to 3"]),
+        ([], MISSING, [f"waits: {MISSING}"]),
+        ([], "waits for _action_lib(walk,3,1)", []),
+    ],
+)
+def test_request_says_nothing_is_done_without_an_interface(names, message, expected, command, monkeypatch):
+    interfaces = ReportedInterfaces()
+    interfaces.report(names, message)
+    monkeypatch.setattr(command, "interfaces_of", lambda core: interfaces)
+    said = []
+    command.request("walk(3)", "rosoclingo", 1.0, said.append, True)
+    assert [one for one in said if "walks" in one or "waits" in one] == expected

@@ -1,7 +1,7 @@
 """Which interfaces there are, and which actions wait for one that is not there."""
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning.interface_register import GRACE, InterfaceRegister
+from rosoclingo.reasoning.interface_register import GRACE, REPORTED, InterfaceRegister, ReportedInterfaces
 from rosoclingo.reasoning.keywords import action_of
 
 HOLD, MOVE = (action_of(parse_atom(text)) for text in ("_action_lib(hold,cup,3)", "_action_lib(move_base,hall,3)"))
@@ -66,3 +66,19 @@ def test_nodes_that_may_have_it_are_those_that_hear_and_answer():
     ((_, text, _),) = looked(register(), [HOLD], nodes, nodes)
     assert text.endswith("the interfaces are none, and /a, /b, /c, /d, /e, /f, /g, /h may have others")
     assert register(a="z k b m", b="y c a x").names == list("abckmxyz")
+
+
+def test_client_knows_what_the_core_reports():
+    found = ReportedInterfaces()
+    assert (found.known, found.fault(MOVE, 0.0)) == (False, None), "a core that reports nothing is believed"
+    register_ = register(a="move_base")
+    (missing,) = looked(register_, [HOLD, MOVE])
+    found.report(register_.names, missing[1])
+    assert (found.known, found.fault(MOVE, 0.0), found.fault(HOLD, 0.0)) == (True, None, missing[1])
+    found.report(register_.names, "waits for _action_lib(hold,cup,3)")
+    assert found.fault(HOLD, 1.0) == "", "not known yet"
+    assert found.fault(HOLD, 1.0 + REPORTED) is None, "its node announces nothing"
+    long = action_of(parse_atom(f"_action_lib({'x' * 3000},y,3)"))
+    (missing,) = looked(register(), [long])
+    found.report([], missing[1])
+    assert found.fault(long, 0.0) == missing[1]

@@ -1,6 +1,7 @@
 import pytest
 
 from rosoclingo.runs.account import PATIENCE, Account
+from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.sentences import Sentences
 
 
@@ -38,8 +39,32 @@ def test_a_line_for_each_event(account, lines):
     assert lines[0].split()[:4] == ["0.0", "s", "cycle", "1"]
     assert lines[0].endswith("nothing to do")
     assert lines[3].endswith("move_base office2, pickup 1")
-    assert lines[-1].split()[:4] == ["2.1", "s", "cycle", "2"]
+    assert lines[-1].split()[:4] == ["1.1", "s", "cycle", "2"], "since the request"
     assert lines[-1].endswith("plan     pickup 1")
+
+
+@pytest.mark.parametrize("first", ["goal", "fact", "action", "cancel"])
+def test_account_counts_seconds_as_a_report_does(first, account, lines):
+    view = RunView()
+    account.plan(10.0, 1, [])
+    view.plan(10.0, 1, 1, [])
+    for one in (account, view):
+        if first == "fact":
+            one.returned(12.5, "sensor", ["_seen(ball)"])
+        if first == "action":
+            one.dispatched(12.5, ["_action_lib(go,x,1)"])
+        if first == "cancel":
+            one.cancel(12.5, "")
+        one.goal(13.0, "a", "g(1)")
+        one.status(14.0, "a", 1, "")
+        one.dispatched(14.5, ["_action_lib(go,y,1)"])
+        one.returned(19.5, "go", ["_return(go,y,1)"])
+        one.finish()
+    log = [record for _, record in view.changes()["log"]]
+    assert [(float(line.split()[0]), line.split()[4]) for line in lines] == [
+        (pytest.approx(one["time"], abs=0.05), one["kind"]) for one in log
+    ]
+    assert account.summary.seconds == pytest.approx(view.seconds) == (6.5 if first == "goal" else 7.0)
 
 
 def test_topics_that_overtake_each_other_are_put_in_order(account, lines):
@@ -134,7 +159,7 @@ def test_summary(account):
         "robot: office2",
         "actions: move_base office2",
     ]
-    assert account.summary.seconds == pytest.approx(2.1)
+    assert account.summary.seconds == pytest.approx(1.1)
     assert len(account.summary.updates) == 2
     assert account.summary.returns == ["_return(move_base,office2,1)"]
 
