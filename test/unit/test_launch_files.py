@@ -1,10 +1,15 @@
 """The launch arguments that put the real stage_ros, move_base, map_server, or a user's own robot in their place."""
 
 import itertools
+import os
 from pathlib import Path
 
 import pytest
 import yaml
+
+from rosoclingo.common.reading import Reader
+from rosoclingo.nodes.new_package import new_package
+from rosoclingo.runs.orders import read_orders
 
 roslaunch = pytest.importorskip("roslaunch")
 from roslaunch.config import ROSLaunchConfig  # noqa: E402
@@ -57,6 +62,40 @@ def load(name, **arguments):
 def test_the_encoding_of_the_mailbot(encoding, files):
     programs = parameters(load("mailbot.launch", **encoding), "/rosoclingo/program_files")[""]
     assert [Path(file).name for file in programs] == files
+
+
+def template(monkeypatch, folder, **arguments):
+    """The configuration of a new package's launch file."""
+    new_package("guard", folder, ROOT / "templates" / "package")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}")
+    monkeypatch.setattr(roslaunch.substitution_args, "_rospack", None)
+    return load(folder / "guard" / "launch" / "guard.launch", **arguments)
+
+
+def test_template_launch_has_the_usual_arguments(monkeypatch, tmp_path):
+    given = {"plan": "shortest", "preempt": "true", "web": "true", "port": 8123, "record": "true", "bag": "a.bag"}
+    config = template(monkeypatch, tmp_path, **given)
+    assert {node(config, name).type for name in ("rosoclingo", "interfaces", "web", "record")} == {
+        *("core", "interface", "web", "record")
+    }
+    assert {"/rosoclingo/", "/interfaces/", "/web/", "/record/"} <= set(config.clear_params)
+    core = parameters(config, "/rosoclingo/")
+    assert (core["plan"], core["preempt"]) == ("shortest", True)
+    assert parameters(config, "/record/") == {"bag": "a.bag"}
+    web = parameters(config, "/web/")
+    assert (web["port"], web["title"], web["orders"][0]["goal"]) == (8123, "guard", "visit({place})")
+
+
+def test_template_launch_starts_neither_page_nor_recorder_unasked(monkeypatch, tmp_path):
+    config = template(monkeypatch, tmp_path)
+    assert not {"web", "record"} & {one.type for one in config.nodes}
+    assert parameters(config, "/rosoclingo/")["plan"] == "soon"
+
+
+def test_template_orders_can_be_read():
+    reader = Reader(yaml.safe_load((ROOT / "templates" / "package" / "config" / "orders.yaml").read_text()))
+    (form,) = read_orders(reader)
+    assert (reader.faults, form.fill({"place": "kitchen"}, ["kitchen"], {})) == ([], "visit(kitchen)")
 
 
 def nodes(config):

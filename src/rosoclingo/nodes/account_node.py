@@ -1,20 +1,27 @@
 """The account of a run as a node: it listens to public topics only."""
 
 import threading
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from contextlib import suppress
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.connections import comes_to
-from rosoclingo.common.labels import LabelTable
+from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.msg import GoalStates, InterfaceIO, PackageStates, ROSoClingoActionGoal, State, TaskPlan
-from rosoclingo.nodes.words import words_in
+from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
-from rosoclingo.runs.sentences import Sentences
+from rosoclingo.runs.believed_places import believed_places
+from rosoclingo.runs.drawing import Drawings, drawings_of
+from rosoclingo.runs.planar_frames import Pose
+from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import run_in
 from rosoclingo.runs.topic_names import USUAL, full_name
 
@@ -32,6 +39,9 @@ TOPICS = {
     "~task_plan": TaskPlan,
     "packages": PackageStates,
     "base_pose_ground_truth": Odometry,
+    "amcl_pose": PoseWithCovarianceStamped,
+    "/tf": TFMessage,
+    "/tf_static": TFMessage,
 }
 
 #: Metres from a label in which the robot is there.
@@ -47,20 +57,23 @@ CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "~updates", "~task_plan")
 class TopicAccount:
     """An Account that takes ROS messages.
 
-    ``labels`` names the robot's place when it is within TOLERANCE of one; ``with_state`` what the program believes is
-    told as well.
+    The robot's place is the label of the program within TOLERANCE of its pose, or what the program shows where there is
+    no pose; things are where the topic ``packages`` has them, else where the program shows them. ``with_state`` what
+    the program believes is told as well.
     """
 
-    def __init__(
-        self, say: Callable[[str], None], labels: Optional[LabelTable] = None, with_state: bool = False
-    ) -> None:
+    def __init__(self, say: Callable[[str], None], with_state: bool = False) -> None:
         self.account = Account(say, with_state=with_state)
-        self._labels = labels
+        self._labels, self._drawings = LabelTable(), Drawings()
+        self._atoms: Sequence[str] = ()
+        self._pose: Optional[Pose] = None
+        self._poses = RobotPose(self._posed)
+        self._has_packages = False
         self._lock = threading.Lock()
         self._readers: Dict[str, Callable[[float, Any], None]] = {
             "~program": self._program,
             "~goals": self._goals,
-            "~state": lambda time, message: self.account.state(time, message.atoms),
+            "~state": self._state,
             "out_rosoclingo": self._dispatched,
             "in_rosoclingo": lambda time, message: self.account.returned(time, message.interface, message.facts),
             "rosoclingo/goal": lambda time, message: self.account.goal(time, message.goal_id.id, message.goal.request),
@@ -69,13 +82,14 @@ class TopicAccount:
             "~updates": lambda time, message: self.account.update(time, message.data),
             "~task_plan": lambda time, message: self.account.plan(time, message.cycle, message.actions),
             "packages": self._packages,
-            "base_pose_ground_truth": self._pose,
+            **self._poses.takes,
         }
 
     def take(self, topic: str, message: Any, time: float) -> None:
         """Enter a message of one of TOPICS; callable from any thread."""
         with self._lock:
-            self._readers[topic](time, message)
+            if not self._poses.is_too_soon(topic, time):
+                self._readers[topic](time, message)
 
     def tick(self, time: float) -> None:
         """Time passes: what waited for what belongs before it is told; callable from any thread."""
@@ -88,10 +102,10 @@ class TopicAccount:
             heard = [one.status in ENDS for one in self.account.summary.goals]
             return len(heard) >= goals and all(heard)
 
-    def differences(self, expect: Mapping[str, Any]) -> List[str]:
-        """How what was heard so far differs from a scenario's ``expect``."""
+    def differences(self, expect: Mapping[str, Any], before: int = 0) -> List[str]:
+        """How what was heard so far differs from a scenario's ``expect``, which began after ``before`` cycles."""
         with self._lock:
-            return self.account.summary.differences(expect)
+            return self.account.summary.differences(expect, before)
 
     def finish(self) -> Summary:
         """End the account: print what was held back, and the summary."""
@@ -100,7 +114,16 @@ class TopicAccount:
             return self.account.summary
 
     def _program(self, _time: float, message: String) -> None:
-        self.account.sentences = words_in(message.data)
+        with suppress(RecordingError, LabelError):
+            program = RunProgram.parse(message.data)
+            self.account.sentences, self._drawings = sentences_of(program), drawings_of(program)
+            self._labels = LabelTable.from_mapping(program.settings.get("labels", {}))
+        self._place()
+
+    def _state(self, time: float, message: State) -> None:
+        self._atoms = message.atoms
+        self.account.state(time, message.atoms)
+        self._place()
 
     def _goals(self, time: float, message: GoalStates) -> None:
         self.account.goals(time, [(one.id.id, one.request, one.status, one.reason) for one in message.goals])
@@ -117,12 +140,23 @@ class TopicAccount:
             self.account.status(time, one.goal_id.id, one.status, one.text)
 
     def _packages(self, _time: float, message: PackageStates) -> None:
+        self._has_packages = True
         self.account.packages((one.id, "carried" if one.carried else one.location) for one in message.packages)
 
-    def _pose(self, _time: float, message: Odometry) -> None:
-        if self._labels is not None:
-            position = message.pose.pose.position
-            label = self._labels.nearest(position.x, position.y, TOLERANCE)
+    def _posed(self, _time: float, pose: Pose) -> None:
+        self._pose = pose
+        self._place()
+
+    def _place(self) -> None:
+        """Enter where robot and things are by what is known now."""
+        labels = {label.name for label in self._labels}
+        believed = believed_places(self._atoms, self._drawings, labels)
+        if not self._has_packages:
+            self.account.packages(believed.things.items())
+        if self._pose is None or not labels:
+            self.account.robot(believed.robot)
+        else:
+            label = self._labels.nearest(self._pose.x, self._pose.y, TOLERANCE)
             self.account.robot("away from every label" if label is None else label.name)
 
 
@@ -135,17 +169,17 @@ class AccountNode(TopicAccount):
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
         rosoclingo/status (actionlib_msgs/GoalStatusArray), CORE/updates (std_msgs/String)
         packages (rosoclingo/PackageStates), base_pose_ground_truth (nav_msgs/Odometry)
+        amcl_pose (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)
     """
 
     def __init__(
         self,
         say: Callable[[str], None],
-        labels: Optional[LabelTable] = None,
         with_state: bool = False,
         core: str = USUAL,
         words: Optional[Sentences] = None,
     ) -> None:
-        super().__init__(say, labels, with_state)
+        super().__init__(say, with_state)
         if words is not None:
             self.account.sentences = words  # before anything can be heard
         self._subscribers = {

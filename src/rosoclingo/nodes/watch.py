@@ -1,15 +1,14 @@
 """The command ``watch``: the account of a system that runs, or of a bag."""
 
 import time
-from contextlib import suppress
 from pathlib import Path
 from typing import Callable, Iterable, Optional, Sequence
 
 import rospy
 
-from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.nodes.account_node import TOPICS, AccountNode, TopicAccount
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.nodes.robot_pose import EXACT
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -30,6 +29,8 @@ def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> No
         with opened(path) as bag:
             found = set(bag.get_type_and_topic_info().topics)
             names = {full_name(topic, core_in(found, core)): topic for topic in TOPICS}
+            if full_name(EXACT, core_in(found, core)) in found:  # tf is much to read
+                names = {topic: name for topic, name in names.items() if not name.startswith("/tf")}
             for topic, message, moment in bag.read_messages(sorted(found & names.keys())):
                 account.take(names[topic], message, moment.to_sec())
     except KeyboardInterrupt:
@@ -41,7 +42,7 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     """Tell the account of the system around a core, until Ctrl-C or the master's end, then the summary."""
     name = rospy.resolve_name(core) if core else _find_core()
     words = words_of(name)  # first, as the first line may be of an action
-    account = AccountNode(say, _labels(), with_state, name, words)
+    account = AccountNode(say, with_state, name, words)
     try:
         while not rospy.is_shutdown():
             time.sleep(_TURN)
@@ -71,10 +72,3 @@ def chosen_core(published: Iterable[Sequence[str]], usual: str) -> str:
         raise RecordingError(f"there are {len(cores)} cores: name one of {', '.join(cores)} by --core")
     return cores[0]
 
-
-def _labels() -> Optional[LabelTable]:
-    """The labels of the simulated office, if there is one."""
-    with suppress(LabelError):
-        found = rospy.get_param("office/labels", None)
-        return LabelTable.from_mapping(found) if found else None
-    return None

@@ -75,13 +75,16 @@ class Summary:
     robot: str = ""
     seconds: float = 0.0
 
-    def differences(self, expect: Mapping[str, Any]) -> List[str]:
-        """How the run differs from a scenario's ``expect``; empty when it does not."""
+    def differences(self, expect: Mapping[str, Any], before: int = 0) -> List[str]:
+        """How the run differs from a scenario's ``expect``; empty when it does not.
+
+        ``before`` are the core's cycles before the scenario began, by which those of its actions are greater.
+        """
         found: Dict[str, Any] = {
             "goals": [goal.status for goal in self.goals],
             "packages": {key: self.packages.get(key) for key in expect.get("packages", {})},
             "robot": self.robot,
-            "actions": self.actions,
+            "actions": [_earlier(text, before) for text in self.actions] if before else self.actions,
         }
         return [f"{key}: expected {expect[key]}, found {found[key]}" for key in expect if expect[key] != found[key]]
 
@@ -341,6 +344,11 @@ def _as_fed(text: str) -> str:
 def _action(text: str) -> str:
     action = action_in(text)
     return text if action is None else f"{action.interface_name} {name_of(action.parameter)}"
+
+
+def _earlier(text: str, cycles: int) -> str:
+    action = action_in(text)
+    return text if action is None else str(action._replace(cycle=action.cycle - cycles).atom)
 
 
 def _cycle_of(text: str) -> int:

@@ -19,7 +19,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from rosoclingo.nodes.recording.bag_file import active
-from rosoclingo.nodes.recording.recorder import is_recording
+from rosoclingo.nodes.recording.recorder import TOPICS, is_recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -75,6 +75,22 @@ class Recorder(unittest.TestCase):
         words, notes = self.holds()
         self.assertEqual(words, ["hello", *map(str, range(WORDS))])
         self.assertEqual(notes, ["begins", "ends, with the run: nothing is lacking"])
+
+    def test_recorder_without_topics_has_a_list_of_its_own(self):
+        with Process(executable("record"), f"_bag:={self.bag}") as record:
+            with Process(str(HERE / "last_words.py"), "_words:=2", "last_words:=/rosoclingo/updates") as speaking:
+                wait_until(lambda: is_recording(["/rosoclingo/updates", "/rosout"]), "the recorder to be connected")
+                wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+                record.signal(signal.SIGINT)
+                speaking.signal(signal.SIGINT)
+                self.assertEqual(record.wait(), (0, ""))
+        with rosbag.Bag(str(self.bag)) as read:
+            words = [one.data for _, one, _ in read.read_messages(["/rosoclingo/updates"])]
+        self.assertEqual(words, ["hello", "0", "1"])
+        command = [executable("record"), "--help"]
+        help_text = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, timeout=PATIENCE).stdout
+        for topic in TOPICS:
+            self.assertIn(topic.rpartition("/plan")[0] and "plans" or topic.rpartition("/")[2], help_text)
 
     def test_who_does_not_end_is_named(self):
         with recorder(self.bag) as record, speaker():

@@ -36,7 +36,7 @@ def test_the_shipped_templates_leave_no_placeholder(tmp_path):
 def test_the_readme_names_what_is_there(tmp_path):
     files = {str(path) for path in new_package("guard", tmp_path, TEMPLATES)}
     named = re.findall(r"^\| `([^`]+)`", (tmp_path / "guard" / "README.md").read_text(), re.MULTILINE)
-    assert len(named) == 6
+    assert len(named) == 7
     assert not [name for name in named if not any(file.startswith(f"guard/{name}") for file in files)]
 
 

@@ -2,31 +2,19 @@
 
 from typing import Any, Callable, Dict, Optional
 
-from rosoclingo.common.labels import DEFAULT_FRAME
+from rosoclingo.nodes.robot_pose import RobotPose
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.map_image import map_image
-from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+from rosoclingo.runs.planar_frames import yaw_of
 from rosoclingo.runs.recorded_run import problem_in
 from rosoclingo.runs.run_view import GoalTold, RunView
 from rosoclingo.runs.topic_atoms import run_in
 from rosoclingo.runs.topic_names import full_name
 
-__all__ = ["PATHS", "POSES", "RunTopics"]
-
-#: Frames of a robot, the usual one first.
-BASES = ("base_link", "base_footprint")
-
-#: Topics that tell where the robot is, the most exact first.
-POSES = ("base_pose_ground_truth", "/tf", "amcl_pose")
-
-#: Seconds between two messages of a pose's topic that are read: more often than that it is not drawn.
-OFTEN = 0.1
+__all__ = ["PATHS", "RunTopics"]
 
 #: Topics of the way that the robot is to drive.
 PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
-
-#: Seconds after which a less exact one of them is taken.
-SILENT = 2.0
 
 
 class RunTopics:
@@ -38,9 +26,7 @@ class RunTopics:
     def __init__(self, view: RunView, core: str = "/rosoclingo") -> None:
         self.view = view
         self._core = core
-        self._frames = PlanarFrames()
-        self._exact, self._heard = len(POSES), 0.0
-        self._read: Dict[str, float] = {}  # when each pose's topic was read last
+        self._pose = RobotPose(lambda time, pose: self.view.pose(time, *pose))
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda time, message: self.view.program(message.data, time),
             "rosoclingo/goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
@@ -59,10 +45,7 @@ class RunTopics:
             "packages": self._packages,
             "map": lambda _time, message: self.view.tell(map=_image(message)),
             **dict.fromkeys(PATHS, self._path),
-            "base_pose_ground_truth": lambda time, message: self._pose("base_pose_ground_truth", time, message),
-            "amcl_pose": lambda time, message: self._pose("amcl_pose", time, message),
-            "/tf": self._transforms,
-            "/tf_static": self._transforms,
+            **self._pose.takes,
             "/rosout": self._log,
         }
 
@@ -72,12 +55,7 @@ class RunTopics:
 
     def is_too_soon(self, name: str, time: float) -> bool:
         """Tell whether a message of a topic need not be read, as one of the same pose has just been."""
-        if name not in POSES or name == "/tf":  # a message of tf has the one or the other frame
-            return False
-        if 0.0 <= time - self._read.get(name, -OFTEN) < OFTEN:
-            return True
-        self._read[name] = time
-        return False
+        return self._pose.is_too_soon(name, time)
 
     def _statuses(self, time: float, message: Any) -> None:
         for one in message.status_list:
@@ -106,27 +84,6 @@ class RunTopics:
 
     def _path(self, time: float, message: Any) -> None:
         self.view.path(time, [(one.pose.position.x, one.pose.position.y) for one in message.poses])
-
-    def _pose(self, topic: str, time: float, message: Any) -> None:
-        pose = message.pose.pose
-        turn = pose.orientation
-        self._at(topic, time, Pose(pose.position.x, pose.position.y, yaw_of(turn.x, turn.y, turn.z, turn.w)))
-
-    def _transforms(self, time: float, message: Any) -> None:
-        for one in message.transforms:
-            move, turn = one.transform.translation, one.transform.rotation
-            pose = Pose(move.x, move.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
-            self._frames.place(one.header.frame_id, one.child_frame_id, pose)
-        pose = next(filter(None, (self._frames.find(DEFAULT_FRAME, base) for base in BASES)), None)
-        if pose is not None:
-            self._at("/tf", time, pose)
-
-    def _at(self, topic: str, time: float, pose: Pose) -> None:
-        """Take a pose if no topic that is more exact tells of one."""
-        exact = POSES.index(topic)
-        if exact <= self._exact or not 0.0 <= time - self._heard <= SILENT:
-            self._exact, self._heard = exact, time
-            self.view.pose(time, *pose)
 
     def _log(self, time: float, message: Any) -> None:
         cycle, problem = problem_in(message.msg)

@@ -19,7 +19,7 @@ from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
 
-__all__ = ["RECORDED", "RecorderNode", "is_recording"]
+__all__ = ["RECORDED", "TOPICS", "RecorderNode", "is_recording"]
 
 PERIOD = 0.1  # s of wall time between two writings
 FLUSH = 1.0  # s of wall time between two flushes: so much is lost with a recorder that is killed
@@ -29,6 +29,18 @@ LINGER = 0.5  # s of wall time for what is on its way when the recorder alone is
 
 #: What every node says, those of others too: nobody's end is waited for because of it.
 OF_ALL = ("/rosout",)
+
+#: What is recorded where nothing else is named.
+TOPICS = (
+    *("/rosout", "/diagnostics", "clock", "tf", "tf_static"),
+    *("map", "amcl_pose", "odom", "base_pose_ground_truth", "cmd_vel"),
+    *("out_rosoclingo", "in_rosoclingo", "packages"),
+    *(f"rosoclingo/{name}" for name in ("goal", "cancel", "status", "feedback", "result")),
+    *(f"rosoclingo/{name}" for name in ("task_plan", "updates", "program", "state", "goals")),
+    *(f"move_base/{name}/plan" for name in ("GridPlanner", "NavfnROS", "GlobalPlanner")),
+    *(f"move_base/{name}" for name in ("goal", "cancel", "status", "result")),
+    *(f"{server}/{name}" for server in ("pickup", "deliver") for name in ("goal", "cancel", "result")),
+)
 
 #: Topics that a recorder of the case study has to be connected to before a scenario begins.
 RECORDED = (
@@ -54,8 +66,12 @@ class RecorderNode:
 
     Parameters
     ----------
-        ~topics (list of str, required): what to record.
-        ~bag (str, default ""): the bag's file; empty: mailbot_DATE.bag in the working directory, for roslaunch ~/.ros.
+        ~topics (list of str, default []): what to record; empty: what ``watch``, ``replay`` and ``report`` read of a core
+            called rosoclingo, and what the shipped robots have: /rosout, /diagnostics, clock, tf, tf_static, map, amcl_pose,
+            odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages, rosoclingo/ with goal, cancel,
+            status, feedback, result, task_plan, updates, program, state and goals, move_base/ with the plans of its planners,
+            goal, cancel, status and result, pickup/ and deliver/ with goal, cancel and result.
+        ~bag (str, default ""): the bag's file; empty: rosoclingo_DATE.bag in the working directory, for roslaunch ~/.ros.
         ~patience (float, default 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
     Subscribes:
         TOPIC: each of ~topics, whatever its type.
@@ -68,7 +84,7 @@ class RecorderNode:
 
     def __init__(self) -> None:
         given = Parameters()
-        topics = given.at("topics").texts(wanted="a list of topics", some=True)
+        topics = given.at("topics").texts((), "a list of topics") or TOPICS
         self._patience = given.at("patience").number(10.0, low=0.0)
         path = _path(given.at("bag").text(""))
         given.check()
@@ -200,7 +216,7 @@ def _bytes(message: Any) -> bytes:
 
 
 def _path(name: str) -> Path:
-    name = name or datetime.now().strftime("mailbot_%Y-%m-%d-%H-%M-%S.bag")
+    name = name or datetime.now().strftime("rosoclingo_%Y-%m-%d-%H-%M-%S.bag")
     return Path(os.path.abspath(os.path.expanduser(name)))
 
 

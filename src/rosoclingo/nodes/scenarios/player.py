@@ -22,12 +22,19 @@ _TURN = 0.02
 STILL = 60.0
 
 
+#: Seconds of wall time and of ROS time without a plan after which a cycle is not waited for, once all goals have ended.
+QUIET = 30.0
+
+
 class PlayError(RuntimeError):
     """A scenario that could not be played to its end; the text says why."""
 
 
 class ScenarioPlayer:
     """Plays one scenario against a running system.
+
+    Attributes:
+        before: the core's cycles before the one in which the scenario began, which is its cycle 1.
 
     Subscribes:
         rosoclingo/task_plan (rosoclingo/TaskPlan): the cycles that events refer to.
@@ -55,6 +62,8 @@ class ScenarioPlayer:
         self._news = threading.Condition()
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
+        self.before = 0
+        self._latest_plan = _Pause(0.0)
         self._core = ""  # its node's name, by its plans
         self._missing = set(wait_for)
         self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
@@ -84,6 +93,8 @@ class ScenarioPlayer:
         waiting = list(self._scenario.events)
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
+        self.before = max(self._begun, default=1) - 1
+        self._latest_plan = _Pause(self._start)
         clock = _Clock(self._start)
         while waiting or not all(goal.ended for goal in self.goals):
             elapsed = rospy.get_time() - self._start
@@ -95,8 +106,22 @@ class ScenarioPlayer:
                 raise PlayError(f"time has stood still for {STILL:g} s: is the simulator paused or gone?")
             for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
                 waiting.remove(event)
+                self._latest_plan = _Pause(rospy.get_time())
                 self._do(event)
+            self._check_cycles(waiting)
             self._turn()
+
+    def _check_cycles(self, waiting: List[ScenarioEvent]) -> None:
+        """Raise PlayError when the cycles that events wait for cannot come: nothing goes on any more."""
+        reached = max(self._begun, default=1) - self.before
+        open_ = [goal for goal in self.goals if not goal.ended]
+        if open_ or not waiting or any(one.cycle is None or one.cycle <= reached for one in waiting):
+            self._latest_plan = _Pause(rospy.get_time())
+        elif self._latest_plan.lasts(rospy.get_time(), QUIET):
+            raise PlayError(
+                f"never happened: {self._open(waiting)}; all goals have ended in cycle {reached} of the scenario, "
+                f"and no other began within {QUIET:g} s"
+            )
 
     def _turn(self) -> None:
         self._check()
@@ -105,7 +130,7 @@ class ScenarioPlayer:
 
     def _elapsed_cycles(self) -> Dict[int, float]:
         start = self._start or 0.0
-        return {cycle: moment - start for cycle, moment in dict(self._begun).items()}
+        return {cycle - self.before: moment - start for cycle, moment in dict(self._begun).items()}
 
     def _open(self, waiting: List[ScenarioEvent]) -> str:
         goals = [goal.text for goal in self.goals if not goal.ended]
@@ -122,7 +147,7 @@ class ScenarioPlayer:
         if named:
             named[-1].cancel()
         else:
-            self._say(f"no goal {event.value} to cancel")
+            raise PlayError(f"{event}: no goal {event.value} was sent before")
 
     def _tell(self, event: ScenarioEvent) -> None:
         self._facts.publish(InterfaceIO(event.origin, [str(fact) for fact in event.value]))
@@ -146,6 +171,7 @@ class ScenarioPlayer:
     def _on_plan(self, message: TaskPlan) -> None:
         self._core = message._connection_header["callerid"]
         self._begun.setdefault(message.cycle, rospy.get_time())
+        self._latest_plan = _Pause(rospy.get_time())
 
     def _on_status(self, _message: GoalStatusArray, name: str) -> None:
         self._missing.discard(name)
@@ -168,6 +194,17 @@ def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) ->
         raise PlayError(f"{name}: {error}") from error
     if not getattr(answer, "success", True):
         raise PlayError("{} refuses {}: {}".format(name, dict(fields), getattr(answer, "message", "")))
+
+
+class _Pause:
+    """A time without news, from ``now`` on in seconds of ROS time."""
+
+    def __init__(self, now: float) -> None:
+        self._since, self._wall = now, time.monotonic()
+
+    def lasts(self, now: float, seconds: float) -> bool:
+        """Whether it has lasted for some seconds of wall time and of ROS time."""
+        return min(now - self._since, time.monotonic() - self._wall) > seconds
 
 
 class _Clock:

@@ -5,9 +5,7 @@ from pathlib import Path
 from typing import Any, Callable, List, Mapping, NamedTuple, Optional
 
 import rospkg
-import rospy
 
-from rosoclingo.common.labels import LabelTable
 from rosoclingo.nodes.account_node import AccountNode, TopicAccount
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
 from rosoclingo.runs.account import Summary
@@ -50,15 +48,14 @@ def run_scenario(
     """Play a scenario and tell the account line by line.
 
     ``wait_for`` names the action servers that have to be there within ``timeout`` seconds of wall time. ``check`` is
-    called now and then and may raise to end the scenario; the first event waits until ``recording`` holds. Labels are
-    those of the office node.
+    called now and then and may raise to end the scenario; the first event waits until ``recording`` holds.
     """
     player = ScenarioPlayer(scenario, wait_for, say, check)
     faults: List[str] = []
     account: Optional[AccountNode] = None
     try:
         player.prepare(timeout)
-        account = AccountNode(say, LabelTable.from_mapping(rospy.get_param("office/labels", {})))
+        account = AccountNode(say)
         player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
@@ -68,10 +65,10 @@ def run_scenario(
     except PlayError as error:
         faults.append(str(error))
     summary = account.finish() if account is not None else Summary()
-    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect))
+    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before))
 
 
 def wait_for_news(player: ScenarioPlayer, account: TopicAccount, expect: Mapping[str, Any]) -> None:
     """Wait, at most LATE_NEWS seconds, until the account has what is expected: each topic comes at its own time."""
     with suppress(PlayError):  # then the run did not end as expected
-        player.wait_until(lambda: not account.differences(expect), LATE_NEWS, lambda: "not as expected")
+        player.wait_until(lambda: not account.differences(expect, player.before), LATE_NEWS, lambda: "not as expected")

@@ -1,0 +1,70 @@
+"""Where the robot is on the map, from the most exact of the topics that tell it."""
+
+from typing import Any, Callable, Dict
+
+from rosoclingo.common.labels import DEFAULT_FRAME
+from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+
+__all__ = ["EXACT", "RobotPose"]
+
+#: Frames of a robot, the usual one first.
+BASES = ("base_link", "base_footprint")
+
+#: Topics that tell where the robot is, the most exact first.
+EXACT = "base_pose_ground_truth"
+POSES = (EXACT, "/tf", "amcl_pose")
+
+#: Seconds between two messages of a pose's topic that need to be read.
+OFTEN = 0.1
+
+#: Seconds after which a less exact topic is taken.
+SILENT = 2.0
+
+
+class RobotPose:
+    """Takes messages of POSES and ``/tf_static``; calls ``tell`` with the time and each pose in the frame ``map``.
+
+    ``takes`` has a function of the time and a message for each topic.
+    """
+
+    def __init__(self, tell: Callable[[float, Pose], None]) -> None:
+        self._tell = tell
+        self._frames = PlanarFrames()
+        self._exact, self._heard = len(POSES), 0.0
+        self._read: Dict[str, float] = {}  # when each topic was read last
+        self.takes: Dict[str, Callable[[float, Any], None]] = {
+            EXACT: lambda time, message: self._pose(EXACT, time, message),
+            "amcl_pose": lambda time, message: self._pose("amcl_pose", time, message),
+            "/tf": self._transforms,
+            "/tf_static": self._transforms,
+        }
+
+    def is_too_soon(self, name: str, time: float) -> bool:
+        """Whether a message of a topic need not be read, as one of the same pose has just been."""
+        if name not in POSES or name == "/tf":  # a message of tf has the one or the other frame
+            return False
+        if 0.0 <= time - self._read.get(name, -OFTEN) < OFTEN:
+            return True
+        self._read[name] = time
+        return False
+
+    def _pose(self, topic: str, time: float, message: Any) -> None:
+        pose = message.pose.pose
+        turn = pose.orientation
+        self._at(topic, time, Pose(pose.position.x, pose.position.y, yaw_of(turn.x, turn.y, turn.z, turn.w)))
+
+    def _transforms(self, time: float, message: Any) -> None:
+        for one in message.transforms:
+            move, turn = one.transform.translation, one.transform.rotation
+            pose = Pose(move.x, move.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+            self._frames.place(one.header.frame_id, one.child_frame_id, pose)
+        pose = next(filter(None, (self._frames.find(DEFAULT_FRAME, base) for base in BASES)), None)
+        if pose is not None:
+            self._at("/tf", time, pose)
+
+    def _at(self, topic: str, time: float, pose: Pose) -> None:
+        """Take a pose if no topic that is more exact tells of one."""
+        exact = POSES.index(topic)
+        if exact <= self._exact or not 0.0 <= time - self._heard <= SILENT:
+            self._exact, self._heard = exact, time
+            self._tell(time, pose)

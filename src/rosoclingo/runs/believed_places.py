@@ -1,0 +1,62 @@
+"""Where the robot and things are by what a program shows: the atoms of the topic ``~state``.
+
+``_draws(Predicate,robot)``, ``thing`` and ``carried`` say which atoms are meant. Where a program has no such declaration,
+atoms with the usual names are: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)`` and
+``thing_at(Thing,Place)`` for things, ``carries(Thing)``, ``carried(Thing)`` and ``holding(Thing)`` for those on the robot.
+"""
+
+from typing import AbstractSet, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+
+from clingo import Symbol
+
+from rosoclingo.reasoning.keywords import NOW, name_of
+from rosoclingo.runs.drawing import Drawings, Kind
+from rosoclingo.runs.topic_atoms import atom_in
+
+__all__ = ["CARRIED", "BelievedPlaces", "believed_places"]
+
+#: In place of a label: a thing on the robot.
+CARRIED = "carried"
+
+_ROBOTS, _THINGS, _CARRYING = ("at", "robot_at"), ("at", "thing_at"), ("carries", "carried", "holding")
+
+#: What a robot is called that is an argument like a thing.
+_ROBOT = "robot"
+
+
+class BelievedPlaces(NamedTuple):
+    """The robot's place, empty where it is not shown, and those of things: a label each, or CARRIED."""
+
+    robot: str
+    things: Dict[str, str]
+
+
+def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSet[str]) -> BelievedPlaces:
+    """Return where robot and things are while ``atoms`` hold."""
+    drawn = drawings.of(atoms, labels)
+    robots = [one.labels[0] for one in drawn if one.kind is Kind.ROBOT]
+    things = {one.text: one.labels[0] for one in drawn if one.kind is Kind.THING}
+    things.update((one.text, CARRIED) for one in drawn if one.kind is Kind.CARRIED)
+    usual = list(_usual(atoms, labels))
+    robots = robots or [place for thing, place in usual if thing == _ROBOT]
+    others = {thing: place for thing, place in usual if thing != _ROBOT}
+    return BelievedPlaces(robots[0] if robots else "", things or others)
+
+
+def _usual(atoms: Sequence[str], labels: AbstractSet[str]) -> Iterator[Tuple[str, str]]:
+    """Yield what atoms with the usual names say: a thing, or the robot, and its place."""
+    names = {*_ROBOTS, *_THINGS, *_CARRYING}
+    found = (atom_in(text) for text in atoms if text.partition("(")[0] in names)
+    for atom in (one for one in found if one is not None):
+        words = _words(atom)
+        if len(words) == 1 and atom.name in _ROBOTS:
+            yield _ROBOT, words[0]
+        elif len(words) == 1 and atom.name in _CARRYING:
+            yield words[0], CARRIED
+        elif len(words) == 2 and atom.name in (*_ROBOTS, *_THINGS):
+            thing, place = words if words[1] in labels or words[0] not in labels else reversed(words)
+            yield _ROBOT if atom.name == "robot_at" else thing, place
+
+
+def _words(atom: Symbol) -> List[str]:
+    return [name_of(one) for one in atom.arguments if one != NOW]
