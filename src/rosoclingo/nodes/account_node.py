@@ -64,7 +64,8 @@ class TopicAccount:
 
     def __init__(self, say: Callable[[str], None], with_state: bool = False) -> None:
         self.account = Account(say, with_state=with_state)
-        self._labels, self._drawings = LabelTable(), Drawings()
+        self._labels = LabelTable()
+        self._drawings: Optional[Drawings] = None  # of a program that was heard of
         self._atoms: Sequence[str] = ()
         self._pose: Optional[Pose] = None
         self._poses = RobotPose(self._posed)
@@ -149,6 +150,8 @@ class TopicAccount:
 
     def _place(self) -> None:
         """Enter where robot and things are by what is known now."""
+        if self._drawings is None:
+            return
         labels = {label.name for label in self._labels}
         believed = believed_places(self._atoms, self._drawings, labels)
         if not self._has_packages:

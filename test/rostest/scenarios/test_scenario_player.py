@@ -13,7 +13,7 @@ from unittest import mock
 import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
-from rosoclingo.msg import PackageState, PackageStates
+from rosoclingo.msg import InterfaceIO, PackageState, PackageStates, TaskPlan
 
 from rosoclingo.nodes.account_node import TopicAccount
 from rosoclingo.nodes.scenarios import player as scenario_player
@@ -49,6 +49,38 @@ class ScenarioPlayerTest(unittest.TestCase):
 
     def test_time_that_is_over(self):
         self.assertRaisesRegex(PlayError, "not done after .* request", self.play, self.tick)
+
+    def test_player_counts_cycles_from_the_beginning(self):
+        """In a system that runs already the core is in its cycle 7 when the scenario begins, and in 9 two later."""
+        said, plans = [], rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=10, latch=True)
+        facts = rospy.Subscriber("in_rosoclingo", InterfaceIO, lambda message: said.append(message.facts[0]))
+        text = "events: [{cycle: 1, facts: [first]}, {cycle: 3, facts: [third]}]"
+        plans.publish(cycle=7)
+        cycles = iter([8, 9])
+
+        def go_on():
+            self.tick()
+            if said and player.before == 6 and (said == ["first"]):
+                plans.publish(cycle=next(cycles, 9))
+
+        player = ScenarioPlayer(Scenario.from_text(text), [], print, go_on)
+        wait_until(lambda: player.cycle == 7, "the plan")
+        wait_until(lambda: facts.get_num_connections() > 0, "the player's publisher")
+        player.play()
+        wait_until(lambda: said == ["first", "third"], "the facts")
+        self.assertEqual((player.before, list(cycles)), (6, []))
+        facts.unregister()
+        plans.unregister()
+
+    def test_player_reports_a_cycle_that_does_not_come(self):
+        text = "events: [{cycle: 5, facts: [a]}]"
+        with mock.patch.object(scenario_player, "QUIET", 0.5):
+            player = ScenarioPlayer(Scenario.from_text(text), [], print, self.tick)
+            self.assertRaisesRegex(PlayError, "never happened: in cycle 5 facts .*in cycle 1 of the", player.play)
+
+    def test_player_reports_a_cancel_of_nothing(self):
+        player = ScenarioPlayer(Scenario.from_text("events: [{time: 0, cancel: 5}]"), [], print, self.tick)
+        self.assertRaisesRegex(PlayError, "cancel 5: no goal 5 was sent before", player.play)
 
     def test_a_package_that_is_told_after_the_last_goal(self):
         account = TopicAccount(print)

@@ -66,8 +66,8 @@ class RecorderNode:
 
     Parameters
     ----------
-        ~topics (list of str, default []): what to record; empty: what ``watch``, ``replay`` and ``report`` read of a core
-            called rosoclingo, and what the shipped robots have: /rosout, /diagnostics, clock, tf, tf_static, map, amcl_pose,
+        ~topics (list of str, default: the following): what to record. By default what ``watch``, ``replay`` and ``report``
+            read of a core called rosoclingo, and what the shipped robots have: /rosout, /diagnostics, clock, tf, tf_static, map, amcl_pose,
             odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages, rosoclingo/ with goal, cancel,
             status, feedback, result, task_plan, updates, program, state and goals, move_base/ with the plans of its planners,
             goal, cancel, status and result, pickup/ and deliver/ with goal, cancel and result.
@@ -84,7 +84,7 @@ class RecorderNode:
 
     def __init__(self) -> None:
         given = Parameters()
-        topics = given.at("topics").texts((), "a list of topics") or TOPICS
+        topics = given.at("topics").texts(TOPICS, "a list of topics", some=True)
         self._patience = given.at("patience").number(10.0, low=0.0)
         path = _path(given.at("bag").text(""))
         given.check()

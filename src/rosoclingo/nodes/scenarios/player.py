@@ -93,7 +93,7 @@ class ScenarioPlayer:
         waiting = list(self._scenario.events)
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
-        self.before = max(self._begun, default=1) - 1
+        self.before = max(self.cycle - 1, 0)
         self._latest_plan = _Pause(self._start)
         clock = _Clock(self._start)
         while waiting or not all(goal.ended for goal in self.goals):
@@ -113,7 +113,7 @@ class ScenarioPlayer:
 
     def _check_cycles(self, waiting: List[ScenarioEvent]) -> None:
         """Raise PlayError when the cycles that events wait for cannot come: nothing goes on any more."""
-        reached = max(self._begun, default=1) - self.before
+        reached = max(self.cycle, 1) - self.before
         open_ = [goal for goal in self.goals if not goal.ended]
         if open_ or not waiting or any(one.cycle is None or one.cycle <= reached for one in waiting):
             self._latest_plan = _Pause(rospy.get_time())
@@ -122,6 +122,11 @@ class ScenarioPlayer:
                 f"never happened: {self._open(waiting)}; all goals have ended in cycle {reached} of the scenario, "
                 f"and no other began within {QUIET:g} s"
             )
+
+    @property
+    def cycle(self) -> int:
+        """The core's cycle as far as was heard of it, 0 before."""
+        return max(dict(self._begun), default=0)
 
     def _turn(self) -> None:
         self._check()

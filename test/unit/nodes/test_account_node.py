@@ -1,0 +1,110 @@
+"""The account of ROS messages: where the robot and things are, in a package of any kind."""
+
+from pkgutil import extend_path
+from types import SimpleNamespace
+
+import pytest
+
+import rosoclingo
+from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
+
+LABELS = {"kitchen": [1.0, 2.0], "hall": {"x": 5.0, "y": 0.0}}
+
+
+@pytest.fixture
+def account(monkeypatch):
+    pytest.importorskip("rospy")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+    from rosoclingo.nodes.account_node import TopicAccount
+
+    found = TopicAccount(lambda _line: None)
+    found.summary = found.account.summary
+    return found
+
+
+def program(text="", labels=LABELS):
+    files = (ProgramFile("own.lp", f"#program base.\n{text}\n#program cumulative(t).\n#external _request/2.\n", False),)
+    return SimpleNamespace(data=RunProgram("run", files, {}, "", {"labels": labels}).text())
+
+
+def state(*atoms):
+    return SimpleNamespace(cycle=1, atoms=list(atoms))
+
+
+def posed(x, y):
+    turn = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
+    pose = SimpleNamespace(position=SimpleNamespace(x=x, y=y), orientation=turn)
+    return SimpleNamespace(pose=SimpleNamespace(pose=pose))
+
+
+def transforms(*found):
+    turn = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
+    return SimpleNamespace(
+        transforms=[
+            SimpleNamespace(
+                header=SimpleNamespace(frame_id=parent),
+                child_frame_id=child,
+                transform=SimpleNamespace(translation=SimpleNamespace(x=x, y=y), rotation=turn),
+            )
+            for parent, child, x, y in found
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("topic", "message"),
+    [
+        ("base_pose_ground_truth", posed(1.1, 2.1)),
+        ("amcl_pose", posed(1.1, 2.1)),
+        ("/tf", transforms(("map", "odom", 1.0, 1.0), ("odom", "base_link", 0.0, 1.0))),
+        ("/tf", transforms(("/map", "/base_footprint", 1.0, 2.3))),
+    ],
+)
+def test_account_names_the_place_by_the_program_s_labels(account, topic, message):
+    account.take(topic, message, 1.0)
+    account.take("~program", program(), 1.1)
+    assert account.summary.robot == "kitchen"
+    account.take("~state", state("at(hall,now)"), 1.2)
+    assert account.summary.robot == "kitchen", "what is measured counts more"
+
+
+def test_account_names_no_place_for_a_robot_between_labels(account):
+    account.take("~program", program(), 1.0)
+    account.take("amcl_pose", posed(3.0, 3.0), 1.1)
+    assert account.summary.robot == "away from every label"
+    account.take("/tf", transforms(("odom", "base_link", 1.0, 2.0)), 1.2)
+    assert account.summary.robot == "away from every label", "nothing says where odom is"
+
+
+@pytest.mark.parametrize("labels", [LABELS, {}])
+def test_account_takes_places_that_the_program_shows(account, labels):
+    account.take("~program", program(labels=labels), 1.0)
+    account.take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
+    assert account.summary.robot == "kitchen"
+    assert account.summary.packages == {"cup": "hall", "mug": "carried"}
+    expect = {"robot": "kitchen", "packages": {"cup": "hall"}}
+    assert account.differences(expect) == []
+    account.take("~state", state("at(hall,now)"), 1.2)
+    assert account.differences(expect) != []
+
+
+def test_account_takes_places_that_the_program_draws(account):
+    account.take("~program", program("_draws(me,robot). _draws(lies,thing)."), 1.0)
+    account.take("~state", state("me(hall,now)", "lies(cup,kitchen,now)", "at(x,y,now)"), 1.1)
+    assert (account.summary.robot, account.summary.packages) == ("hall", {"cup": "kitchen"})
+
+
+def test_account_prefers_the_topic_of_packages(account):
+    account.take("~program", program(), 1.0)
+    account.take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.1)
+    account.take("~state", state("thing_at(1,kitchen,now)"), 1.2)
+    assert account.summary.packages == {"1": "hall"}
+
+
+def test_account_compares_cycles_from_the_scenario_s_beginning(account):
+    account.take("~task_plan", SimpleNamespace(cycle=7, actions=[]), 1.0)
+    account.take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
+    expect = {"actions": ["_action_lib(go,x,1)"]}
+    assert account.differences(expect, 6) == []
+    assert account.differences(expect) != []

@@ -1,0 +1,34 @@
+"""Where robot and things are by what a program shows."""
+
+import pytest
+
+from rosoclingo.runs.believed_places import believed_places
+from rosoclingo.runs.drawing import Drawings, Kind
+
+LABELS = frozenset({"kitchen", "hall"})
+DRAWN = Drawings({"me": (Kind.ROBOT, ""), "on": (Kind.THING, ""), "has": (Kind.CARRIED, "")})
+
+
+@pytest.mark.parametrize(
+    ("atoms", "robot", "things"),
+    [
+        (["at(kitchen,now)"], "kitchen", {}),
+        (["robot_at(hall)"], "hall", {}),
+        (["at(dock,now)"], "dock", {}),
+        (["at(robot,hall,now)", "at(cup,kitchen,now)"], "hall", {"cup": "kitchen"}),
+        (["at(kitchen,cup,now)"], "", {"cup": "kitchen"}),
+        (["robot_at(r1,hall,now)"], "hall", {}),
+        (["thing_at(1,hall,now)", "carries(2,now)", "holding(3)", "carried(4,now)"], "", {"1": "hall"}),
+        (["near(kitchen)", "at(", "at(now)", "((", "at"], "", {}),
+        ([], "", {}),
+    ],
+)
+def test_places_by_the_usual_names(atoms, robot, things):
+    found = believed_places(atoms, Drawings(), LABELS)
+    carried = {name: "carried" for name in "234"} if "holding(3)" in atoms else {}
+    assert found == (robot, {**things, **carried})
+
+
+def test_places_by_what_the_program_declares():
+    atoms = ["me(hall,now)", "on(cup,kitchen,now)", "has(mug,now)", "at(x,y,now)", "me(attic)"]
+    assert believed_places(atoms, DRAWN, LABELS) == ("hall", {"cup": "kitchen", "mug": "carried"})
