@@ -77,6 +77,8 @@ class Recorder(unittest.TestCase):
         self.assertEqual(notes, ["begins", "ends, with the run: nothing is lacking"])
 
     def test_recorder_without_topics_has_a_list_of_its_own(self):
+        if rospy.has_param("/record/topics"):  # another test's
+            rospy.delete_param("/record/topics")
         with Process(executable("record"), f"_bag:={self.bag}") as record:
             with Process(str(HERE / "last_words.py"), "_words:=2", "last_words:=/rosoclingo/updates") as speaking:
                 wait_until(lambda: is_recording(["/rosoclingo/updates"]), "the recorder to be connected")
