@@ -14,7 +14,7 @@ from tf2_msgs.msg import TFMessage
 from rosoclingo.common.connections import comes_to
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.msg import GoalStates, InterfaceIO, PackageStates, ROSoClingoActionGoal, State, TaskPlan
-from rosoclingo.nodes.robot_pose import RobotPose
+from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.believed_places import believed_places
@@ -68,7 +68,7 @@ class TopicAccount:
         self._drawings: Optional[Drawings] = None  # of a program that was heard of
         self._atoms: Sequence[str] = ()
         self._pose: Optional[Pose] = None
-        self._poses = RobotPose(self._posed)
+        self._poses = PoseTopics(self._posed)
         self._has_packages = False
         self._lock = threading.Lock()
         self._readers: Dict[str, Callable[[float, Any], None]] = {

@@ -7,8 +7,8 @@ from typing import Callable, Iterable, Optional, Sequence
 import rospy
 
 from rosoclingo.nodes.account_node import TOPICS, AccountNode, TopicAccount
+from rosoclingo.nodes.pose_topics import EXACT
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
-from rosoclingo.nodes.robot_pose import EXACT
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -71,4 +71,3 @@ def chosen_core(published: Iterable[Sequence[str]], usual: str) -> str:
     if len(cores) > 1:
         raise RecordingError(f"there are {len(cores)} cores: name one of {', '.join(cores)} by --core")
     return cores[0]
-

@@ -1,8 +1,9 @@
 """Where the robot and things are by what a program shows: the atoms of the topic ``~state``.
 
-``_draws(Predicate,robot)``, ``thing`` and ``carried`` say which atoms are meant. Where a program has no such declaration,
-atoms with the usual names are: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)`` and
-``thing_at(Thing,Place)`` for things, ``carries(Thing)``, ``carried(Thing)`` and ``holding(Thing)`` for those on the robot.
+``_draws(Predicate,robot)``, ``thing`` and ``carried`` say which atoms are meant. Where a program has no such
+declaration, atoms with the usual names are: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)``
+and ``thing_at(Thing,Place)`` for things, ``carries(Thing)``, ``carried(Thing)`` and ``holding(Thing)`` for those on
+the robot.
 """
 
 from typing import AbstractSet, Dict, Iterator, List, NamedTuple, Sequence, Tuple

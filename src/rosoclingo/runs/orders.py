@@ -6,12 +6,12 @@
         choices: {package: packages, from: place of package, to: labels}
 
 A choice is a list of terms, or ``labels``: all that have a pose, or ``packages``: those that lie somewhere, or
-``place of NAME``: where the package lies that was chosen as NAME; nobody is asked for that. The places of one goal differ:
-what is chosen among the ``labels`` is no other place of it.
+``place of NAME``: where the package lies that was chosen as NAME; nobody is asked for that. The places of one goal
+differ: a label that is chosen among ``labels`` is no other place of it.
 """
 
 import re
-from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgressionError, parse_term
@@ -63,7 +63,9 @@ class OrderForm(NamedTuple):
         if choice.kind != LABELS:
             return {}
         earlier = self.choices[: self.choices.index(choice)]
-        apart = [{"field": one.of, "places": dict(packages)} for one in self.choices if one.kind == PLACE_OF]
+        apart: List[Dict[str, Any]] = [
+            {"field": one.of, "places": dict(packages)} for one in self.choices if one.kind == PLACE_OF
+        ]
         apart += [{"field": one.name, "places": None} for one in earlier if one.kind == LABELS]
         return {"apart": apart} if apart else {}
 

@@ -6,24 +6,22 @@ thing that anybody asked, told or did.
 
 import json
 import math
-from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
-    PREEMPTED,
-    Return,
-    name_of,
     shortened,
 )
 from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account, reason_of
+from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import ActionWords, Record, Revision, Shapes, Table, Track, Words, simplified
 from rosoclingo.runs.sentences import sentences_of
-from rosoclingo.runs.topic_atoms import action_in, return_in
+from rosoclingo.runs.topic_atoms import return_in
 
 #: What to ask for later changes with.
 Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
@@ -36,9 +34,6 @@ SHOWN = 2000
 
 #: Seconds between two ways to one place that are kept.
 PATHS_APART = 5.0
-
-#: Returns that may have overtaken their actions.
-EARLY = 20
 
 #: Statuses after which nothing comes; a goal that was given up as lost may yet be heard of.
 LOST = "lost"
@@ -81,9 +76,7 @@ class RunView:
         self._met = False  # whether all goals were reported once
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
-        self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of actions under way, by interface and cycle
-        self._unwanted: Set[int] = set()  # numbers of actions that the core has cancelled
-        self._early: List[Return] = []  # of no action that has been heard of: topics overtake each other
+        self._actions = ActionRecords(self.tables["actions"], self._words)
         self._run = ""
         self._start: Optional[float] = None
         self.seconds = 0.0
@@ -113,7 +106,8 @@ class RunView:
     def begin(self, run: str) -> None:
         """Take the name of the core's run; another one than before begins with cycle 1 again."""
         if self._run and run != self._run:
-            self._cycles, self._sent, self._open, self._early = {}, set(), {}, []
+            self._cycles, self._sent = {}, set()
+            self._actions.forget()
             self.tell(run=self.about["run"] + 1)
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was started again")
@@ -193,20 +187,10 @@ class RunView:
         """Record actions that went out, once each, and what ends them early."""
         fresh = [text for text in facts if text.startswith((ACTION_LIB, CANCEL_ACTION)) and text not in self._sent]
         now = self._now(time, begins=bool(fresh))
-        for text in fresh:
-            self._sent.add(text)
-            if text.startswith(ACTION_LIB):
-                word = self._words.number(text)
-                number = self.tables["actions"].add(
-                    action=word, begun=now, ended=None, value=None, failed=False, preempted=False
-                )
-                action = self._words.entries[word]
-                self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
-            else:
-                self._preempt(text)
+        self._sent.update(fresh)
         if fresh:
+            self._actions.dispatched(now, fresh)
             self._account.dispatched(now, fresh)
-            self._early = [answer for answer in self._early if not self._answered(now, answer)]
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Record facts that came in."""
@@ -215,8 +199,8 @@ class RunView:
         now = self._now(time, begins=True)
         for text in facts:
             answer = return_in(text)
-            if answer is not None and not self._answered(now, answer):
-                self._early = [*self._early, answer][-EARLY:]
+            if answer is not None:
+                self._actions.returned(now, answer)
         self._account.returned(now, shortened(origin), [shortened(text, SHOWN) for text in facts])
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
@@ -384,30 +368,6 @@ class RunView:
         goal["states"].append([now, word, reason])
         goal["ended"] = now if word in ENDED else None
         return True
-
-    def _answered(self, now: float, answer: Return) -> bool:
-        """Give an action its return; tell whether there is such an action."""
-        value = name_of(answer.value)
-        under_way = self._open.get((answer.interface_name, answer.cycle), [])
-        if not under_way:
-            return False
-        meant = [number for number in under_way if self._parameter(number) == value]
-        unwanted = [number for number in under_way if number in self._unwanted and answer.value == PREEMPTED]
-        number = (meant or unwanted or under_way)[0]
-        under_way.remove(number)
-        found = {"failed": not (meant or unwanted), "preempted": bool(unwanted) and not meant}
-        self.tables["actions"].change(number).update(ended=now, value=value, **found)
-        return True
-
-    def _preempt(self, cancellation: str) -> None:
-        """Note that the core has cancelled an action."""
-        action = action_in(ACTION_LIB + cancellation[len(CANCEL_ACTION) :])
-        if action is not None:
-            under_way = self._open.get((action.interface_name, action.cycle), [])
-            self._unwanted.update(one for one in under_way if self._parameter(one) == name_of(action.parameter))
-
-    def _parameter(self, number: int) -> str:
-        return str(self._words.entries[self.tables["actions"][number]["action"]]["parameter"])
 
     def _log(self, time: float, cycle: int, kind: str, text: str) -> None:
         self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, text=shortened(text, SHOWN))

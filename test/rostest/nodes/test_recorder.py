@@ -92,7 +92,7 @@ class Recorder(unittest.TestCase):
         command = [executable("record"), "--help"]
         help_text = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, timeout=PATIENCE).stdout
         for topic in TOPICS:
-            self.assertIn(topic.rpartition("/plan")[0] and "plans" or topic.rpartition("/")[2], help_text)
+            self.assertIn((topic.rpartition("/plan")[0] and "plans") or topic.rpartition("/")[2], help_text)
 
     def test_who_does_not_end_is_named(self):
         with recorder(self.bag) as record, speaker():

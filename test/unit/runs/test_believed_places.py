@@ -25,7 +25,7 @@ DRAWN = Drawings({"me": (Kind.ROBOT, ""), "on": (Kind.THING, ""), "has": (Kind.C
 )
 def test_places_by_the_usual_names(atoms, robot, things):
     found = believed_places(atoms, Drawings(), LABELS)
-    carried = {name: "carried" for name in "234"} if "holding(3)" in atoms else {}
+    carried = dict.fromkeys("234", "carried") if "holding(3)" in atoms else {}
     assert found == (robot, {**things, **carried})
 
 

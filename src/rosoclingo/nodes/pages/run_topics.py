@@ -2,7 +2,7 @@
 
 from typing import Any, Callable, Dict, Optional
 
-from rosoclingo.nodes.robot_pose import RobotPose
+from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import yaw_of
@@ -26,7 +26,7 @@ class RunTopics:
     def __init__(self, view: RunView, core: str = "/rosoclingo") -> None:
         self.view = view
         self._core = core
-        self._pose = RobotPose(lambda time, pose: self.view.pose(time, *pose))
+        self._pose = PoseTopics(lambda time, pose: self.view.pose(time, *pose))
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda time, message: self.view.program(message.data, time),
             "rosoclingo/goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),

@@ -46,6 +46,7 @@ class ScenarioPlayer:
         SERVICE: those that the scenario names.
     Actions called:
         rosoclingo (rosoclingo/ROSoClingoAction): with a client of its own for each client of the scenario.
+
     """
 
     def __init__(

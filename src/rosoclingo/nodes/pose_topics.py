@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict
 from rosoclingo.common.labels import DEFAULT_FRAME
 from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
 
-__all__ = ["EXACT", "RobotPose"]
+__all__ = ["EXACT", "PoseTopics"]
 
 #: Frames of a robot, the usual one first.
 BASES = ("base_link", "base_footprint")
@@ -21,7 +21,7 @@ OFTEN = 0.1
 SILENT = 2.0
 
 
-class RobotPose:
+class PoseTopics:
     """Takes messages of POSES and ``/tf_static``; calls ``tell`` with the time and each pose in the frame ``map``.
 
     ``takes`` has a function of the time and a message for each topic.

@@ -1,0 +1,66 @@
+"""Records of the actions that went out, and how each returned."""
+
+from typing import Dict, List, Set, Tuple
+
+from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, PREEMPTED, Return, name_of
+from rosoclingo.runs.run_tables import ActionWords, Table
+from rosoclingo.runs.topic_atoms import action_in
+
+__all__ = ["ActionRecords"]
+
+#: Returns that may have overtaken their actions.
+EARLY = 20
+
+
+class ActionRecords:
+    """Enters actions in ``table`` by their numbers in ``words``, with times in seconds since the run began."""
+
+    def __init__(self, table: Table, words: ActionWords) -> None:
+        self._table, self._words = table, words
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin another run of the core: nothing is under way."""
+        self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of records, by interface and cycle
+        self._unwanted: Set[int] = set()  # those that the core has cancelled
+        self._early: List[Return] = []  # of no action that has been heard of: topics overtake each other
+
+    def dispatched(self, now: float, texts: List[str]) -> None:
+        """Enter actions, and which of those under way the core has cancelled."""
+        for text in texts:
+            if text.startswith(CANCEL_ACTION):
+                self._cancel(ACTION_LIB + text[len(CANCEL_ACTION) :])
+                continue
+            word = self._words.number(text)
+            number = self._table.add(action=word, begun=now, ended=None, value=None, failed=False, preempted=False)
+            action = self._words.entries[word]
+            self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
+        self._early = [answer for answer in self._early if not self._answered(now, answer)]
+
+    def returned(self, now: float, answer: Return) -> None:
+        """Give an action its return, also one that is heard of later."""
+        if not self._answered(now, answer):
+            self._early = [*self._early, answer][-EARLY:]
+
+    def _cancel(self, text: str) -> None:
+        action = action_in(text)
+        if action is not None:
+            under_way = self._open.get((action.interface_name, action.cycle), [])
+            self._unwanted.update(one for one in under_way if self._parameter(one) == name_of(action.parameter))
+
+    def _answered(self, now: float, answer: Return) -> bool:
+        """Give an action its return; tell whether there is such an action."""
+        value = name_of(answer.value)
+        under_way = self._open.get((answer.interface_name, answer.cycle), [])
+        if not under_way:
+            return False
+        meant = [number for number in under_way if self._parameter(number) == value]
+        unwanted = [number for number in under_way if number in self._unwanted and answer.value == PREEMPTED]
+        number = (meant or unwanted or under_way)[0]
+        under_way.remove(number)
+        found = {"failed": not (meant or unwanted), "preempted": bool(unwanted) and not meant}
+        self._table.change(number).update(ended=now, value=value, **found)
+        return True
+
+    def _parameter(self, number: int) -> str:
+        return str(self._words.entries[self._table[number]["action"]]["parameter"])
