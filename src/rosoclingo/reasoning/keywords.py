@@ -3,7 +3,7 @@
 Atoms and terms are ``clingo.Symbol`` throughout; cycles are integers from 1.
 """
 
-from typing import NamedTuple, Optional
+from typing import Callable, NamedTuple, Optional
 
 from clingo import Function, Number, String, Symbol, SymbolType
 
@@ -94,6 +94,23 @@ class Return(NamedTuple):
 def success_of(action: Action) -> Symbol:
     """The return that says that an action has succeeded: its parameter."""
     return Return(action.interface, action.parameter, action.cycle).atom
+
+
+def failure_value(reason: Symbol, parameter: Symbol, is_parameter: Callable[[Symbol], bool]) -> Symbol:
+    """Return the value with which the action of ``parameter`` fails: the ``reason``, unless that reads as a success.
+
+    A reason that equals the parameter becomes ``failed(P)``. One that equals the parameter of another action of the
+    interface in the same cycle (``is_parameter``), or has it as its last argument, becomes ``failed(Reason,P)``.
+    """
+    value = reason
+    while value == parameter or is_parameter(value) or _names_another(value, parameter, is_parameter):
+        value = Function(FAILURE.name, [value] if value == parameter else [value, parameter])
+    return value
+
+
+def _names_another(value: Symbol, parameter: Symbol, is_parameter: Callable[[Symbol], bool]) -> bool:
+    arguments = value.arguments if value.type is SymbolType.Function else []
+    return bool(arguments) and arguments[-1] != parameter and is_parameter(arguments[-1])
 
 
 def request(goal: Symbol, cycle: int) -> Symbol:

@@ -4,7 +4,7 @@ from typing import Any, FrozenSet, List, Sequence, Tuple
 
 from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
-from rosoclingo.reasoning.keywords import PREEMPTED, Action, Return
+from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.records import actions_of, actions_to_text
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner
@@ -47,16 +47,23 @@ class Preemption:
         if self._considered == self._feeder.arrivals:
             return ()
         running = tuple(action for action in self._execution.awaited if action not in self._found)
-        found = self._ask(planner, self._execution.under_way, running) if running else ()
-        for action in found if self._told else ():
+        return self._end(self._ask(planner, self._execution.under_way, running) if running else ())
+
+    def end_all(self) -> Tuple[Action, ...]:
+        """Return the actions under way that go on: they are ended with the core."""
+        return self._end(tuple(action for action in self._execution.awaited if action not in self._found))
+
+    def _end(self, actions: Tuple[Action, ...]) -> Tuple[Action, ...]:
+        """Record that actions are ended, also for the program; return them."""
+        for action in actions if self._told else ():
             self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals
-        self._found |= frozenset(found)
-        return found
+        self._found |= frozenset(actions)
+        return actions
 
     def _ask(self, planner: Planner, executed: Tuple[Action, ...], running: Tuple[Action, ...]) -> Tuple[Action, ...]:
         cycle = executed[0].cycle
-        returns = [Return(action.interface, PREEMPTED, cycle).atom for action in running]
+        returns = [self._execution.preempted(action) for action in running]
         try:
             beside = planner.restarted()
             ended = [action.cancellation for action in running] if self._told else []

@@ -13,6 +13,7 @@ from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
     FAILURE,
     LONGEST,
+    PREEMPTED,
     RESERVED,
     RETURN,
     TIMEOUT,
@@ -20,6 +21,7 @@ from rosoclingo.reasoning.keywords import (
     KeywordError,
     Return,
     action_of,
+    failure_value,
     is_keyword,
     return_of,
     shortened,
@@ -102,9 +104,15 @@ class _Group:
         self._answers = {symbol_of(key): symbol_of(value) for key, value in answers}
         self._failures = list(map(symbol_of, failures))
 
-    def expire(self, value: Symbol) -> None:
-        """Count ``value`` as the failure of each action that has not returned."""
-        self._failures += [value] * len(self.missing)
+    def expire(self, reason: Symbol) -> List[Tuple[Action, Symbol]]:
+        """Count each action that has not returned as failed for ``reason``; return each with the value that says so."""
+        expired = [(one, failure_value(reason, one.parameter, self.actions.__contains__)) for one in self.missing]
+        for action, value in expired:
+            if value == reason:
+                self._failures.append(value)
+            else:
+                self._answers[action.parameter] = value
+        return expired
 
     @property
     def _unanswered(self) -> List[Action]:
@@ -175,12 +183,13 @@ class Dispatch:
             one.restore(value)
         return found
 
-    def expire(self, value: Symbol) -> Tuple[Action, ...]:
-        """Count the actions that have not returned as failed with ``value``, whatever it names; return them."""
-        expired = self.missing
-        for group in self._groups.values():
-            group.expire(value)
-        return expired
+    def expire(self, reason: Symbol) -> List[Tuple[Action, Symbol]]:
+        """Count what has not returned as failed for ``reason``; return each action with the value it fails with."""
+        return [expired for group in self._groups.values() for expired in group.expire(reason)]
+
+    def failure(self, action: Action, reason: Symbol) -> Symbol:
+        """Return the value with which an action fails for ``reason``."""
+        return failure_value(reason, action.parameter, self._groups[action.interface].actions.__contains__)
 
 
 class FactError(ValueError):
@@ -236,10 +245,11 @@ class ExecutionMonitor:
 
     def likely_return(self, succeeds: bool) -> Optional[Symbol]:
         """The return of the last action under way, None where more are; its failure as its interface told one last."""
-        if len(self.awaited) != 1:
+        if self._dispatch is None or len(self.awaited) != 1:
             return None
         (action,) = self.awaited
-        value = action.parameter if succeeds else self._reasons.get(action.interface, FAILURE)
+        reason = self._reasons.get(action.interface, FAILURE)
+        value = action.parameter if succeeds else self._dispatch.failure(action, reason)
         return Return(action.interface, value, action.cycle).atom
 
     @property
@@ -247,6 +257,11 @@ class ExecutionMonitor:
         """How long a cycle with actions takes from one to the next, in the median of the last ones; 0 if unknown."""
         begun = list(self._begun)
         return median_low([end - begin for begin, end in zip(begun, begun[1:])] or [0.0])
+
+    def preempted(self, action: Action) -> Symbol:
+        """Return the return of an action under way that is ended since nobody wants it any more."""
+        assert self._dispatch is not None
+        return Return(action.interface, self._dispatch.failure(action, PREEMPTED), action.cycle).atom
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""
@@ -271,10 +286,10 @@ class ExecutionMonitor:
         self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
         if now - self._dispatch.started < limit:
             return
-        for action in self._dispatch.expire(TIMEOUT):
+        for action, value in self._dispatch.expire(TIMEOUT):
             text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
             self._tell(Problem(self._cycle(), text, action.interface_name))
-            atom = Return(action.interface, TIMEOUT, action.cycle).atom
+            atom = Return(action.interface, value, action.cycle).atom
             with self._guarded(action.interface_name, str(atom)):
                 self._feed_return(action.interface_name, atom)
 

@@ -109,13 +109,20 @@ def test_success_is_no_failure():
     assert failures(under_way) == []
 
 
-def test_what_has_not_returned_in_time_is_a_failure_whatever_the_reason_names():
+def test_time_outs_of_a_place_named_timeout_are_failures():
     under_way = dispatch(*(f"_action_lib(drive,{what},1)" for what in ("timeout", "a", "b")), "_action_lib(arm,c,1)")
     take(under_way, "_return(drive,a,1)")
-    assert [str(action.parameter) for action in under_way.expire(TIMEOUT)] == ["timeout", "b", "c"]
+    expired = [(str(action.parameter), str(value)) for action, value in under_way.expire(TIMEOUT)]
+    assert expired == [("timeout", "failed(timeout)"), ("b", "failed(timeout,b)"), ("c", "timeout")]
     assert missing(under_way) == []
     assert failures(under_way) == [
-        ("_return(drive,timeout,1)", ["timeout", "b"]),
-        ("_return(drive,timeout,1)", ["timeout", "b"]),
+        ("_return(drive,failed(timeout),1)", ["timeout"]),
+        ("_return(drive,failed(timeout,b),1)", ["b"]),
         ("_return(arm,timeout,1)", ["c"]),
     ]
+
+
+def test_time_outs_of_several_actions_name_none_of_them():
+    under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)")
+    assert [str(value) for _, value in under_way.expire(TIMEOUT)] == ["timeout", "timeout"]
+    assert failures(under_way) == [("_return(drive,timeout,1)", ["a", "b"])] * 2

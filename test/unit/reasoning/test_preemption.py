@@ -95,6 +95,12 @@ def test_a_program_may_hear_of_the_actions_that_are_ended():
     ]
 
 
+def test_a_place_named_preempted_is_not_taken_for_reached():
+    one = driver().goal("a", "do(walk,preempted)").facts("_seen(ball)")
+    assert preempted(one) == [], "were it ended now, it would have to begin again"
+    assert one.succeed().states("a")[-1] == "succeeded"
+
+
 def test_without_preempt_it_is_awaited():
     one = driver(preempt=False).goal("a", "do(walk,1)").cancel("a")
     assert preempted(one) == []

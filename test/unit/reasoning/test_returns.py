@@ -61,6 +61,31 @@ def test_actions_that_time_out_are_told_one_by_one():
     ]
 
 
+@pytest.mark.parametrize(
+    ("parameter", "value"), [("timeout", "failed(timeout)"), ("failed(timeout)", "timeout"), ('"timeout"', "timeout")]
+)
+def test_an_action_that_times_out_is_never_a_success(parameter, value):
+    driver = Driver(settings=CoreSettings(horizon_limit=8, action_timeout=0.5)).goal("a", f"do(walk,{parameter})")
+    driver.now += 0.5
+    driver.run()
+    assert f"_return(walk,{value},1)." in driver.journal.updates[1]
+    assert driver.awaited == [f"_action_lib(walk,{parameter},2)"], "it is tried again"
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value"), [("failed", "failed(failed)"), ("lost", "failed(lost)"), ("a", "lost")]
+)
+def test_the_likely_failure_of_an_action_is_no_success(parameter, value):
+    monitor = monitor_of([])
+    if value != "failed(failed)":
+        monitor.begin(1, (action_of(parse_atom("_action_lib(go,b,1)")),), 0.0)
+        monitor.receive("go", ["_return(go,lost,1)"])
+        monitor.end_cycle()
+    monitor.begin(2, (action_of(parse_atom(f"_action_lib(go,{parameter},2)")),), 1.0)
+    assert str(monitor.likely_return(succeeds=True)) == f"_return(go,{parameter},2)"
+    assert str(monitor.likely_return(succeeds=False)) == f"_return(go,{value},2)"
+
+
 def test_so_many_facts_that_name_their_cycle_are_remembered(monkeypatch):
     monkeypatch.setattr("rosoclingo.reasoning.returns.KNOWN", 2)
     driver = Driver(BATTERY).facts("_battery(high,7)", "_battery(high,8)").facts("_battery(high,7)", "_battery(high,8)")

@@ -10,7 +10,7 @@ from rosoclingo.oclingo.progression.terms import parse_term
 from rosoclingo.oclingo.solving.universe_solver import retimed
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Clock
-from rosoclingo.reasoning.keywords import FAILED, Action, Return, name_of
+from rosoclingo.reasoning.keywords import FAILED, Action, Return, failure_value, name_of
 from rosoclingo.reasoning.verifying.question import Limits
 
 FAILURE = Function("failed")
@@ -106,7 +106,9 @@ class Moves:
         for name, what in sorted(actions):
             known = self._parameters.setdefault(name, [])
             known += [] if what in known else [what]
-            for value in (what, *self._values(name)):
+            reasons = self._values(name)
+            clashing = (failure_value(one, what, known.__contains__) for one in reasons)
+            for value in dict.fromkeys((what, *reasons, *clashing)):
                 yield Return(name, value, 1).atom
                 if self._program.declares_external(FAILED, 3):
                     yield Function(FAILED, Return(name, value, 1).atom.arguments)
@@ -127,7 +129,8 @@ class Moves:
         """Return values that tell of this action that it has failed: reasons, and what another action is about."""
         same = [one.parameter for one in awaited if one.interface == action.interface]
         others = [one for one in self._parameters.get(action.interface, ()) if one not in same]
-        return [*(one for one in self._values(action.interface) if one not in same), *others[:1]]
+        reasons = (failure_value(one, action.parameter, same.__contains__) for one in self._values(action.interface))
+        return [*reasons, *others[:1]]
 
     def _happenings(self, goals: Sequence[Goal], step: int) -> List[Happening]:
         taken = {one.identifier for one in goals}
