@@ -103,8 +103,8 @@ class CoreNode:
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
             but each subscriber is sent first which run of the core this is, ``_run("ID")`` for the interface
-            ``rosoclingo``, and the actions under way. With ``~preempt`` also ``_cancel(A,P,C)`` of actions that are to
-            be ended.
+            ``rosoclingo``, and the actions under way. ``_cancel(A,P,C)`` ends an action: with ``~preempt`` one that is
+            not wanted any more, and each one under way when the core shuts down.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
         ~state (rosoclingo/State, latched): what the latest answer shows of the present: what the program believes.
         ~goals (rosoclingo/GoalStates, latched): the goals with actionlib's statuses and texts: those that are open, and

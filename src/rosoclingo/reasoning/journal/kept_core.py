@@ -7,6 +7,7 @@ from clingo import Symbol
 from rosoclingo.oclingo import SolveResult
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.events import ActionsPreempted
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import Action, success_of
 from rosoclingo.reasoning.records import (
@@ -72,7 +73,13 @@ class KeptCore(Core):
         return self._goals.by_key(key)
 
     def leave(self, why: str) -> None:
-        """Abort every goal, as the core ends; one that goes on from here cancels what the program knows of them."""
+        """End the actions under way and abort every goal, as the core ends.
+
+        A core that goes on from here sends the same cancels, and cancels what its program knows of the goals.
+        """
+        ended = self._preemption.end_all()
+        if ended:
+            self._tell(ActionsPreempted(self.cycle, ended))
         self._goals.drop(self._goals.fed, why)
         self.abandon(why)
 

@@ -10,6 +10,7 @@ from core_driver import ERRANDS, FORGETFUL, shortest
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import (
     ActionsDispatched,
+    ActionsPreempted,
     CoreSettings,
     GoalChanged,
     GoalRefused,
@@ -225,6 +226,65 @@ def test_a_core_that_was_shut_down_in_order_cancels_what_its_program_knows(start
     again.succeed()
     assert not again.core.awaited
     assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
+
+
+#: Any number of errands at once; the program hears of the actions that are ended, and takes no other preemption.
+TOGETHER = (
+    ERRANDS.replace("W != quick } 1.", "W != quick }.")
+    + """
+#external _cancel/3.
+#program cumulative(t).
+:- _return(W,preempted,t), not _cancel(W,_,t).
+"""
+)
+
+
+@pytest.mark.parametrize("text", [ERRANDS, TOGETHER])
+def test_a_core_that_is_shut_down_ends_each_action_under_way(start, text):
+    program = ReactiveProgram.from_text(text)
+    node = start(program)
+    node.core.add_goal("a", "do(walk,1)")
+    node.goal("b", "do(run,2)")
+    under_way = node.core.awaited
+    assert len(under_way) == (2 if text is TOGETHER else 1)
+
+    def look(event):
+        if isinstance(event, ActionsPreempted):
+            assert all(str(one.atom) in json.dumps(node.on_disk["preemption"]) for one in under_way), "written before"
+
+    node.at_event = look
+    node.core.leave("is given up: the core shuts down")
+    node.keeper.send()
+    assert [one.actions for one in node.told if isinstance(one, ActionsPreempted)] == [under_way]
+    ends = [one for one in node.told if isinstance(one, GoalChanged) and one.outcome is Outcome.ABORTED]
+    assert len(ends) == 2
+    again = start(program)
+    assert again.core.awaited == again.core.preempted == under_way, "who comes late hears of the actions and their ends"
+    for one in under_way:
+        again.core.receive("hand", [f"_return({one.interface},preempted,{one.cycle})"])
+    again.run()
+    assert not again.core.awaited
+    assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
+    again.goal("c", "do(walk,3)").succeed()
+    assert [one.outcome for one in again.told if isinstance(one, GoalChanged)][-1] is Outcome.SUCCEEDED
+
+
+def test_a_core_that_is_shut_down_again_cancels_nothing_twice(start):
+    node = start()
+    node.goal("a", "do(walk,1)").core.leave("is given up")
+    node.keeper.send()
+    again = start()
+    again.core.leave("is given up")
+    again.keeper.send()
+    assert not [one for one in again.told if isinstance(one, ActionsPreempted)]
+
+
+def test_a_core_that_was_killed_ends_no_action(start):
+    node = start()
+    node.goal("a", "do(walk,1)")
+    again = start()
+    assert again.core.awaited == node.core.awaited
+    assert again.core.preempted == ()
 
 
 @pytest.mark.slow
