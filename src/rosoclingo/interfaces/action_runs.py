@@ -111,14 +111,14 @@ TRANSITIONS: Dict[Phase, Dict[Event, Tuple[Phase, Effect]]] = {
     Phase.DONE: _LATE,
 }
 
-# What a run that ends by itself, without a terminal status from the server, has ended with.
+# What a run that ends by itself, without a terminal status from the server, has ended with. `preempted` says that
+# nothing has happened: a run says so of a goal that was never sent, of any other only its server can.
 _VERDICTS: Dict[Tuple[Phase, Event], str] = {
     (Phase.WAITING, Event.EXPIRED): "server_lost",
     (Phase.WAITING, Event.CANCEL): "preempted",
     (Phase.SENT, Event.EXPIRED): "server_lost",
-    (Phase.SENT, Event.CANCEL): "preempted",
     (Phase.RUNNING, Event.EXPIRED): "timeout",
-    (Phase.RUNNING, Event.CANCEL): "preempted",
+    (Phase.ENDING, Event.EXPIRED): "server_lost",
 }
 
 
@@ -148,6 +148,7 @@ class Run:
         self._since_sent = _Stopwatch(now)
         self._phase = Phase.WAITING
         self._verdict: Optional[str] = None
+        self._unheeded = False
         self._waits = False
 
     @property
@@ -164,6 +165,11 @@ class Run:
     def verdict(self) -> Optional[str]:
         """`timeout`, `preempted`, `server_lost` or `interface_lost` if the run did not end by the server's will."""
         return self._verdict
+
+    @property
+    def unheeded(self) -> bool:
+        """True if the server has not ended the goal that was cancelled, and may go on with it."""
+        return self._unheeded
 
     def handle(self, event: Event, now: Instant) -> Effect:
         """Take an event and return what has to be done about it.  Raises IllegalEventError."""
@@ -191,6 +197,7 @@ class Run:
         return not before
 
     def _note_verdict(self, phase: Phase, event: Event) -> None:
+        self._unheeded |= (phase, event) == (Phase.ENDING, Event.EXPIRED)
         if event is Event.SHUTDOWN and phase is not Phase.DONE:
             self._verdict = "interface_lost"
         elif event is Event.SERVER_LOST and phase is not Phase.DONE:

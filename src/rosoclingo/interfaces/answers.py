@@ -3,11 +3,20 @@
 import re
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
 
-from clingo import Function, Symbol
+from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.common.labels import UnknownLabelError
-from rosoclingo.interfaces.templates import Ended, FillError, Scope, evaluate
-from rosoclingo.interfaces.values import TermError, as_term, as_text, read_atom
+from rosoclingo.interfaces.templates import (
+    Ended,
+    FillError,
+    Scope,
+    evaluate,
+    fill_term,
+    is_reference,
+    references,
+    term_with,
+)
+from rosoclingo.interfaces.values import TermError, as_string, as_term, as_text, read_atom, read_term
 
 SUCCEEDED = "succeeded"
 LOST = "server_lost"
@@ -29,14 +38,21 @@ DEFAULT_RETURNS: Dict[str, str] = {
 }
 
 
+_PLACEHOLDER = Function("x")
+
+
 class Rule(NamedTuple):
-    """Says what to answer if a goal ended in this way; None and {} match everything."""
+    """Says what to answer if a goal ended in this way; None and {} match everything.
+
+    ``success`` has the action count as done, whatever the server says.
+    """
 
     returns: Any
     status: Optional[str] = None
     text: Optional[Pattern[str]] = None
     when: Mapping[str, Any] = {}
     facts: Tuple[str, ...] = ()
+    success: bool = False
 
     def matches(self, ended: Ended) -> bool:
         """True if the status, the server's words and the named fields of the result are as the rule wants."""
@@ -48,11 +64,15 @@ class Rule(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What goes back to the core: the value V of `_return(A,V,C)`, further facts, and what could not be filled."""
+    """What goes back to the core: the value V of `_return(A,V,C)`, further facts, and what could not be filled.
+
+    Only a ``success`` can return the action's parameter; by default it is one if the goal has succeeded.
+    """
 
     value: Symbol
     facts: Tuple[str, ...] = ()
     warnings: Tuple[str, ...] = ()
+    success: Optional[bool] = None
 
 
 def answer(rules: Tuple[Rule, ...], scope: Scope) -> Answer:
@@ -64,7 +84,10 @@ def answer(rules: Tuple[Rule, ...], scope: Scope) -> Answer:
     warnings: List[str] = []
     value = _value(rule, scope, warnings)
     facts = tuple(fact for template in rule.facts for fact in _fact(template, scope, warnings))
-    return Answer(default_value(ended, scope) if value is None else value, facts, tuple(warnings))
+    if value is None:
+        return Answer(default_value(ended, scope), facts, tuple(warnings))
+    success = True if rule.success else None if _refers(rule.returns) else False
+    return Answer(value, facts, tuple(warnings), success)
 
 
 def default_value(ended: Ended, scope: Scope) -> Symbol:
@@ -83,17 +106,56 @@ def conclude(verdict: Optional[str], ended: Optional[Ended]) -> Ended:
     return ended if ended.status == SUCCEEDED else ended._replace(status=verdict)
 
 
+def in_words(ended: Ended, server: str) -> str:
+    """How an action ended, for people."""
+    why = ended.text or (f"the action server {server} does not answer" if ended.status == LOST else "")
+    return f"{ended.status}: {why}" if why else ended.status
+
+
+def fact_fault(template: str) -> str:
+    """What is wrong with a fact whatever is filled in; empty where nothing is, or where it is one reference."""
+    if is_reference(template):
+        return ""
+    try:
+        read_atom(term_with(template, _PLACEHOLDER))
+    except TermError as error:
+        return str(error)
+    return ""
+
+
 def _value(rule: Rule, scope: Scope, warnings: List[str]) -> Optional[Symbol]:
     try:
-        return as_term(evaluate(rule.returns, scope))
-    except (FillError, UnknownLabelError) as error:
+        return _filled(rule.returns, scope)
+    except (FillError, TermError, UnknownLabelError) as error:
         warnings.append(f"return {rule.returns!r}: {error}")
         return None
 
 
+def _filled(template: Any, scope: Scope) -> Symbol:
+    """The value that a rule returns: of a text that is a term the term, of another an ASP string."""
+    if not _refers(template) or is_reference(template):
+        return as_term(evaluate(template, scope))
+    try:
+        shape = read_term(term_with(template, _PLACEHOLDER))
+    except TermError:
+        return as_string(as_text(evaluate(template, scope)))
+    try:
+        return read_term(fill_term(template, scope))
+    except (FillError, TermError):
+        if shape.type is SymbolType.Function and not shape.arguments:
+            return as_string(as_text(evaluate(template, scope)))
+        raise
+
+
+def _refers(template: Any) -> bool:
+    """Whether a template depends on the action or on its end."""
+    return isinstance(template, str) and bool(references(template))
+
+
 def _fact(template: str, scope: Scope, warnings: List[str]) -> Tuple[str, ...]:
     try:
-        return (str(read_atom(as_text(evaluate(template, scope)))),)
+        text = as_text(evaluate(template, scope)) if is_reference(template) else fill_term(template, scope)
+        return (str(read_atom(text)),)
     except (FillError, TermError, UnknownLabelError) as error:
         warnings.append(f"fact {template!r}: {error}")
         return ()

@@ -1,13 +1,18 @@
 """One goal on its way for one action."""
 
-from typing import Any, Optional
+from typing import Any, Optional, Tuple
+
+from clingo import Symbol
 
 from rosoclingo.interfaces.action_runs import Instant, Limits, Run
+from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, conclude
 from rosoclingo.interfaces.doubt import Inquiry
 from rosoclingo.interfaces.inbox import Sender
 from rosoclingo.interfaces.link import new_goal_id
 from rosoclingo.interfaces.templates import Ended
 from rosoclingo.reasoning.keywords import Action
+
+TAKEN = ("preempted", "recalled")  # the server has cancelled a goal
 
 
 class Attempt:
@@ -28,9 +33,27 @@ class Attempt:
         self.inquiry: Optional[Inquiry] = None
         self.stale_status: Any = None  # the server's last status message before the inquiry
         self.lost: Optional[Ended] = None  # how it ended without a word of its server
-        self.unwanted = False  # cancelled while in doubt, or the interface ends: nothing is sent again
+        self.unwanted = False  # cancelled, or the interface ends: nothing is sent again
+        self.doubtful = False  # a goal was sent before of which nobody knows whether it was done
+
+    @property
+    def conclusion(self) -> Ended:
+        """How it ended. Where an earlier goal may have been done, nobody can say that nothing has happened."""
+        ended = conclude(self.run.verdict, self.ended)
+        if self.run.unheeded:
+            return ended._replace(text="its goal was cancelled, and the action server has not ended it")
+        if self.doubtful and ended.status in TAKEN:
+            return ended._replace(status=LOST, text="whether an earlier goal of the action was done is not known")
+        return ended
+
+    def is_worth_another(self, ended: Ended, value: Symbol, retry_on: Tuple[str, ...]) -> bool:
+        """Whether to send another goal: it failed for one of the reasons, and the server is done with this one."""
+        final = self.unwanted or self.run.unheeded or ended.status in (SUCCEEDED, INTERRUPTED, "interface_lost")
+        return not final and self.limits.retries > 0 and str(value).partition("(")[0] in retry_on
 
     def again(self, now: Instant) -> "Attempt":
         """The next attempt at the same action."""
         limits = self.limits._replace(retries=self.limits.retries - 1)
-        return Attempt(self.action, self.goal, self.asked_by, limits, now)
+        following = Attempt(self.action, self.goal, self.asked_by, limits, now)
+        following.doubtful = self.doubtful
+        return following

@@ -13,12 +13,12 @@ from clingo import Function
 
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
-from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, conclude
-from rosoclingo.interfaces.attempt import Attempt
+from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, in_words
+from rosoclingo.interfaces.attempt import TAKEN, Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
-from rosoclingo.interfaces.doubt import Check, Finding, Inquiry
-from rosoclingo.interfaces.facts import Command, FactError, Verb, parse_command, return_text
-from rosoclingo.interfaces.inbox import Sender, inbox_of
+from rosoclingo.interfaces.doubt import Check, Finding, Inquiry, Listed
+from rosoclingo.interfaces.facts import Command, Commanded, FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.inbox import Sender, inbox_of, is_outdated
 from rosoclingo.interfaces.interface_state import Health
 from rosoclingo.interfaces.link import ServerLink, new_goal_id
 from rosoclingo.interfaces.memory import ActionMemory
@@ -33,9 +33,6 @@ DEFAULT_MEMORY = Path(rospkg.get_ros_home(), "rosoclingo", "interfaces")
 
 TICK, IDLE_TICK = 0.02, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
 CANCEL_PATIENCE = 1.0  # seconds of wall time that an interface which ends waits for its server to take the cancels
-
-_TAKEN = ("preempted", "recalled")  # the server has cancelled a goal though nobody here has asked for it
-_FINAL = ("preempted", "interface_lost")  # verdicts after which nothing is sent again
 
 
 class RefusalError(ValueError):
@@ -105,6 +102,7 @@ class Interface(abc.ABC):
         self._memory = ActionMemory(memory, f"{rospy.get_name()} {name}")
         self._worker = worker
         self._attempts: Dict[Action, Attempt] = {}
+        self._commanded = Commanded()
         self._server = server
         self._goal_class = type(action_type().action_goal.goal)
         self._link = ServerLink(server, action_type)
@@ -127,21 +125,22 @@ class Interface(abc.ABC):
         """What tells of an action that may have been done whether it was; None where nothing can.
 
         It is called without arguments until it says True or False, for at most `server_timeout` seconds; None means
-        that it cannot tell yet.  While it is called no server has the action's goal.
+        that it cannot tell yet.  While it is called no server has the action's goal, unless it ignores cancels.
         """
         return None
 
     # ---- in: what the inbox reads, on the worker's thread -----------------------------------------------------------
 
     def _read(self, message: InterfaceIO, sender: Sender) -> None:
+        commands: List[Command] = []
         for fact in message.facts:
             try:
-                command = parse_command(fact, self.name)
+                commands.append(parse_command(fact, self.name))
             except FactError as error:
                 rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender.node, error)
-            else:
-                job = functools.partial(self._obey, command, sender)
-                self._guarded(job, self._attempts.get(command.action))
+        self._commanded.add(commands)
+        for command in commands:
+            self._guarded(functools.partial(self._obey, command, sender), self._attempts.get(command.action))
 
     def _obey(self, command: Command, sender: Sender) -> None:
         attempt = self._attempts.get(command.action)
@@ -152,14 +151,17 @@ class Interface(abc.ABC):
             rospy.loginfo("%s: %s is under way already", self.name, command.action.atom)
         elif attempt is None:
             rospy.logwarn("%s: nothing to cancel, %s is not under way", self.name, command.action.atom)
-        elif attempt.inquiry is not None:
-            attempt.unwanted = True
+        elif is_outdated(sender, attempt.asked_by):
+            rospy.logwarn("%s: %s goes on: who cancels it has been replaced", self.name, command.action.atom)
         else:
-            self._handle(attempt, Event.CANCEL)
+            attempt.unwanted = True
+            if attempt.inquiry is None:
+                self._handle(attempt, Event.CANCEL)
 
     def _begin_run(self, run: str) -> None:
         if not self._memory.begin_run(run):
             return
+        self._commanded.clear()
         for action, attempt in list(self._attempts.items()):
             if attempt.asked_by.run is not None:
                 rospy.logwarn("%s: %s is of a former run: it is cancelled", self.name, action.atom)
@@ -216,7 +218,7 @@ class Interface(abc.ABC):
             self._link.cancel(attempt.handle)
 
     def _report(self, attempt: Attempt, event: Event, ended: Optional[Ended]) -> None:
-        taken = event is Event.ENDED and ended is not None and ended.status in _TAKEN
+        taken = event is Event.ENDED and ended is not None and ended.status in TAKEN
         self._post(functools.partial(self._hear, attempt, Event.TAKEN if taken else event, ended), attempt)
 
     def _hear(self, attempt: Attempt, event: Event, ended: Optional[Ended]) -> None:
@@ -224,20 +226,21 @@ class Interface(abc.ABC):
             self._handle(attempt, event, ended)
 
     def _finish(self, attempt: Attempt) -> None:
-        ended = conclude(attempt.run.verdict, attempt.ended)
-        sent = attempt.handle is not None and attempt.lost is None
-        check = self.make_check(attempt.action) if ended.status == LOST and sent else None
-        if check is not None:
+        ended, sent = attempt.conclusion, attempt.handle is not None and attempt.lost is None
+        asks = ended.status == LOST and attempt.lost is None and (sent or attempt.doubtful)
+        check = self.make_check(attempt.action) if asks else None
+        if check is None:
+            attempt.doubtful |= ended.status == LOST and sent
+            self._end(attempt, ended)
+        else:
             attempt.lost, attempt.handle = ended, None
             self._inquire(attempt, check)
-        else:
-            self._end(attempt, ended)
 
     def _end(self, attempt: Attempt, ended: Ended) -> None:
         action = attempt.action
         result = self._answer(action, ended)
-        if self._is_worth_another(attempt, ended, result):
-            rospy.logwarn("%s: %s: %s; once more", self.name, action.atom, self._words(ended))
+        if attempt.is_worth_another(ended, result.value, self._retry_on):
+            rospy.logwarn("%s: %s: %s; once more", self.name, action.atom, in_words(ended, self._server))
             self._attempts[action] = attempt.again(_now())
             return
         del self._attempts[action]
@@ -255,12 +258,6 @@ class Interface(abc.ABC):
         except Exception as error:  # noqa: BLE001 as in _begin
             return Answer(Function("failed"), warnings=(self._health.fault(error),))
 
-    def _is_worth_another(self, attempt: Attempt, ended: Ended, result: Answer) -> bool:
-        final = attempt.unwanted or attempt.run.verdict in _FINAL or ended.status in (SUCCEEDED, INTERRUPTED)
-        if final or attempt.limits.retries < 1:
-            return False
-        return str(result.value).partition("(")[0] in self._retry_on
-
     # ---- in doubt: what may have been done --------------------------------------------------------------------------
 
     def _inquire(self, attempt: Attempt, check: Optional[Check]) -> None:
@@ -270,11 +267,15 @@ class Interface(abc.ABC):
 
     def _look_for(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
         """Go on with an attempt in doubt as soon as it is known what has become of its action."""
-        finding = inquiry.look(self._link.look_up(attempt.handle, attempt.stale_status), now.wall)
+        held = attempt.run.unheeded  # perhaps for ever: the world alone is asked
+        listed = Listed.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
+        finding = inquiry.look(listed, now.wall)
         if finding is Finding.OPEN:
             return
         rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, finding.value)
         attempt.inquiry = None
+        if finding in (Finding.UNKNOWN, Finding.NOT_DONE):
+            attempt.doubtful = finding is Finding.UNKNOWN
         if finding is Finding.HELD:
             self._take_up(attempt, now)
         elif finding is Finding.DONE:
@@ -362,12 +363,20 @@ class Interface(abc.ABC):
             rospy.logerr("%s: %s: %s", self.name, action.atom, warning)
         succeeded = ended.status == SUCCEEDED
         if not succeeded:
-            rospy.logwarn("%s: %s: %s", self.name, action.atom, self._words(ended))
-        self._health.note(succeeded, f"{action.atom}: {self._words(ended)}")
-        facts = [*result.facts, return_text(action, result.value)]
+            rospy.logwarn("%s: %s: %s", self.name, action.atom, in_words(ended, self._server))
+        self._health.note(succeeded, f"{action.atom}: {in_words(ended, self._server)}")
+        done = succeeded if result.success is None else result.success
+        value = self._commanded.value(action, result.value, done, self._knows)
+        if value != result.value:
+            text = "%s: %s returns %s: its reason %s is the parameter of an action, which would mean success"
+            rospy.logwarn(text, self.name, action.atom, value, result.value)
+        facts = [*result.facts, return_text(action, value)]
         if self._remembers(reader):
             self._memory.note_answered(str(action.atom), tuple(facts))
         self._send(facts, reader)
+
+    def _knows(self, action: Action) -> bool:
+        return self._memory.recall(str(action.atom)) is not None
 
     def _send(self, facts: List[str], reader: Sender) -> None:
         """Tell the core. One that has announced its run asks again when it is back; another is waited for a moment."""
@@ -383,11 +392,6 @@ class Interface(abc.ABC):
         known, self._health.trouble = self._health.trouble, self._memory.trouble
         if known != self._health.trouble:
             rospy.logerr("%s: %s", self.name, self._health.trouble or "the file of what it has begun is in order again")
-
-    def _words(self, ended: Ended) -> str:
-        """How an action ended, for people."""
-        why = ended.text or (f"the action server {self._server} does not answer" if ended.status == LOST else "")
-        return f"{ended.status}: {why}" if why else ended.status
 
 
 def _now() -> Instant:

@@ -15,15 +15,16 @@ move_base:                           # the first argument of _action_lib(move_ba
   returns:                           # first rule that matches; without: the parameter, or a reason
     - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
     - {status: aborted, when: {outcome: 3}, return: not_here}
+    - {status: aborted, when: {outcome: 4}, success: true}  # counts as done: the parameter is returned
 """
 
 import re
 import warnings
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Pattern, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Limits
-from rosoclingo.interfaces.answers import DEFAULT_RETURNS, Rule, pattern_of
+from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED, Rule, fact_fault, pattern_of
 from rosoclingo.interfaces.templates import ANSWER_NAMES, GOAL_NAMES, faults
 from rosoclingo.interfaces.values import TermError, read_term
 
@@ -150,13 +151,23 @@ def _rule(reader: Reader) -> Rule:
     wanted = {str(field): value for field, value in when.mapping("a mapping of result fields to values", {}).items()}
     for field, value in wanted.items():
         _pattern(pattern_of(value), when.at(field))
-    result = returns.value if returns.given else DEFAULT_RETURNS.get(str(named), "failed")
+    success = reader.at("success").flag(False)
+    if success and returns.given:
+        returns.fault(
+            "is left out where `success: true` says that the action counts as done: the parameter is returned"
+        )
+    default = DEFAULT_RETURNS[SUCCEEDED] if success else DEFAULT_RETURNS.get(str(named), "failed")
+    result = returns.value if returns.given else default
     told = facts.texts((), "a list of atoms as text")
-    for template, place in ((result, returns), (told, facts)):
-        reader.faults += faults(template, ANSWER_NAMES, place.named)
-    rule = Rule(result, named, _pattern(text.value if text.given else None, text), wanted, told)
+    wrong = faults(result, ANSWER_NAMES, returns.named) + faults(told, ANSWER_NAMES, facts.named)
+    reader.faults += wrong or [f"{facts.named}[{index}]: {fault}" for index, fault in _fact_faults(told)]
+    rule = Rule(result, named, _pattern(text.value if text.given else None, text), wanted, told, success)
     reader.close()
     return rule
+
+
+def _fact_faults(facts: Tuple[str, ...]) -> List[Tuple[int, str]]:
+    return [(index, fault) for index, fault in enumerate(map(fact_fault, facts)) if fault]
 
 
 def _pattern(value: Any, reader: Reader) -> Optional[Pattern[str]]:

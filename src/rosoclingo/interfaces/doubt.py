@@ -41,10 +41,11 @@ class Inquiry:
         if listed is Listed.HELD:
             return Finding.HELD
         expired = wall >= self._end
-        if listed is None or self._may_come(listed, wall):
-            return Finding.UNKNOWN if expired else Finding.OPEN
+        waits = listed is None or self._may_come(listed, wall)
+        if waits and not expired:
+            return Finding.OPEN
         done = self._check() if self._check is not None else None
-        if done is not None:
+        if done or (done is not None and not waits):  # a server that is out of reach may still do it
             return Finding.DONE if done else Finding.NOT_DONE
         return Finding.UNKNOWN if expired or self._check is None else Finding.OPEN
 

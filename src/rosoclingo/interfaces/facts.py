@@ -1,7 +1,8 @@
 """Facts on the two topics between the core and the interface layer: reading commands, writing returns.  No ROS."""
 
 import enum
-from typing import NamedTuple
+from collections import deque
+from typing import Callable, Deque, Iterable, NamedTuple
 
 from clingo import Function, Symbol
 
@@ -13,8 +14,11 @@ from rosoclingo.reasoning.keywords import (
     KeywordError,
     Return,
     action_of,
+    failure_value,
     is_keyword,
 )
+
+REMEMBERED = 1000  # actions, those of the present cycle among them
 
 
 class FactError(ValueError):
@@ -46,6 +50,35 @@ def parse_command(text: str, interface: str) -> Command:
     if action.interface_name != interface:
         raise FactError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
     return Command(verb, action)
+
+
+class Commanded:
+    """The latest actions that the core has sent, so that no reason of one is taken for the success of another."""
+
+    def __init__(self) -> None:
+        self._actions: Deque[Action] = deque(maxlen=REMEMBERED)
+
+    def add(self, commands: Iterable[Command]) -> None:
+        """Remember the actions that are to be run."""
+        self._actions.extend(command.action for command in commands if command.verb is Verb.RUN)
+
+    def clear(self) -> None:
+        """Forget all of them: another run begins."""
+        self._actions.clear()
+
+    def value(self, action: Action, value: Symbol, succeeded: bool, is_known: Callable[[Action], bool]) -> Symbol:
+        """What an action returns for a ``value``: its parameter for a success alone, no other action's at all.
+
+        ``is_known`` tells of further actions that the core has sent in this run.
+        """
+        if succeeded and value == action.parameter:
+            return value
+
+        def is_parameter(term: Symbol) -> bool:
+            other = action._replace(parameter=term)
+            return other in self._actions or is_known(other)
+
+        return failure_value(value, action.parameter, is_parameter)
 
 
 def return_text(action: Action, value: Symbol) -> str:

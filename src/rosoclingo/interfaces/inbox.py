@@ -21,6 +21,16 @@ class Sender(NamedTuple):
     run: Optional[str]
 
 
+def is_outdated(sender: Sender, owner: Sender) -> bool:
+    """Whether a core has been replaced by that which has asked for an action, thus cannot cancel it.
+
+    Its run is another one; or it has had the same name, and another connection.
+    """
+    if owner.run is None or sender.run == owner.run:
+        return False
+    return sender.run is not None or sender.node == owner.node
+
+
 class _Announced(NamedTuple):
     run: str
     connection: Any  # its header

@@ -8,7 +8,10 @@ A text that is one reference stands for the value itself; other texts may hold r
     $cycle, $now       the cycle C, the ROS time at which the goal is sent
     $status, $text     how the goal ended, and the server's words (only in answers)
     $result.field      a field of the result (only in answers)
-    "box_${1}"         text with the value of $1 in it;  "$$" is a dollar sign
+    box_${1}           text with the value of $1 in it;  $$ is a dollar sign
+
+Where the text is an ASP term or atom (`fill_term`), a reference in braces stands for one term.  Within double quotes it
+stands for characters of an ASP string, whatever they are: `heard("${text}",now)`.
 """
 
 import re
@@ -18,7 +21,8 @@ from clingo import Symbol, SymbolType
 
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.common.reading import likely
-from rosoclingo.interfaces.values import TermError, as_text
+from rosoclingo.interfaces.values import TermError, as_string, as_text, read_term
+from rosoclingo.reasoning.keywords import shortened
 
 LABEL_FIELDS = ("pose", "x", "y", "yaw", "frame")
 GOAL_NAMES = ("parameter", "cycle", "now")
@@ -26,6 +30,9 @@ ANSWER_NAMES = (*GOAL_NAMES, "status", "text", "result")
 
 _WHOLE = re.compile(r"\$(?:\{([A-Za-z0-9_.]+)\}|([A-Za-z0-9_.]+))\Z")
 _INSIDE = re.compile(r"\$\$|\$\{([^}]*)\}|\$")
+_IN_TERM = re.compile(r"\$\$|\$\{([^}]*)\}|\\.|\"", re.DOTALL)
+_NAME_BEFORE, _NAME_BEHIND = re.compile(r"[A-Za-z0-9_'}]\Z"), re.compile(r"[A-Za-z0-9_'($]")
+_PART_OF_NAME = re.compile(r"[A-Za-z0-9_']+\Z")
 
 
 class TemplateError(ValueError):
@@ -69,6 +76,24 @@ def evaluate(template: Any, scope: Scope) -> Any:
     if whole:
         return _lookup(whole.group(1) or whole.group(2), scope)
     return _INSIDE.sub(lambda match: _substitute(match, scope), template)
+
+
+def is_reference(template: Any) -> bool:
+    """Whether a template is one reference, which stands for the value itself."""
+    return isinstance(template, str) and _WHOLE.match(template) is not None
+
+
+def fill_term(template: str, scope: Scope) -> str:
+    """The text of an ASP term or atom with its references filled.  Raises FillError, UnknownLabelError.
+
+    A reference outside quotes has to be one term, or, next to the characters of a name, a part of that name.
+    """
+    return _written(template, lambda reference: _lookup(reference, scope))
+
+
+def term_with(template: str, placeholder: Symbol) -> str:
+    """The text of an ASP term or atom with this in place of each reference."""
+    return _written(template, lambda reference: placeholder)
 
 
 def texts_in(template: Any, place: str = "") -> Iterator[Tuple[str, str]]:
@@ -127,6 +152,38 @@ def _check_reference(reference: str, names: Tuple[str, ...]) -> None:
         if wrong or head == "0" or "0" in steps:
             message = "${}: after a term come argument numbers from 1 on and at last one of {}"
             raise TemplateError(message.format(reference, ", ".join(LABEL_FIELDS)))
+
+
+def _written(template: str, value_of: Callable[[str], Any]) -> str:
+    pieces: List[str] = []
+    end, quoted = 0, False
+    for match in _IN_TERM.finditer(template):
+        pieces.append(template[end : match.start()])
+        end = match.end()
+        token, reference = match.group(0), match.group(1)
+        quoted ^= token == '"'
+        if reference is None:
+            pieces.append("$" if token == "$$" else token)
+        elif quoted:
+            pieces.append(str(as_string(_inner_text(value_of(reference))))[1:-1])
+        else:
+            joined = bool(_NAME_BEFORE.search(template[: match.start()]) or _NAME_BEHIND.match(template[end:]))
+            pieces.append(_one_term(reference, value_of(reference), joined))
+    return "".join([*pieces, template[end:]])
+
+
+def _one_term(reference: str, value: Any, joined: bool) -> str:
+    """The text of a value that stands outside quotes.  Raises FillError where it is no single term."""
+    text = str(value) if isinstance(value, Symbol) and not joined else _inner_text(value)
+    if joined and not _PART_OF_NAME.match(text):
+        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no part of a name")
+    try:
+        if isinstance(value, float):
+            raise TermError("ASP has no fractions")
+        return text if joined or isinstance(value, Symbol) else str(read_term(text))
+    except TermError:
+        mend = f'write "${{{reference}}}", within quotes, for an ASP string'
+        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no term: {mend}") from None
 
 
 def _substitute(match: Match[str], scope: Scope) -> str:
@@ -202,7 +259,10 @@ __all__ = [
     "TermError",
     "evaluate",
     "faults",
+    "fill_term",
+    "is_reference",
     "references",
+    "term_with",
     "texts_in",
     "uses_labels",
 ]

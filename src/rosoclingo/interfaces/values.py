@@ -1,11 +1,14 @@
 """Between ASP terms and plain Python values.  No ROS."""
 
 import math
+import re
 from typing import Any
 
 from clingo import Number, String, Symbol, SymbolType
 
 from rosoclingo.oclingo import ProgressionError, parse_atom, parse_term
+
+_NO_TEXT = re.compile("[\0\ud800-\udfff]")
 
 
 class TermError(ValueError):
@@ -28,6 +31,11 @@ def read_atom(text: str) -> Symbol:
         raise TermError(f"{text!r} is no ground atom: {error.message}") from error
 
 
+def as_string(text: str) -> Symbol:
+    """The ASP string of a text. NUL and half a surrogate pair, which no ASP string can hold, become U+FFFD."""
+    return String(_NO_TEXT.sub("\ufffd", text))
+
+
 def as_text(value: Any) -> str:
     """The value as plain text: the characters of an ASP string, any other term as clingo prints it."""
     if isinstance(value, Symbol):
@@ -47,7 +55,7 @@ def as_term(value: Any) -> Symbol:
     try:
         return read_term(text)
     except TermError:
-        return String(text)
+        return as_string(text)
 
 
 def as_integer(value: Any) -> int:

@@ -70,6 +70,17 @@ def test_everything_given():
         ({"type": "Test"}, "arm.type: must be an action type like .*, not 'Test'"),
         ({**TYPE, "repeatable": "yes"}, "arm.repeatable: must be true or false, not 'yes'"),
         ({**TYPE, "repeatable": 1}, "arm.repeatable: must be true or false, not 1"),
+        (
+            {**TYPE, "returns": [{"status": "aborted", "success": True, "return": "$1"}]},
+            r"arm.returns\[0\].return: is left out where `success: true` says",
+        ),
+        ({**TYPE, "returns": [{"success": "yes"}]}, r"arm.returns\[0\].success: must be true or false, not 'yes'"),
+        ({**TYPE, "returns": [{"facts": ["heard($text,now)"]}]}, r"arm.returns\[0\].facts\[0\]: .* inside a text"),
+        (
+            {**TYPE, "returns": [{"facts": ["seen", 'heard("${text},now)']}]},
+            r"arm.returns\[0\].facts\[1\]: .*no ground atom",
+        ),
+        ({**TYPE, "returns": [{"facts": ["heard(${text},Now)"]}]}, r"arm.returns\[0\].facts\[0\]: .*variable Now"),
         ({**TYPE, "done": "state"}, "arm.done: must be a mapping with the keys topic, type, when"),
         ({**TYPE, "done": {"topic": "state"}}, "arm.done.type: is missing: give a message type like"),
         ({**TYPE, "done": {"type": "std_msgs/Int32"}}, "arm.done.topic: is missing: give the name of a topic"),

@@ -7,9 +7,18 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import FactError, Verb, parse_command, return_text
-from rosoclingo.interfaces.values import TermError, as_boolean, as_integer, as_real, as_term, as_text
-from rosoclingo.reasoning.keywords import Action
+from rosoclingo.interfaces.facts import Commanded, FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.values import (
+    TermError,
+    as_boolean,
+    as_integer,
+    as_real,
+    as_term,
+    as_text,
+    read_term,
+)
+from rosoclingo.reasoning.keywords import Action, return_of
+from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.topic_atoms import run_in
 
 OFFICE2 = Function("office2")
@@ -20,6 +29,69 @@ def test_an_action_is_read_and_answered():
     assert command == (Verb.RUN, Action(Function("move_base"), OFFICE2, 1))
     assert return_text(command.action, OFFICE2) == "_return(move_base,office2,1)"
     assert return_text(command.action, Function("failed")) == "_return(move_base,failed,1)"
+
+
+#: Parameters and reasons: what interfaces and core answer, words of an entry, terms around them.
+WORDS = (
+    "failed",
+    "rejected",
+    "timeout",
+    "preempted",
+    "server_lost",
+    "interrupted",
+    "blocked",
+    "office2",
+    '"failed"',
+    "7",
+)
+TERMS = st.recursive(
+    st.sampled_from(WORDS).map(read_term),
+    lambda inside: st.builds(
+        lambda name, terms: Function(name, terms),
+        st.sampled_from(("failed", "")),
+        st.lists(inside, min_size=2, max_size=2),
+    ),
+    max_leaves=3,
+)
+
+
+@given(st.lists(TERMS, min_size=1, max_size=4, unique=True), TERMS, st.data())
+def test_a_reason_is_never_the_success_of_an_action(parameters, reason, data):
+    actions = [Action(Function("drop"), parameter, 3) for parameter in parameters]
+    action, commanded = data.draw(st.sampled_from(actions)), Commanded()
+    known = data.draw(st.sets(st.sampled_from(actions)))
+    commanded.add(parse_command(str(one.atom), "drop") for one in actions if one not in known)
+    value = commanded.value(action, reason, False, known.__contains__)
+    assert value not in parameters
+    assert value == reason or reason in parameters or reason.arguments[-1] in parameters
+    under_way = Dispatch(3, tuple(actions), 0.0)
+    under_way.take(return_of(read_term(return_text(action, value))))
+    [(_, blamed)] = under_way.failures
+    assert action in blamed
+    assert value == reason or blamed == (action,)
+
+
+@pytest.mark.parametrize(
+    ("reason", "succeeded", "value"),
+    [
+        ("rejected", False, "failed(rejected)"),
+        ("rejected", True, "rejected"),
+        ("left", False, "failed(left,rejected)"),
+        ("left", True, "failed(left,rejected)"),
+        ("failed(rejected)", False, "failed(rejected)"),
+        ("right", False, "right"),
+        ("blocked(left)", False, "failed(blocked(left),rejected)"),
+        ("blocked(right)", False, "blocked(right)"),
+    ],
+)
+def test_what_an_action_returns_beside_another(reason, succeeded, value):
+    commanded = Commanded()
+    commanded.add(parse_command(f"_action_lib(drop,{what},3)", "drop") for what in ("left", "rejected"))
+    commanded.add([parse_command("_action_lib(drop,right,2)", "drop")])
+    action = Action(Function("drop"), Function("rejected"), 3)
+    assert str(commanded.value(action, read_term(reason), succeeded, lambda other: False)) == value
+    commanded.clear()
+    assert str(commanded.value(action, Function("left"), False, lambda other: False)) == "left"
 
 
 def test_the_run_is_read():

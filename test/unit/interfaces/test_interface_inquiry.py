@@ -21,7 +21,13 @@ def test_the_server_is_waited_for():
     one = inquiry(True)
     assert one.look(None, 14.9) is Finding.OPEN
     assert one.look(Listed.ABSENT, 14.95) is Finding.DONE
-    assert inquiry(True).look(None, 15.0) is Finding.UNKNOWN
+    assert inquiry().look(None, 15.0) is Finding.UNKNOWN
+
+
+def test_the_world_is_asked_where_the_server_stays_away():
+    assert inquiry(True).look(None, 15.0) is Finding.DONE
+    assert inquiry(False).look(None, 15.0) is Finding.UNKNOWN, "a server out of reach may still do it"
+    assert inquiry(None).look(None, 15.0) is Finding.UNKNOWN
 
 
 @pytest.mark.parametrize(("says", "finding"), [(True, Finding.DONE), (False, Finding.NOT_DONE)])

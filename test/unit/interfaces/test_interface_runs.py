@@ -73,13 +73,17 @@ def test_only_what_cannot_happen_is_illegal():
     [
         (Phase.WAITING, Event.CANCEL, "preempted"),
         (Phase.WAITING, Event.SHUTDOWN, "interface_lost"),
-        (Phase.SENT, Event.CANCEL, "preempted"),
+        (Phase.SENT, Event.CANCEL, None),
         (Phase.SENT, Event.SERVER_LOST, "server_lost"),
+        (Phase.SENT, Event.EXPIRED, "server_lost"),
         (Phase.RUNNING, Event.ENDED, None),
-        (Phase.RUNNING, Event.CANCEL, "preempted"),
+        (Phase.RUNNING, Event.EXPIRED, "timeout"),
+        (Phase.RUNNING, Event.CANCEL, None),
         (Phase.RUNNING, Event.SERVER_LOST, "server_lost"),
         (Phase.RUNNING, Event.SHUTDOWN, "interface_lost"),
-        (Phase.ENDING, Event.ENDED, "preempted"),
+        (Phase.ENDING, Event.ENDED, None),
+        (Phase.ENDING, Event.TAKEN, None),
+        (Phase.ENDING, Event.EXPIRED, "server_lost"),
         (Phase.ENDING, Event.SERVER_LOST, "server_lost"),
         (Phase.RUNNING, Event.TAKEN, None),
         (Phase.YIELDING, Event.EXPIRED, None),
@@ -92,6 +96,17 @@ def test_verdicts(phase, event, verdict):
     run = run_in(phase)
     run.handle(event, START)
     assert run.verdict == verdict
+
+
+@given(st.lists(st.sampled_from(list(Event)), max_size=12))
+def test_a_goal_that_was_sent_is_preempted_by_its_server_alone(events):
+    """Nothing has happened: only of a goal that was never sent can anybody else say so."""
+    run, sent = Run(LIMITS, START), False
+    for event in events:
+        if event in TRANSITIONS[run.phase]:
+            sent |= run.handle(event, START) is Effect.SEND
+    assert run.verdict != "preempted" or not sent
+    assert not run.unheeded or run.verdict in ("server_lost", "interface_lost")
 
 
 def test_a_server_that_never_comes_is_lost_by_the_wall_clock():
@@ -134,9 +149,12 @@ def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
     run = run_in(Phase.RUNNING)
     assert run.tick(later(9.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
+    assert run.verdict == "timeout"
+    assert not run.unheeded
     assert run.tick(later(14.9, 6.1)) is Effect.NOTHING
     assert run.tick(later(15.0, 6.1)) is Effect.FINISH
-    assert run.verdict == "timeout"
+    assert run.verdict == "server_lost"
+    assert run.unheeded
     assert run.done
 
 

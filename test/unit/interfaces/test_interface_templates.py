@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from rosoclingo.common.labels import LabelTable, UnknownLabelError
 from rosoclingo.interfaces.answers import Rule, answer, conclude
+from rosoclingo.interfaces.config import read_spec
 from rosoclingo.interfaces.templates import (
     ANSWER_NAMES,
     Ended,
@@ -20,7 +21,7 @@ from rosoclingo.interfaces.templates import (
     faults,
     uses_labels,
 )
-from rosoclingo.interfaces.values import read_term
+from rosoclingo.interfaces.values import read_atom, read_term
 
 LABELS = LabelTable.from_mapping({"office2": {"x": 3, "y": 4, "yaw": 1}})
 RESULT = SimpleNamespace(outcome=3, location="office4", text="Some Words", poses=[SimpleNamespace(x=7)])
@@ -157,6 +158,133 @@ def test_an_answer_that_cannot_be_filled_falls_back():
 
 def test_text_that_is_no_term_is_returned_as_a_string():
     assert str(answer((Rule("$result.text"),), scope(ended=Ended("succeeded", "", RESULT))).value) == '"Some Words"'
+
+
+def said(words, *facts, returns="$result.message", parameter="office2"):
+    """What an entry makes of a server's words."""
+    return answer(
+        (Rule(returns, facts=facts),), scope(parameter, Ended("succeeded", words, SimpleNamespace(message=words)))
+    )
+
+
+#: Any text that ASP can hold, words of its own language more often than by chance.
+TEXTS = st.one_of(
+    st.text(st.characters(blacklist_categories=["Cs"], blacklist_characters="\0")),
+    st.lists(st.sampled_from(['"', "\\", "\n", ",", "(", ")", ".", "a", " ", "%", "$", "{", "}", "X", "\\n", "ä"])).map(
+        "".join
+    ),
+)
+
+
+@given(TEXTS)
+def test_any_text_comes_back_from_a_fact(words):
+    given = said(words, 'heard("${result.message}",1,now)', 'noted(f("<${text}>"),"${1}")', returns='told("${text}")')
+    assert given.warnings == ()
+    heard, noted = map(read_atom, given.facts)
+    assert (heard.name, [argument.type.name for argument in heard.arguments]) == (
+        "heard",
+        ["String", "Number", "Function"],
+    )
+    assert heard.arguments[0].string == words
+    assert noted.arguments[0].arguments[0].string == f"<{words}>"
+    assert noted.arguments[1].string == "office2"
+    assert given.value.arguments[0].string == words
+
+
+@given(TEXTS)
+def test_bare_text_in_a_fact_is_one_term_or_is_told(words):
+    given = said(words, "heard(${result.message},now)", returns="told(${text})")
+    if given.facts:
+        heard = read_atom(given.facts[0])
+        assert (heard.name, len(heard.arguments)) == ("heard", 2)
+        assert heard.arguments[0] == read_term(words) == given.value.arguments[0]
+    else:
+        assert len(given.warnings) == 2
+        assert all("which is no term" in warning for warning in given.warnings)
+        assert str(given.value) == "office2", "as without the rule"
+
+
+@pytest.mark.parametrize(
+    ("words", "template", "fact"),
+    [
+        ("two words", 'heard("${text}",now)', 'heard("two words",now)'),
+        ("", 'heard("${text}",now)', 'heard("",now)'),
+        ("a\0b\udc80", 'heard("${text}",now)', 'heard("a\ufffdb\ufffd",now)'),
+        ("f(a, b)", "heard(${text},now)", "heard(f(a,b),now)"),
+        ("hall", "heard_${text}(${cycle})", "heard_hall(5)"),
+        ("hall", "${text}(now)", "hall(now)"),
+        ("seen(hall)", "$text", "seen(hall)"),
+        ("hall", 'heard("$$${text}","${1}",now)', 'heard("$hall","office2",now)'),
+    ],
+)
+def test_words_of_a_server_in_a_fact(words, template, fact):
+    assert said(words, template)[1:3] == ((fact,), ())
+
+
+@pytest.mark.parametrize(
+    ("words", "template", "warning"),
+    [
+        (
+            "two words",
+            "heard(${text},now)",
+            "${text} is 'two words', which is no term: write \"${text}\", within quotes",
+        ),
+        ("a,b", "heard(${text},now)", "is no term"),
+        ("a),evil(b", "heard(${text})", "is no term"),
+        ("", "heard(${text},now)", "${text} is '', which is no term"),
+        (0.5, "heard(${result.message},now)", "${result.message} is '0.5', which is no term"),
+        (float("inf"), "heard(${result.message},now)", "which is no term"),
+        ("a(b", "heard_${text}(now)", "which is no part of a name"),
+        ("two words", "$text", "is no ground atom"),
+    ],
+)
+def test_words_that_are_no_term_are_told_and_no_fact(words, template, warning):
+    given = said(words, template)
+    assert given.facts == ()
+    assert warning in given.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "template", "value"),
+    [
+        ("hall", '"${text}"', '"hall"'),
+        ("a,b", "heard(${text})", "office2"),
+        ("a b", "at_${text}", '"at_a b"'),
+        ("a", "at_${text}", "at_a"),
+        ("a", "no way: ${text}", '"no way: a"'),
+        ('"', "no way: ${text}", '"no way: \\""'),
+        ("hall", "$text", "hall"),
+        ("a,b", "$text", '"a,b"'),
+    ],
+)
+def test_words_of_a_server_in_a_return(words, template, value):
+    assert str(said(words, returns=template).value) == value
+
+
+def test_a_string_of_the_program_stays_one_in_facts():
+    given = said("", "heard(${parameter},${1},now)", 'heard("${parameter}",now)', parameter='"two \\"words\\""')
+    text = '"two \\"words\\""'
+    assert given.facts == (f"heard({text},{text},now)", f"heard({text},now)")
+
+
+@pytest.mark.parametrize(
+    ("rule", "ended", "success"),
+    [
+        ({"status": "aborted", "return": "$parameter"}, Ended("aborted"), None),
+        ({"status": "aborted", "return": "office2"}, Ended("aborted"), False),
+        ({"status": "aborted", "success": True}, Ended("aborted"), True),
+        ({"status": "succeeded", "return": "$parameter"}, Ended("succeeded"), None),
+        ({"status": "succeeded", "return": "office2"}, Ended("succeeded"), False),
+        ({"return": 7}, Ended("succeeded"), False),
+        ({"return": "${result.missing}"}, Ended("succeeded"), None),
+    ],
+)
+def test_a_constant_is_a_reason_and_never_success(rule, ended, success):
+    spec = read_spec("arm", {"type": "actionlib/TestAction", "returns": [rule]})
+    given = answer(spec.rules, scope(ended=ended))
+    assert given.success is success
+    if success or success is None:
+        assert str(given.value) == "office2"
 
 
 @pytest.mark.parametrize(
