@@ -7,7 +7,7 @@ from clingo import Symbol
 from rosoclingo.interfaces.action_runs import Instant, Limits, Run
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, conclude
 from rosoclingo.interfaces.doubt import Inquiry
-from rosoclingo.interfaces.inbox import Sender
+from rosoclingo.interfaces.facts import Sender
 from rosoclingo.interfaces.link import new_goal_id
 from rosoclingo.interfaces.templates import Ended
 from rosoclingo.reasoning.keywords import Action

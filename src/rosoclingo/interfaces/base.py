@@ -17,8 +17,8 @@ from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, 
 from rosoclingo.interfaces.attempt import TAKEN, Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.doubt import Check, Finding, Inquiry, Listed
-from rosoclingo.interfaces.facts import Command, Commanded, FactError, Verb, parse_command, return_text
-from rosoclingo.interfaces.inbox import Sender, inbox_of, is_outdated
+from rosoclingo.interfaces.facts import Command, Commanded, FactError, Sender, Verb, parse_command, return_text
+from rosoclingo.interfaces.inbox import inbox_of
 from rosoclingo.interfaces.interface_state import Health
 from rosoclingo.interfaces.link import ServerLink, new_goal_id
 from rosoclingo.interfaces.memory import ActionMemory
@@ -151,7 +151,7 @@ class Interface(abc.ABC):
             rospy.loginfo("%s: %s is under way already", self.name, command.action.atom)
         elif attempt is None:
             rospy.logwarn("%s: nothing to cancel, %s is not under way", self.name, command.action.atom)
-        elif is_outdated(sender, attempt.asked_by):
+        elif not sender.may_cancel(attempt.asked_by):
             rospy.logwarn("%s: %s goes on: who cancels it has been replaced", self.name, command.action.atom)
         else:
             attempt.unwanted = True

@@ -2,7 +2,7 @@
 
 import enum
 from collections import deque
-from typing import Callable, Deque, Iterable, NamedTuple
+from typing import Callable, Deque, Iterable, NamedTuple, Optional
 
 from clingo import Function, Symbol
 
@@ -50,6 +50,22 @@ def parse_command(text: str, interface: str) -> Command:
     if action.interface_name != interface:
         raise FactError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
     return Command(verb, action)
+
+
+class Sender(NamedTuple):
+    """Who sent a message: the node's name, and the run that it has announced by the same connection, if any."""
+
+    node: str
+    run: Optional[str]
+
+    def may_cancel(self, owner: "Sender") -> bool:
+        """Whether it can cancel what ``owner`` has asked for: unless it is a core that the owner has replaced.
+
+        Such a core's run is another one; or it has the owner's name, and another connection.
+        """
+        if owner.run is None or self.run == owner.run:
+            return True
+        return self.run is None and self.node != owner.node
 
 
 class Commanded:

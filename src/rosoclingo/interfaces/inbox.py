@@ -7,28 +7,12 @@ import rospy
 
 from rosoclingo.common.connections import is_connected
 from rosoclingo.common.worker import Worker
+from rosoclingo.interfaces.facts import Sender
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.topic_atoms import run_in
 
 OUT_TOPIC = "out_rosoclingo"
-
-
-class Sender(NamedTuple):
-    """Who sent a message: the node's name, and the run that it has announced by the same connection, if any."""
-
-    node: str
-    run: Optional[str]
-
-
-def is_outdated(sender: Sender, owner: Sender) -> bool:
-    """Whether a core has been replaced by that which has asked for an action, thus cannot cancel it.
-
-    Its run is another one; or it has had the same name, and another connection.
-    """
-    if owner.run is None or sender.run == owner.run:
-        return False
-    return sender.run is not None or sender.node == owner.node
 
 
 class _Announced(NamedTuple):

@@ -14,7 +14,7 @@ from actionlib_msgs.msg import GoalStatus
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Updates
+from core_helpers import Client, Hands, Updates
 from interface_helpers import Process, executable, init_node, process_of, wait_until
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
@@ -37,9 +37,9 @@ def core(namespace, **parameters):
     with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
         file.write(ERRANDS.read_text() + ENDLESS)
         file.flush()
-        values = [f"_{name}:={value}" for name, value in dict(parameters, program_files=f"[{file.name}]").items()]
-        command = [executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values]
-        with Process(*command, "_action_timeout:=1") as process:
+        given = {"action_timeout": 1, **parameters, "program_files": f"[{file.name}]"}
+        values = [f"_{name}:={value}" for name, value in given.items()]
+        with Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values) as process:
             yield process
 
 
@@ -133,6 +133,35 @@ class CoreInterrupted(unittest.TestCase):
             self.assertEqual(code, 0, error)
             self.assertNotIn("Traceback", error)
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
+
+    def test_ctrl_c_cancels_what_is_under_way_and_death_does_not(self):
+        hands = Hands("moving/")
+        with tempfile.TemporaryDirectory() as folder:
+            settings = {"journal": folder, "resume": "yes", "action_timeout": 0}
+            with core("moving", **settings) as process:
+                hands.wait_for("/moving/rosoclingo")
+                client = Client("moving/rosoclingo")
+                client.send("do(walk,1)")
+                walk = hands.take()
+                for number in (2, 3):
+                    client.send(f"do(quick,{number})").arrived()
+                hands.seen.clear()
+                hands.succeed(walk)
+                wait_until(lambda: len(hands.seen) == 2, "two actions")
+                actions = {*hands.seen}
+                cancels = {fact.replace("_action_lib", "_cancel") for fact in actions}
+                process.signal(signal.SIGKILL)
+                process.wait()
+            with core("moving", **settings) as process:
+                wait_until(lambda: len(hands.seen) == 4, "the core that goes on to send them again")
+                self.assertEqual({*hands.seen}, actions)
+                process.signal(signal.SIGINT)
+                code, error = process.wait()
+                self.assertEqual(code, 0, error)
+            wait_until(lambda: {*hands.seen} == actions | cancels, "the cancels")
+            hands.seen.clear()
+            with core("moving", **settings):
+                wait_until(lambda: {*hands.seen} == actions | cancels, "the core that goes on to send them again")
 
     def test_sudden_death_leaves_no_process_behind(self):
         with core("killed", search_timeout=0) as process:

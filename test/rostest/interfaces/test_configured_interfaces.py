@@ -17,12 +17,13 @@ from actionlib.msg import (
     TestGoal,
     TestRequestAction,
     TestRequestResult,
+    TestResult,
     TwoIntsAction,
     TwoIntsGoal,
     TwoIntsResult,
 )
 from actionlib_msgs.msg import GoalID, GoalStatusArray
-from clingo import Function, Number
+from clingo import Function, Number, String
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Log
 from rospy.topics import _PublisherImpl
@@ -114,9 +115,72 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.core.send("hasty", "_action_lib(hasty,a,2)")
         handle = self.hasty.accept()
         self.hasty.cancelled()
-        self.assertEqual(self.core.receive(), ["_return(hasty,timeout,2)"])
+        self.assertEqual(self.core.receive(), ["_return(hasty,server_lost,2)"])
+        self.assertTrue(self.hasty.idle(), "it is not sent again to a server that still has it")
         handle.set_succeeded()  # too late: it must not be heard
         self.assertEqual(self.core.run("absent", "_action_lib(absent,a,3)"), ["_return(absent,server_lost,3)"])
+
+    def test_a_reason_is_no_success_though_the_parameter_is_named_like_it(self):
+        ends = (
+            (lambda goal: goal.set_rejected(), "rejected", "failed(rejected)"),
+            (lambda goal: goal.set_rejected(), '"rejected"', "rejected"),
+            (lambda goal: goal.set_aborted(None, "as told"), "left", "failed(left)"),
+            (lambda goal: goal.set_aborted(None, "by name: left"), '"by name: left"', 'failed("by name: left")'),
+            (lambda goal: goal.set_succeeded(TestResult(1)), "missed", "failed(missed)"),
+            (lambda goal: goal.set_succeeded(TestResult(2)), "missed", "missed"),
+            (lambda goal: goal.set_succeeded(TestResult(1)), "left", "missed"),
+        )
+        for cycle, (end, parameter, value) in enumerate(ends, 10):
+            self.core.send("belt", f"_action_lib(belt,{parameter},{cycle})")
+            end(self.count.take() if "rejected" in parameter else self.count.accept())
+            self.assertEqual(self.core.receive(), [f"_return(belt,{value},{cycle})"])
+        self.core.send("belt", "_action_lib(belt,failed,1)")
+        for _ in range(2):  # it is tried again for its reason
+            self.count.accept().set_aborted()
+        self.assertEqual(self.core.receive(), ["_return(belt,failed(failed),1)"])
+
+    def test_a_reason_is_no_success_of_another_action_of_the_cycle(self):
+        self.core.send("belt", "_action_lib(belt,right,7)", "_action_lib(belt,rejected,7)")
+        right, rejected = self.count.take(), self.count.accept()
+        rejected.set_succeeded(TestResult(2))
+        self.assertEqual(self.core.receive(), ["_return(belt,rejected,7)"])
+        right.set_rejected()
+        self.assertEqual(self.core.receive(), ["_return(belt,failed(rejected,right),7)"])
+
+    def test_an_entry_may_call_an_end_a_success(self):
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        self.oracle.accept().set_aborted(TestRequestResult(the_result=9), "it was there already")
+        self.assertEqual(self.core.receive(), ["_return(ask,q(1,a,false,0),2)"])
+
+    def test_any_words_of_a_server_in_a_fact(self):
+        words = 'two "words", a\\b\nc ä'
+        self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
+        goal = self.oracle.accept()
+        self.core.send("ask", "_cancel(ask,q(1,a,false,0),2)")
+        self.oracle.cancelled()
+        goal.set_canceled(None, words)
+        self.assertEqual(self.core.receive(), [f"heard({String(words)},now)", "_return(ask,preempted,2)"])
+
+    def test_a_cancelled_goal_ends_as_its_server_says(self):
+        for end, value in (
+            (lambda goal: goal.set_canceled(), "preempted"),
+            (lambda goal: goal.set_aborted(), "failed"),
+            (lambda goal: goal.set_succeeded(), "5"),
+        ):
+            self.core.send("count", "_action_lib(count,5,1)")
+            goal = self.count.accept()
+            self.core.send("count", "_cancel(count,5,1)")
+            self.count.cancelled()
+            end(goal)
+            self.assertEqual(self.core.receive(), [f"_return(count,{value},1)"])
+
+    def test_a_cancel_that_is_not_heeded_is_no_preemption(self):
+        self.core.send("deaf", "_action_lib(deaf,a,1)")
+        self.count.accept()
+        self.core.send("deaf", "_cancel(deaf,a,1)")
+        self.count.cancelled()
+        self.assertEqual(self.core.receive(), ["_return(deaf,server_lost,1)"])
+        self.assertTrue(self.count.idle(), "it is not sent again: nobody wants it")
 
     def test_a_server_that_is_absent(self):
         self.assertEqual(self.core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
@@ -155,7 +219,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.core.send("mute", "_action_lib(mute,a,2)", "_cancel(mute,a,2)")
         wait_until(lambda: goals[1:] and cancels and cancels[-1].id == goals[-1].goal_id.id, "goal and cancel")
         topics[0].publish(GoalStatusArray())  # says nothing of the goal, which is not lost for that
-        self.assertEqual(self.core.receive(), ["_return(mute,preempted,2)"])
+        self.assertEqual(self.core.receive(), ["_return(mute,server_lost,2)"])
 
     def test_a_server_that_dies_and_comes_back(self):
         for end in (signal.SIGKILL, signal.SIGINT):

@@ -214,6 +214,25 @@ class ExactlyOnce(unittest.TestCase):
         self.kill_node()
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
+    # ---- the action is cancelled ----------------------------------------------------------------------------------
+
+    def test_the_world_tells_what_became_of_a_cancel_that_is_not_heeded(self):
+        for done in (True, False):
+            fact, answer, number, _ = self.begin("shelf")
+            self.shelved.publish(Int32MultiArray(data=[0, number] if done else [0]))
+            self.core.cancel("shelf", fact)
+            self.servers["shelf"].cancelled()
+            self.assertEqual(self.core.receive(), [answer.format(number if done else "server_lost")])
+
+    def test_a_goal_that_may_have_been_done_before_is_not_preempted(self):
+        fact, answer, _, goal = self.begin("drive")
+        self.kill_node(goal.set_succeeded)
+        again = self.servers["drive"].accept()
+        self.core.cancel("drive", fact)
+        self.servers["drive"].cancelled()
+        again.set_canceled()
+        self.assertEqual(self.core.receive(), [answer.format("server_lost")])
+
     # ---- the server is killed -------------------------------------------------------------------------------------
 
     def kill_server(self, number, *shelved):

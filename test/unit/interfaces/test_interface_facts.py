@@ -7,7 +7,7 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import Commanded, FactError, Verb, parse_command, return_text
+from rosoclingo.interfaces.facts import Commanded, FactError, Sender, Verb, parse_command, return_text
 from rosoclingo.interfaces.values import (
     TermError,
     as_boolean,
@@ -92,6 +92,21 @@ def test_what_an_action_returns_beside_another(reason, succeeded, value):
     assert str(commanded.value(action, read_term(reason), succeeded, lambda other: False)) == value
     commanded.clear()
     assert str(commanded.value(action, Function("left"), False, lambda other: False)) == "left"
+
+
+@pytest.mark.parametrize(
+    ("sender", "owner", "may"),
+    [
+        (("core", "new"), ("core", "new"), True),
+        (("core", None), ("core", "new"), False),
+        (("other_core", "old"), ("core", "new"), False),
+        (("rostopic", None), ("core", "new"), True),
+        (("core", None), ("core", None), True),
+        (("core", "new"), ("core", None), True),
+    ],
+)
+def test_a_core_that_was_replaced_cancels_nothing(sender, owner, may):
+    assert Sender(*sender).may_cancel(Sender(*owner)) is may
 
 
 def test_the_run_is_read():
