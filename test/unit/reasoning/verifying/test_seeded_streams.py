@@ -3,9 +3,12 @@
 from functools import lru_cache
 
 import pytest
+from clingo import Function
 from verified_programs import CARRIES, ECHO, VISITS, edited, more, play
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
+from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.verifying.moves import Moves, Repertory
 from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
@@ -109,6 +112,14 @@ def test_what_is_found_shows_on_the_real_core(name):
     program, verdict = found(name)
     fault = next(one for one in verdict.faults if one.finding.kind is kind)
     assert shows(kind, play(program, fault.finding.way, 8), fault.finding)
+
+
+def test_an_action_that_is_named_like_its_reason_can_fail():
+    moves = Moves(ReactiveProgram.from_text("#external _return/3."), Repertory((), (), {}), Limits())
+    actions = [Action(Function("go"), Function(place), 1) for place in ("failed", "den")]
+    for under_way, values in ((actions[:1], {"failed(failed)"}), (actions, {"failed(failed)", "failed(failed,den)"})):
+        tried = [answer for move in moves.of(under_way, [], 2, True, 1) for answer in move.failures]
+        assert {str(answer.value) for answer in tried} == values
 
 
 @pytest.mark.mostly_slow
