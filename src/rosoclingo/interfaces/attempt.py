@@ -35,25 +35,28 @@ class Attempt:
         self.lost: Optional[Ended] = None  # how it ended without a word of its server
         self.unwanted = False  # cancelled, or the interface ends: nothing is sent again
         self.doubtful = False  # a goal was sent before of which nobody knows whether it was done
+        self.former: Optional[Ended] = None  # how the goal before has ended, None where none was sent
 
     @property
     def conclusion(self) -> Ended:
-        """How it ended. Where an earlier goal may have been done, nobody can say that nothing has happened."""
+        """How it ended. After an earlier goal, which may have been done, nobody can say that nothing has happened."""
         ended = conclude(self.run.verdict, self.ended)
         if self.run.unheeded:
             return ended._replace(text="its goal was cancelled, and the action server has not ended it")
         if self.doubtful and ended.status in TAKEN:
             return ended._replace(status=LOST, text="whether an earlier goal of the action was done is not known")
-        return ended
+        never_sent = self.run.verdict == "preempted"
+        return self.former if never_sent and self.former is not None else ended
 
     def is_worth_another(self, ended: Ended, value: Symbol, retry_on: Tuple[str, ...]) -> bool:
         """Whether to send another goal: it failed for one of the reasons, and the server is done with this one."""
         final = self.unwanted or self.run.unheeded or ended.status in (SUCCEEDED, INTERRUPTED, "interface_lost")
         return not final and self.limits.retries > 0 and str(value).partition("(")[0] in retry_on
 
-    def again(self, now: Instant) -> "Attempt":
-        """The next attempt at the same action."""
+    def again(self, ended: Ended, now: Instant) -> "Attempt":
+        """The next attempt at the same action, after this one has ended so."""
         limits = self.limits._replace(retries=self.limits.retries - 1)
         following = Attempt(self.action, self.goal, self.asked_by, limits, now)
-        following.doubtful = self.doubtful
+        sent = self.ended is not None or self.lost is not None or self.handle is not None
+        following.doubtful, following.former = self.doubtful, ended if sent else self.former
         return following

@@ -241,7 +241,7 @@ class Interface(abc.ABC):
         result = self._answer(action, ended)
         if attempt.is_worth_another(ended, result.value, self._retry_on):
             rospy.logwarn("%s: %s: %s; once more", self.name, action.atom, in_words(ended, self._server))
-            self._attempts[action] = attempt.again(_now())
+            self._attempts[action] = attempt.again(ended, _now())
             return
         del self._attempts[action]
         self._publish(action, ended, result, attempt.asked_by)

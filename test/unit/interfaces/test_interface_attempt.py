@@ -1,0 +1,75 @@
+"""What an attempt says of its action: what earlier goals of it may have done counts."""
+
+import pytest
+from clingo import Function
+
+from rosoclingo.interfaces.action_runs import Event, Instant, Limits
+from rosoclingo.interfaces.attempt import Attempt
+from rosoclingo.interfaces.facts import Sender
+from rosoclingo.interfaces.templates import Ended
+from rosoclingo.reasoning.keywords import Action
+
+NOW = Instant(10.0, 10.0)
+PICK = Action(Function("pick"), Function("cup"), 1)
+
+
+def attempt(*events, ended=None, **limits):
+    one = Attempt(PICK, None, Sender("core", None), Limits(retries=1, **limits), NOW)
+    return after(one, *events, ended=ended)
+
+
+def after(one, *events, ended=None):
+    one.ended = ended
+    for event in events:
+        one.run.handle(event, NOW)
+    return one
+
+
+SENT = (Event.SERVER_FOUND, Event.ACKNOWLEDGED)
+
+
+def test_an_attempt_without_a_goal_is_preempted_by_a_cancel():
+    assert attempt(Event.CANCEL).conclusion.status == "preempted"
+
+
+@pytest.mark.parametrize("status", ["preempted", "recalled", "aborted", "rejected", "succeeded"])
+def test_a_cancelled_goal_ends_as_its_server_says(status):
+    event = Event.TAKEN if status in ("preempted", "recalled") else Event.ENDED
+    assert attempt(*SENT, Event.CANCEL, event, ended=Ended(status)).conclusion.status == status
+
+
+@pytest.mark.parametrize("why", [Event.CANCEL, Event.EXPIRED])
+def test_a_goal_that_outlives_its_cancel_is_lost_and_not_sent_again(why):
+    one = attempt(*SENT, why, Event.EXPIRED)
+    assert one.conclusion.status == "server_lost"
+    assert not one.is_worth_another(one.conclusion, Function("server_lost"), ("server_lost",))
+
+
+def test_a_cancel_between_two_goals_leaves_the_end_of_the_first():
+    first = attempt(*SENT, Event.ENDED, ended=Ended("aborted", "slipped"))
+    assert first.is_worth_another(first.conclusion, Function("failed"), ("failed",))
+    second = first.again(first.conclusion, NOW)
+    assert after(second, Event.CANCEL).conclusion == Ended("aborted", "slipped")
+
+
+def test_a_cancel_while_an_absent_server_is_tried_again_preempts():
+    first = attempt(Event.EXPIRED)
+    assert first.conclusion.status == "server_lost"
+    assert after(first.again(first.conclusion, NOW), Event.CANCEL).conclusion.status == "preempted"
+
+
+@pytest.mark.parametrize(
+    ("events", "ended"), [([Event.CANCEL], None), ([*SENT, Event.CANCEL, Event.TAKEN], Ended("preempted"))]
+)
+def test_nobody_is_preempted_while_an_earlier_goal_is_in_doubt(events, ended):
+    first = attempt(*SENT, Event.SERVER_LOST)
+    first.doubtful = True
+    second = first.again(first.conclusion, NOW)
+    assert second.limits.retries == 0
+    assert after(second, *events, ended=ended).conclusion.status == "server_lost"
+
+
+def test_an_action_that_is_not_wanted_is_not_sent_again():
+    one = attempt(*SENT, Event.ENDED, ended=Ended("aborted"))
+    one.unwanted = True
+    assert not one.is_worth_another(one.conclusion, Function("failed"), ("failed",))
