@@ -28,7 +28,7 @@ class UnknownLabelError(KeyError):
 
 
 class Label(NamedTuple):
-    """A pose on the map with a name: metres and radians (counter-clockwise from the x axis) in `frame`."""
+    """A pose on the map with a name: metres and radians (counter-clockwise from the x axis) in the tf frame `frame`."""
 
     name: str
     x: float
@@ -64,10 +64,11 @@ class LabelTable:
     def read(cls, reader: Reader, frame: str = DEFAULT_FRAME) -> "LabelTable":
         """Read `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map}}` or `{name: [x, y, yaw]}`, as a YAML file holds it.
 
-        `yaw` (0) and `frame` may be left out.  The reader has the faults; what has none is in the table.
+        `yaw` (0) and `frame` may be left out; a frame's leading slash is dropped, as tf2 refuses it.
+        The reader has the faults; what has none is in the table.
         """
         found = reader.entries("a mapping of names to {x, y, yaw}")
-        return cls(tuple(_label(name, place, frame) for name, place in found))
+        return cls(tuple(_label(name, place, bare_frame(frame)) for name, place in found))
 
     def __getitem__(self, name: object) -> Label:
         """The label of that name (text, or anything that prints as the term); raises UnknownLabelError."""
@@ -96,6 +97,11 @@ class LabelTable:
         return label if label is not None and label.distance(x, y) <= tolerance else None
 
 
+def bare_frame(frame: str) -> str:
+    """Return a tf frame's name without leading slashes, which tf2 refuses."""
+    return frame.lstrip("/") or frame
+
+
 def _label(key: str, reader: Reader, frame: str) -> Label:
     name = re.sub(r"\s*([(),])\s*", r"\1", key.strip())
     if not _NAME.match(name):
@@ -104,6 +110,6 @@ def _label(key: str, reader: Reader, frame: str) -> Label:
         x, y, yaw = (*reader.numbers((2, 3), wanted="[x, y] or [x, y, yaw] in finite numbers"), 0.0)[:3]
         return Label(name, x, y, yaw, frame)
     x, y, yaw = reader.at("x").number(), reader.at("y").number(), reader.at("yaw").number(0.0)
-    frame = reader.at("frame").text(frame, wanted="the name of a tf frame")
+    frame = bare_frame(reader.at("frame").text(frame, wanted="the name of a tf frame"))
     reader.close("{x, y, yaw} or [x, y, yaw]")
     return Label(name, x, y, yaw, frame)

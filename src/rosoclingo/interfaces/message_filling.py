@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 import genpy
 from clingo import Symbol, SymbolType
 
-from rosoclingo.common.labels import Label
+from rosoclingo.common.labels import Label, bare_frame
 from rosoclingo.interfaces.templates import Now
 from rosoclingo.interfaces.values import TermError, as_boolean, as_integer, as_real, as_text
 
@@ -18,6 +18,8 @@ _INTEGERS: Dict[str, Tuple[int, int]] = {"byte": (-128, 127), "char": (0, 255)}
 for _bits in (8, 16, 32, 64):
     _INTEGERS[f"uint{_bits}"] = (0, 2**_bits - 1)
     _INTEGERS[f"int{_bits}"] = (-(2 ** (_bits - 1)), 2 ** (_bits - 1) - 1)
+
+_FRAMES = ("frame_id", "child_frame_id")
 
 _ARRAY = re.compile(r"(.*)\[([0-9]*)\]\Z")
 
@@ -27,13 +29,17 @@ class FieldError(ValueError):
 
 
 def fill(message: Any, values: Mapping[str, Any], now: genpy.Time, place: str = "goal") -> Any:
-    """Set the fields of `message` from `values` (nested mappings) and return it.  Raises FieldError."""
+    """Set the fields of `message` from `values` (nested mappings) and return it.  Raises FieldError.
+
+    The leading slash of a frame, as in "/map", is dropped: tf2 refuses it.
+    """
     types = field_types(message)
     for name, value in values.items():
         where = f"{place}.{name}"
         if name not in types:
             raise FieldError("{}: {} has no such field; it has {}".format(where, message._type, ", ".join(types)))
-        setattr(message, name, _convert(value, types[name], getattr(message, name), now, where))
+        converted = _convert(value, types[name], getattr(message, name), now, where)
+        setattr(message, name, bare_frame(converted) if name in _FRAMES and types[name] == "string" else converted)
     return message
 
 

@@ -26,6 +26,11 @@ def test_frames_of_the_table_and_of_one_label():
     assert [label.frame for label in table] == ["world", "odom", "world"]
 
 
+def test_frames_are_without_a_leading_slash():
+    table = LabelTable.from_mapping({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "//robot/odom"}}, "/map")
+    assert [label.frame for label in table] == ["map", "robot/odom"]
+
+
 def test_compound_names_are_written_as_clingo_prints_them():
     assert LabelTable.from_mapping({"room( 1, 2 )": [0, 0]})["room(1,2)"].x == 0.0
 

@@ -28,6 +28,14 @@ def test_a_label_fills_a_stamped_pose():
     assert goal.target_pose.pose.orientation.w == pytest.approx(0.0)
 
 
+def test_frames_are_sent_without_a_leading_slash():
+    header = {"header": {"frame_id": "/map"}}
+    goal = fill(MoveBaseGoal(), {"target_pose": {**header, "pose": BEDROOM}}, NOW)
+    assert goal.target_pose.header.frame_id == "map"
+    assert fill(PoseArray(), {"header": {"frame_id": String("/odom")}}, NOW).header.frame_id == "odom"
+    assert fill(StringMessage(), {"data": "/map"}, NOW).data == "/map"
+
+
 def test_other_messages_that_a_label_fills():
     assert fill(PointStamped(), {"point": BEDROOM}, NOW).point == Point(10.5, 11.2, 0.0)
     assert fill(PoseStamped(), {"pose": {"orientation": BEDROOM}}, NOW).pose.orientation.z == pytest.approx(1.0)
