@@ -9,9 +9,9 @@ import sys
 import sysconfig
 from typing import Any, Callable, Iterator, NoReturn, Sequence, Tuple, Type
 
-from rosoclingo.common.streams import tolerate_full_disk
+from rosoclingo.common.streams import print_utf8, tolerate_any_locale, tolerate_full_disk
 
-__all__ = ["leave", "missing", "needed_modules", "node_arguments", "run_node"]
+__all__ = ["leave", "missing", "needed_modules", "node_arguments", "print_utf8", "run_node"]
 
 _PYPI = {"PIL": "Pillow", "llvmlite": "numba", "yaml": "PyYAML"}  # where the package has another name than the module
 _ROBOT = ("numba", "Pillow")  # rosoclingo.robot's alone: optional for those with another robot
@@ -19,7 +19,11 @@ _ROBOT = ("numba", "Pillow")  # rosoclingo.robot's alone: optional for those wit
 
 @contextlib.contextmanager
 def needed_modules() -> Iterator[None]:
-    """Around a script's imports: ends the script with what is missing and how to install it."""
+    """Around a script's imports: ends the script with what is missing and how to install it.
+
+    From here on the script prints any text, whatever the locale is.
+    """
+    tolerate_any_locale()
     try:
         yield
     except ModuleNotFoundError as error:
@@ -52,6 +56,7 @@ def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequen
     """The command line's arguments but for ROS's own, at most one; ``--help`` shows the node's docstring."""
     from rospy import myargv
 
+    tolerate_any_locale()
     own = f" [{positional}]" if positional else ""
     parser = argparse.ArgumentParser(
         prog=script,

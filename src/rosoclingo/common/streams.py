@@ -1,11 +1,53 @@
-"""Standard output and error on a full disk, where a launch writes them to a file: what is said there may get lost."""
+"""Standard streams that fail for no text, in any locale, and on a full disk, where a launch writes them to a file."""
 
+import codecs
+import io
 import logging
+import os
 import sys
 from contextlib import suppress
 from typing import Any
 
-__all__ = ["LenientStream", "tolerate_full_disk"]
+__all__ = ["LenientStream", "print_utf8", "tolerate_any_locale", "tolerate_full_disk"]
+
+_UTF8 = "utf-8"
+_MODE = "PYTHONUTF8"
+
+
+def tolerate_any_locale() -> None:
+    """Have this process print any text, and read standard input as UTF-8, whatever the locale is.
+
+    What the encoding of standard output lacks is printed as ``?``. In a locale that knows ASCII alone the process
+    starts again in Python's UTF-8 mode: else it could open no file with another name. To be called before anything else.
+    """
+    _leave_ascii()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
+            stream.reconfigure(errors="replace")
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        with suppress(OSError, ValueError):  # something has been read already
+            sys.stdin.reconfigure(encoding=_UTF8, errors="replace")
+    sys.argv = [_encodable(argument) for argument in sys.argv]
+
+
+def print_utf8() -> None:
+    """Have standard output written in UTF-8, for a command that prints a program, which is a UTF-8 text."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding=_UTF8)
+
+
+def _leave_ascii() -> None:
+    """Start this script again in UTF-8 mode where names of files are in ASCII, once."""
+    script = getattr(sys.modules.get("__main__"), "__file__", None)
+    ascii_alone = codecs.lookup(sys.getfilesystemencoding()).name == "ascii"
+    if ascii_alone and script == sys.argv[0] and sys.executable and os.environ.get(_MODE) != "1":
+        os.environ[_MODE] = "1"
+        os.execv(sys.executable, [sys.executable, *sys.argv])
+
+
+def _encodable(argument: str) -> str:
+    """Return an argument, unless a file has that name, without bytes that are no text."""
+    return argument if os.path.exists(argument) else argument.encode(_UTF8, "replace").decode(_UTF8)
 
 
 class LenientStream:

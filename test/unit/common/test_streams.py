@@ -1,5 +1,7 @@
 """What is said on a full disk costs nobody anything but the words."""
 
+import os
+import re
 import resource
 import subprocess
 import sys
@@ -9,6 +11,7 @@ import pytest
 
 from rosoclingo.common.streams import LenientStream
 
+SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 SPEAKER = """
 import logging, sys
 from rosgraph.roslogging import RosStreamHandler
@@ -48,3 +51,90 @@ def test_what_comes_once_there_is_room_is_there(tmp_path):
         assert stream.fileno() == file.fileno(), "all else is as it was"
     assert path.read_text().startswith("first\n")
     assert path.read_text().endswith("third\n")
+
+
+PROGRAM = """#program base.
+room("Küche"). % größer
+#program cumulative(t).
+lit(R,t) :- room(R), not out("Küche",t).
+#show lit/2.
+#program volatile(t).
+"""
+FILES = {
+    "küche.lp": PROGRAM,
+    "küche.golog": 'proc control { go("Küche"); }\n',
+    "küche3.lp": '#base.\nroom("Küche").\n#hide.\n',
+    "one.str": "#step 1.\n#endstep.\n",
+    "küche.yaml": '"Ä": [1, 2]\n',
+    "größe.yaml": "größe: 1\n",
+}
+PLAIN = {"LANG": "C", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+LOCALES = [PLAIN, {**PLAIN, "PYTHONIOENCODING": "ascii"}, {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}]
+KITCHEN, SIZE = r"[Kk](ü|\?\??|\\xfc)che", r"gr(öß|\?\?|\\xf6\\xdf)e"
+
+
+def run(folder, environment, *command, given=None):
+    """Run a script in a folder; gives its output and its errors."""
+    done = subprocess.run(
+        [sys.executable, str(SCRIPTS / command[0]), *command[1:]],
+        cwd=folder,
+        env={**os.environ, "ROS_MASTER_URI": "http://localhost:1", **environment},
+        input=given,
+        capture_output=True,
+        check=False,
+        timeout=120,
+    )
+    return done.stdout.decode(), done.stderr.decode()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (("check", "küche.lp"), KITCHEN),
+        (("check", "küche.lp", "--labels", "küche.yaml", "--interfaces", "größe.yaml"), SIZE),
+        (("check", "küche.lp", "--plan", 'go("Küche",1)'), KITCHEN),
+        (("check", "nöKüche.lp"), KITCHEN),
+        (("oclingo", "küche.lp", "--shortest", "--bound", "3", "--stream", "one.str"), KITCHEN),
+        (("oclingo", "--check", "küche.lp"), KITCHEN),
+        (("places", "Küche.yaml", "küche.yaml"), KITCHEN),
+        (("new", "Küche"), KITCHEN),
+        (("stage_world", "Küche.yaml", "-o", "x.world"), KITCHEN),
+        (("journal", "show", "Küche"), KITCHEN),
+        (("watch", "Küche.bag"), KITCHEN),
+        (("report", "Küche.bag"), KITCHEN),
+        (("replay", "Küche.bag"), KITCHEN),
+        (("demo", "Küche"), KITCHEN),
+        (("play_scenario", "größe.yaml"), SIZE),
+        (("request", "--plain", 'go("Küche",1)'), "no ROS master"),
+    ],
+    ids=lambda value: " ".join(value[:2]) if isinstance(value, tuple) else "",
+)
+def test_commands_print_any_text_in_any_locale(folder, command, words, environment):
+    output, errors = run(folder, environment, *command)
+    assert "Traceback" not in errors, errors
+    assert re.search(words, output + errors), (output, errors)
+
+
+@pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
+@pytest.mark.parametrize("command", [("gringo3to5", "küche3.lp"), ("golog", "küche.golog")])
+def test_programs_are_printed_in_utf8_in_any_locale(folder, command, environment):
+    output, _ = run(folder, environment, *command)
+    assert '("Küche")' in output
+
+
+@pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
+def test_standard_input_is_utf8_in_any_locale(folder, environment):
+    output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode())
+    assert errors == ""
+    assert re.search(rf'<stdin>:4:.*\n.*out\("{KITCHEN}",t\)', output)
+    output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode("latin-1"))
+    assert "Traceback" not in errors
