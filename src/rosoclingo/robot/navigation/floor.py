@@ -17,7 +17,10 @@ DETOUR = 0.1
 
 Pair = Tuple[str, str]
 
-_UNUSED = "% check: ok unused (for programs that prefer short drives)"
+#: Marks of the facts that a program need not look at.
+_WAYS = "% check: ok unused (for programs that drive from place to place)"
+_DISTANCES = "% check: ok unused (for programs that prefer short drives)"
+_START = "% check: ok unused (for programs with a start of their own)"
 
 
 class FloorError(ValueError):
@@ -39,9 +42,9 @@ class Floor(NamedTuple):
     def facts(self) -> str:
         """The floor as facts: place/1, connection/2, distance/3, in decimetres and both directions, and start/1."""
         lines = [" ".join(f"place({place})." for place in self.places), ""]
-        lines += [f"connection({a},{b})." for a, b in self.connections]
-        lines += ["", _UNUSED, *(f"distance({a},{b},{d}). distance({b},{a},{d})." for a, b, d in self._decimetres())]
-        lines += ["", f"start({self.start})."] if self.start else []
+        lines += [_WAYS, *(f"connection({a},{b})." for a, b in self.connections)] if self.connections else []
+        lines += ["", _DISTANCES, *(f"distance({a},{b},{d}). distance({b},{a},{d})." for a, b, d in self._decimetres())]
+        lines += ["", _START, f"start({self.start})."] if self.start else []
         return "\n".join(lines) + "\n"
 
     def _decimetres(self) -> List[Tuple[str, str, int]]:

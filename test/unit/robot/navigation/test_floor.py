@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.lint.linting import findings, lint_sources
+from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D, load_map
 from rosoclingo.robot.navigation.floor import Floor, FloorError, floor_of, floor_program
 from rosoclingo.robot.navigation.grid import OccupancyGrid
@@ -109,10 +111,19 @@ def test_those_in_a_row_are_connected_one_by_one(hall, heights):
 def test_facts():
     floor = Floor(("a", "b", "c"), {("a", "b"): 1.26, ("b", "c"): 0.01}, (("a", "b"),))
     assert floor.facts() == (
-        "place(a). place(b). place(c).\n\nconnection(a,b).\n\n"
+        "place(a). place(b). place(c).\n\n"
+        "% check: ok unused (for programs that drive from place to place)\nconnection(a,b).\n\n"
         "% check: ok unused (for programs that prefer short drives)\n"
         "distance(a,b,13). distance(b,a,13).\ndistance(b,c,1). distance(c,b,1).\n"
     )
+
+
+def test_facts_that_a_program_need_not_look_at_are_marked():
+    floor = Floor(("a", "b"), {("a", "b"): 1.0}, (("a", "b"),), "a").facts()
+    program = f"{floor}lit(P) :- place(P).\n#show lit/1.\n#program cumulative(t).\n#program volatile(t).\n"
+    _, found = lint_sources([Source("floor.lp", program)])
+    assert {one.kind for one in found} == {"unused"}
+    assert findings(found, [("floor.lp", program)]) == []
 
 
 def test_where_the_robot_is_at_first():
