@@ -1,6 +1,7 @@
 """Which actions a program may plan, with which parameters; against interfaces and labels."""
 
 from typing import (
+    AbstractSet,
     Callable,
     Dict,
     FrozenSet,
@@ -20,10 +21,11 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
 from rosoclingo.oclingo.program.lint.likeness import likely_value, likely_word
+from rosoclingo.oclingo.program.lint.mixed_values import MixedValues
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
-from rosoclingo.oclingo.program.lint.term_shapes import is_open
+from rosoclingo.oclingo.program.lint.term_shapes import Bindings, is_open
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -54,6 +56,7 @@ class Actions:
     Attributes:
         all_known: whether it has no others than those of ``parameters``.
         parameters: what the parameter of each may be, by the action's name as text; None for anything.
+        mixed: the actions among whose parameters those of others can be, as rules relate the two in an open way.
 
     """
 
@@ -61,21 +64,31 @@ class Actions:
         self._survey = survey
         self.all_known = True
         self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {}
+        self.mixed: Set[str] = set()
         self._nodes: Dict[str, Node] = {}
+        mixed = MixedValues(values)
         for rule in values.rules:
             bound = values.bindings(rule) if rule.head.signature == ACTION else None
-            if bound is None:
+            if bound is not None:
+                self._add(rule, values, mixed, bound)
+
+    def _add(self, rule: Rule, values: ArgumentValues, mixed: MixedValues, bound: Bindings) -> None:
+        """Add the actions that a rule plans."""
+        name, parameter, _ = parted(rule.head.term)[1]
+        names = values.value(name, rule.parameter, bound)
+        if names is None or any(map(is_open, names)):
+            self.all_known = False
+            return
+        variable = rule.head.arguments[0].variable
+        for value in names:
+            inside = values.bindings(rule, {variable: frozenset({value})}) if variable else bound
+            if inside is None:
                 continue
-            name, parameter, _ = parted(rule.head.term)[1]
-            names = values.value(name, rule.parameter, bound)
-            if names is None or any(map(is_open, names)):
-                self.all_known = False
-                continue
-            told = values.value(parameter, rule.parameter, bound)
-            for one in map(str, names):
-                known = self.parameters.get(one, frozenset())
-                self.parameters[one] = None if told is None or known is None else known | told
-                self._nodes.setdefault(one, name)
+            told, one = values.value(parameter, rule.parameter, inside), str(value)
+            known = self.parameters.get(one, frozenset())
+            self.parameters[one] = None if told is None or known is None else known | told
+            self.mixed.update([one] if mixed.mixes(rule) else [])
+            self._nodes.setdefault(one, name)
 
     def without_interface(self, interfaces: Sequence[Named]) -> Iterator[Fault]:
         """Yield the actions that no interface drives, and the interfaces that no action drives."""
@@ -104,7 +117,7 @@ class Actions:
                 continue
             terms = sorted({term for parameter in parameters for term in asked(parameter)})
             needed |= set(map(str, terms))
-            for term in terms:
+            for term in terms if action not in self.mixed else ():
                 if str(term) not in names:
                     yield self._no_label(action, term, names)
         for node in self._odd_in_rows(names):
@@ -114,6 +127,16 @@ class Actions:
         for one in labels if certain and needed else ():
             if one.name not in needed:
                 yield one.fault("idle-label", f"no action ever asks for the label {one.name}", _meant(one.name, needed))
+
+    def like_reasons(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
+        """Yield the parameters that equal a reason with which their action fails, as ``reasons`` tells by its name."""
+        for action, parameters in self.parameters.items():
+            alike = reasons(action) & set(map(str, parameters or ())) if action not in self.mixed else set()
+            for term in sorted(alike):
+                node = self._where(term)
+                message = f"{term} is a parameter of {action} and a reason with which it fails"
+                mend = f"give it another name: _return({action},{term},C) is success and failure"
+                yield fault_at(self._nodes[action] if node is None else node, "like-reason", message, mend)
 
     def _odd_in_rows(self, names: Set[str]) -> Iterator[Node]:
         """Yield the constants in facts that are no labels, where those of all other facts of a predicate are."""
@@ -135,13 +158,14 @@ class Actions:
         return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
 
     def _where(self, text: str) -> Optional[Node]:
-        """Return where a term first stands among the facts of a program."""
-        for _, statement, found in self._survey.statements:
-            fact = statement.ast_type == ASTType.Rule and not statement.body and len(found) == 1 and found[0].head
-            for one in found[0].term.nodes if fact and statement.location.begin.filename != LABELS else ():
+        """Return where a term first stands among the facts of a program, of those with the fewest arguments."""
+        found: List[Tuple[int, Node]] = []
+        for _, statement, atoms in self._survey.statements:
+            fact = statement.ast_type == ASTType.Rule and not statement.body and len(atoms) == 1 and atoms[0].head
+            for one in atoms[0].term.nodes if fact and statement.location.begin.filename != LABELS else ():
                 if one.ast_type in (ASTType.SymbolicTerm, ASTType.Function) and str(one) == text:
-                    return one
-        return None
+                    found.append((len(atoms[0].arguments), one))
+        return min(found, key=lambda one: one[0])[1] if found else None
 
     def likely_asking(self, labels: Sequence[Named]) -> Dict[str, Labelled]:
         """Return the actions of which most parameters are labels, where nobody tells which ask for them."""

@@ -2,9 +2,9 @@
 
 Each argument of a predicate has a set of ground terms, or any. They are found by going through the rules until nothing
 changes: a head has the values that the positive atoms, equations and inequations of the body leave to its variables.
-What is open (``#external p/n.``), undefined, or a number that counts steps may be anything. Where all heads of a
-predicate have a constant as their first argument, as those of ``_action_lib(pickup,Id,t)``, it is taken for as many
-predicates as there are constants.
+What is open (``#external p/n.``), undefined, or a number that counts steps may be anything. A predicate is split by its
+first argument where a head has a constant there, as in ``_action_lib(pickup,Id,t)``, or a variable with few values: the
+other arguments have a set for each of these.
 """
 
 from heapq import heappop, heappush
@@ -36,6 +36,8 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 Row = List[Values]
 """What the arguments of a predicate may be."""
 
+_FEW = 8  # values of a variable by which a predicate is split
+
 
 class Condition(NamedTuple):
     """A positive atom on which a rule depends."""
@@ -43,6 +45,11 @@ class Condition(NamedTuple):
     term: Node
     signature: Signature
     arguments: Tuple[Shape, ...]
+
+    @property
+    def names(self) -> Set[str]:
+        """Its variables."""
+        return {name for argument in self.arguments for name in argument.names}
 
 
 class Equation(NamedTuple):
@@ -96,7 +103,6 @@ class ArgumentValues:
         used = {atom.signature for rule in self.rules for atom in rule.atoms}
         #: the predicates of which nothing is known: they may be true of anything
         self.free: Set[Signature] = {*survey.opened, *((used | set(survey.using)) - known)}
-        self._tagged = _tagged(self.rules)
         self._found: Dict[Signature, Dict[Optional[clingo.Symbol], Row]] = {}
         self._spread()
 
@@ -117,6 +123,10 @@ class ArgumentValues:
             return None
         return _joined(self._found[signature].values())[position]
 
+    def is_split(self, signature: Signature) -> bool:
+        """Tell whether the other arguments of a predicate have a set for each value of its first one."""
+        return signature in self._found and None not in self._found[signature]
+
     def misfit(self, atom: clingo.Symbol) -> Optional[Tuple[int, List[clingo.Symbol]]]:
         """Return the position of the first argument that a ground atom can't have, and what it may be there."""
         arguments = [fixed(one) for one in atom.arguments]
@@ -127,9 +137,12 @@ class ArgumentValues:
         signature, arguments = parted(term)
         return self._misfit(signature, [shape_of(one, step, self._constants) for one in arguments])
 
-    def bindings(self, rule: Rule) -> Optional[Bindings]:
-        """Return what the variables of a rule may be, None where its conditions can never hold."""
-        found: Bindings = {}
+    def bindings(self, rule: Rule, given: Optional[Bindings] = None) -> Optional[Bindings]:
+        """Return what the variables of a rule may be, None where its conditions can never hold.
+
+        Those of ``given`` may have its values alone.
+        """
+        found: Bindings = dict(given or {})
         if all(self._bind(atom, found) for atom in rule.atoms) and all(_compare(one, found) for one in rule.equations):
             return found
         return None
@@ -183,24 +196,44 @@ class ArgumentValues:
         bound = self.bindings(rule) if signature not in self.free else None
         if bound is None:
             return None
-        fresh = [value_of(one, bound) for one in rule.head.arguments]
-        if any(one is not None and not one for one in fresh):
-            return None
-        tag = next(iter(fresh[0] or ()), None) if signature in self._tagged else None
-        rows = self._found.setdefault(signature, {})
-        known = rows.get(tag)
-        joined = fresh if known is None else _joined([known, fresh])
-        if joined == known:
-            return None
-        rows[tag] = joined
-        return signature
+        rows, changed = self._found.get(signature, {}), False
+        for tag, inside in self._split(rule, bound):
+            fresh = [value_of(one, inside) for one in rule.head.arguments]
+            fresh[:1] = fresh[:1] if tag is None else [frozenset({tag})]
+            if any(one is not None and not one for one in fresh):
+                continue
+            known = rows.get(tag)
+            joined = fresh if known is None else _joined([known, fresh])
+            if joined != known:
+                rows = self._found.setdefault(signature, rows)
+                rows[tag], changed = joined, True
+        return signature if changed else None
 
-    def _row(self, signature: Signature, arguments: Sequence[Shape]) -> Optional[Row]:
+    def _split(self, rule: Rule, bound: Bindings) -> Iterator[Tuple[Optional[clingo.Symbol], Bindings]]:
+        """Yield what the variables of a rule may be for each first argument of its head; None for any of these."""
+        first = rule.head.arguments[0] if len(rule.head.arguments) > 1 else None
+        values = None if first is None else value_of(first, bound)
+        few = first is not None and values is not None and len(values) <= _FEW and not any(map(is_open, values))
+        if values is not None and first is not None and not first.names and (few or first.is_constant):
+            yield from ((value, bound) for value in values)
+        elif values is not None and first is not None and few and first.variable:
+            for value in values:
+                inside = self.bindings(rule, {first.variable: frozenset({value})})
+                if inside is not None:
+                    yield value, inside
+        else:
+            yield None, bound
+
+    def _row(self, signature: Signature, arguments: Sequence[Shape], found: Optional[Bindings] = None) -> Optional[Row]:
         """Return the values of a predicate's arguments where the first one is as an atom has it; None for no such."""
         rows = self._found[signature]
-        if signature not in self._tagged:
-            return next(iter(rows.values()))
-        alike = [row for tag, row in rows.items() if tag is None or matches(arguments[0], tag, {})]
+        if len(rows) == 1 and None in rows:
+            return rows[None]
+        first = arguments[0]
+        among = (found or {}).get(first.variable)
+        if among is not None and any(map(is_open, among)):
+            among = None
+        alike = [row for tag, row in rows.items() if tag is None or _fits(first, tag, among)]
         return _joined(alike) if alike else None
 
     def _misfit(self, signature: Signature, arguments: Sequence[Shape]) -> Optional[Tuple[int, List[clingo.Symbol]]]:
@@ -217,10 +250,14 @@ class ArgumentValues:
         """Narrow ``found`` to what an atom leaves; False where it can't be true."""
         if atom.signature in self.free:
             return True
-        row = self._row(atom.signature, atom.arguments) if atom.signature in self._found else None
+        row = self._row(atom.signature, atom.arguments, found) if atom.signature in self._found else None
         return row is not None and all(
             known is None or _narrow(argument, known, found) for argument, known in zip(atom.arguments, row)
         )
+
+
+def _fits(first: Shape, tag: clingo.Symbol, among: Optional[FrozenSet[clingo.Symbol]]) -> bool:
+    return (among is None or tag in among) and matches(first, tag, {})
 
 
 def _may_be(argument: Shape, known: FrozenSet[clingo.Symbol]) -> bool:
@@ -309,16 +346,6 @@ def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
             one = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
             if one.ast_type == ASTType.ConditionalLiteral:
                 yield one.literal, list(one.condition)
-
-
-def _tagged(rules: Sequence[Rule]) -> Set[Signature]:
-    """Return the predicates all of whose heads have a constant as the first of several arguments."""
-    found: Dict[Signature, bool] = {}
-    for rule in rules:
-        signature, arguments = rule.head.signature, rule.head.arguments
-        tag = len(arguments) > 1 and arguments[0].is_constant
-        found[signature] = tag and found.get(signature, True)
-    return {signature for signature, tag in found.items() if tag}
 
 
 def _sources_first(rules: Sequence[Rule]) -> List[Rule]:

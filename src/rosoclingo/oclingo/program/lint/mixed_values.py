@@ -1,0 +1,54 @@
+"""Rules in which the values of arguments are not known for each value of the first one, but for all of them at once."""
+
+from typing import Dict, Sequence
+
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Condition, Rule
+from rosoclingo.oclingo.program.lint.term_shapes import Shape
+from rosoclingo.oclingo.progression.terms import Signature
+
+
+class MixedValues:
+    """Tells of which rules the values of a program's arguments are too many for a first argument taken alone."""
+
+    def __init__(self, values: ArgumentValues) -> None:
+        self._values = values
+        self._known: Dict[Signature, bool] = {}
+
+    def mixes(self, rule: Rule) -> bool:
+        """Tell whether other arguments of a head can have values here that belong to another first argument."""
+        first = rule.head.arguments[0]
+        told = [one for one in rule.atoms if any(_is_same(argument, first) for argument in one.arguments)]
+        known = {first.variable} if first.variable else set()
+        fresh = [one for one in told if _is_same(one.arguments[0], first) and self._is_apart(one.signature)]
+        while fresh:
+            known.update(name for one in fresh for name in one.names)
+            fresh = [
+                one
+                for one in rule.atoms
+                if one.arguments and one.arguments[0].variable in known - {""}
+                if not one.names <= known and self._is_apart(one.signature)
+            ]
+        others = {name for argument in rule.head.arguments[1:] for name in argument.names} - known
+        return any(_reaches(rule, name, told, first.variable) for name in others)
+
+    def _is_apart(self, signature: Signature) -> bool:
+        """Tell whether the arguments of a predicate are known for each value of its first one."""
+        if signature not in self._known:
+            self._known[signature] = True  # for rules that need their own head
+            rules = [one for one in self._values.rules if one.head.signature == signature]
+            self._known[signature] = self._values.is_split(signature) and not any(map(self.mixes, rules))
+        return self._known[signature]
+
+
+def _is_same(argument: Shape, first: Shape) -> bool:
+    """Tell whether an argument is the variable, or the constant, that another one is."""
+    return argument.variable == first.variable if first.variable else argument.is_constant and argument == first
+
+
+def _reaches(rule: Rule, name: str, atoms: Sequence[Condition], but: str) -> bool:
+    """Tell whether a variable is joined with one of the atoms by variables other than ``but``."""
+    joined, before = {name}, 0
+    while before < len(joined):
+        before = len(joined)
+        joined |= {other for one in rule.atoms if one.names & joined for other in one.names - {but}}
+    return any(one.names & joined for one in atoms)
