@@ -15,7 +15,7 @@ from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.topic_atoms import atom_in
 
-__all__ = ["DRAWS", "Drawing", "Drawings", "Kind", "drawings_of"]
+__all__ = ["DRAWS", "Drawing", "Drawings", "Kind", "drawing_fault", "drawings_of"]
 
 #: ``_draws(Predicate,Kind)`` and ``_draws(Predicate,Kind,Text)``.
 DRAWS = "_draws"
@@ -109,7 +109,7 @@ def drawings_of(program: RunProgram) -> Drawings:
     styles: Dict[str, Tuple[Kind, str]] = {}
     faults = []
     for fact in facts_of(program, {DRAWS}):
-        fault = _fault(fact)
+        fault = drawing_fault(fact)
         if fault:
             faults.append(f"{fact} has nothing drawn: {fault}")
         else:
@@ -118,7 +118,7 @@ def drawings_of(program: RunProgram) -> Drawings:
     return Drawings(styles, facts_of(program, set(styles)) if styles else (), faults)
 
 
-def _fault(fact: Symbol) -> str:
+def drawing_fault(fact: Symbol) -> str:
     """Return what is wrong with a declaration, and the mend; empty where nothing is."""
     if len(fact.arguments) not in (2, 3):
         return f"write {DRAWS}(Predicate,Kind) or {DRAWS}(Predicate,Kind,Text)"

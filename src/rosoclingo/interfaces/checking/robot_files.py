@@ -10,6 +10,13 @@ import clingo
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
+from rosoclingo.interfaces.checking.odd_values import (
+    frame_values,
+    idle_drawings,
+    label_values,
+    labels_like_reasons,
+    reasons_of,
+)
 from rosoclingo.interfaces.checking.order_file import OrderFile
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
@@ -65,9 +72,14 @@ class RobotFiles:
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
         labels = self._look_at_labels(faults)
         specs = self._look_at_interfaces(faults)
+        faults += labels_like_reasons(
+            labels, reasons_of(spec for spec in specs.values() if spec.name in _asking(specs))
+        )
         if program is not None:
             actions = Actions(program.survey, ArgumentValues.of_survey(program.survey))
             faults += self._interface_faults(actions, specs)
+            faults += actions.like_reasons(lambda name: reasons_of(one for one in specs.values() if one.name == name))
+            faults += idle_drawings(program.survey)
             if self._labels is not None and not self._labels.faults:
                 asking = _asking(specs) if self._interfaces is not None else actions.likely_asking(labels)
                 faults += actions.without_label(labels, asking)
@@ -99,6 +111,7 @@ class RobotFiles:
         reader = Reader(file.data)
         LabelTable.read(reader)
         faults += [file.fault(text, "configuration") for text in reader.faults]
+        faults += label_values(file)
         return list(_label_names(file))
 
     def _look_at_interfaces(self, faults: List[Fault]) -> Mapping[str, InterfaceSpec]:
@@ -110,6 +123,7 @@ class RobotFiles:
         faults += [file.fault(text, "configuration") for text in reader.faults]
         faults += [file.fault(text, "message-type") for text in _type_faults(specs.values())]
         faults += [file.fault(text, "idle-reason") for text in _idle_reasons(specs, file.data)]
+        faults += frame_values(file, specs)
         return specs
 
     def _interface_faults(self, actions: Actions, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:

@@ -15,6 +15,7 @@ _NOTE = re.compile(r"\n?[^\n]*: note: '(?P<variable>[^']*)' is unsafe")
 _PART = re.compile(r"(:-?)(\[#inc_\w+(\([^]]*\))?\];?)+")
 _VALUE = re.compile(r"\.\[false\]$")
 _GUARD = re.compile(r";?__oclingo_volatile\([^)]*\)")
+_SCRIPT = re.compile(r"\w+ support not available")
 _ODD = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
 _PROJECTED = (  # how clingo, and this package, write "_"
     (re.compile(r"\bAny__[0-9]+\b"), "_"),
@@ -104,6 +105,11 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no
             "undefined operation " + message.split("\n", 1)[-1].strip() + ": the instances that need it are left out"
         )
         mend = "see to it that both sides are numbers, and no divisor is 0"
+    elif _SCRIPT.match(message):
+        message, mend = "#script is not run: a program is data here", "state what the script computes as facts"
+    elif message.startswith("no definition found for theory atom:"):
+        message = f"no #theory defines the theory atom &{message.split()[-1]}, and none is interpreted"
+        mend = "write rules about atoms with the step, or an aggregate like #sum"
     return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, mend, kind)
 
 

@@ -15,6 +15,14 @@ from rosoclingo.oclingo.program.sources import Parsed
 from rosoclingo.oclingo.progression.terms import Signature
 
 PARTS = ("base", "cumulative", "volatile")
+_OTHER_SYSTEMS = {  # parts of clingo's incmode and of telingo: what to write instead
+    "step": "clingo's incmode calls it step; write #program cumulative(t).",
+    "check": "clingo's incmode calls it check; write #program volatile(t). for a plan's last step, without query(t)",
+    "initial": "telingo's part; write #program base. with 0 for the step, as in at(home,0)",
+    "dynamic": "telingo's part; write #program cumulative(t). with t for the step, t-1 for the one before ('p)",
+    "always": "telingo's part; write its rules into #program cumulative(t)., and those of step 0 into base",
+    "final": "telingo's part; write #program volatile(t). with t for the step",
+}
 GUARD = "__oclingo_volatile"
 """``__oclingo_volatile(W,T)``: true while the instance of step T of ``#volatile t : W.`` holds."""
 
@@ -75,7 +83,7 @@ def _open_part(header: Node, directives: Directives, faults: List[Fault]) -> Par
     if name not in PARTS or len(parameters) != (0 if name == "base" else 1):
         begin = header.location.begin
         text = "{}({})".format(name, ",".join(parameters)) if parameters else name
-        mend = "a reactive program has the parts base, cumulative(t) and volatile(t)"
+        mend = _OTHER_SYSTEMS.get(name, "a reactive program has the parts base, cumulative(t) and volatile(t)")
         message = f"unknown program part {text}"
         faults.append(Fault(begin.filename, begin.line, begin.column, message, mend, "unknown-part"))
         window = ""  # without its parameter there is no guard

@@ -167,10 +167,11 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
     unreadable: List[Fault] = []
     sources = [source for file in options.files for source in _read(file, unreadable)]
     stream = _read(options.stream, unreadable) if options.stream else []
+    added: List[Source] = []  # by no file of the command line
     try:
         constants = constants_of(options.const)
         parse_constants(constants)
-        sources += [source for one in (more, verifier) if one is not None for source in one.sources(options)]
+        added += [source for one in (more, verifier) if one is not None for source in one.sources(options)]
     except ProgramError as error:
         unreadable += error.faults
     if unreadable:
@@ -178,14 +179,16 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
         return UNREADABLE
     try:
         with _nothing_dropped():
-            found, files, program = _look(sources, constants, stream, options, more)
+            found, files, program = _look([*sources, *added], constants, stream, options, more)
         usable = program if program is not None and not program.faults else None
         trials = _trials(usable, stream, options, more) if usable is not None else []
         verdict = verifier.run(usable, options, more) if verifier is not None and usable is not None else None
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
-    (_print_json if options.json else _print_text)(found, dict(files), trials, verdict, sys.stdout)
+    own = {one.name for one in added}
+    named = {name: text for name, text in files if name not in own}
+    (_print_json if options.json else _print_text)(found, named, trials, verdict, sys.stdout)
     failed = any(one.answer is None or one.fault for one in trials) or (verdict is not None and not verdict.clean)
     return FOUND if found or failed else CLEAN
 

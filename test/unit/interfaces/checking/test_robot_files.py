@@ -143,6 +143,42 @@ SEEDS = [
         "unheard-fact",
         "is _blocked/3 meant?",
     ),
+    # what tf2 refuses, and headings in degrees
+    (
+        "mailbot",
+        "labels.yaml",
+        "{x: 9.9, y: 0.0, yaw",
+        "{x: 9.9, y: 0.0, @frame: /map, yaw",
+        "label-value",
+        "write map",
+    ),
+    ("garden", "labels.yaml", "[2.5, 2.5]", "@[2.5, 2.5, 90]", "label-value", "are degrees meant? write 1.571"),
+    ("garden", "labels.yaml", "[2.5, 2.5]", "{x: 2.5, y: 2.5, @yaw: -180.0}", "label-value", "write -3.142"),
+    (
+        "garden",
+        "interfaces.yaml",
+        "{target_pose: $parameter.pose}",
+        "{target_pose: {header: {@frame_id: /map}, pose: $parameter.pose}}",
+        "label-value",
+        "goals are sent with map",
+    ),
+    # names like reasons
+    ("garden", "garden.lp", "plant(palm).", "plant(@rejected).", "like-reason", "rejected is a parameter of water"),
+    (
+        "garden",
+        "garden.lp",
+        "plant(palm).",
+        "#const tree = timeout. plant(tree).",
+        "like-reason",
+        "timeout is a parameter",
+    ),
+    ("garden", "labels.yaml", "palm:", "@preempted:", "like-reason", "named like a reason"),
+    ("garden", "garden.lp", "plant(palm).", "plant(@clogged).", "like-reason", "_return(water,clogged,C)"),
+    ("mailbot", "office.lp", "office(office4).", "office(@unreachable).", "like-reason", "a parameter of move_base"),
+    # what is drawn
+    ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is no kind"),
+    ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "is corridor meant?"),
+    ("house", "house.lp", "_draws(door,way)", "@_draws(D,way) :- door(D,E)", "idle-drawing", "from ground facts"),
 ]
 
 
@@ -157,6 +193,59 @@ def test_a_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, ca
     assert mine, found
     if "@" in new:
         assert (str(tmp_path / file), line) in [(one["file"], one["line"]) for one in mine], found
+
+
+DOCK = """#program base.
+room(kitchen). room(hall).
+RELATION
+#program cumulative(t).
+#external _request/2. #external _return/3.
+want(X,t) :- _request(do(X),t+1), room(X).
+{ _action_lib(A,P,t) : possible(A,P) } 1 :- want(X,t).
+bad(t) :- _action_lib(A,P,t), _return(A,V,t), V != P.
+#program volatile(t).
+:- want(X,t), bad(t).
+"""
+
+
+@pytest.mark.parametrize(
+    "relation",
+    [
+        "possible(move_base,R) :- room(R). possible(cool,lamp).",
+        "can(move_base,R) :- room(R). can(cool,lamp). possible(A,P) :- can(A,P).",
+        "can(R,move_base) :- room(R). can(lamp,cool). possible(A,P) :- can(P,A).",
+        "act(move_base,drives). act(cool,lamps). what(drives,R) :- room(R). what(lamps,lamp). "
+        "possible(A,P) :- act(A,K), what(K,P).",
+        "possible((move_base;stay),R) :- room(R). possible(cool,(lamp;fridge)).",
+        "possible(A,P) :- todo(A,P). todo(move_base,R) :- room(R). todo(cool,lamp).\n"
+        "#program cumulative(t). { _action_lib(move_base,R,t) } :- todo(move_base,R), want(R,t).",
+    ],
+)
+def test_places_of_one_action_are_not_those_of_another(relation, tmp_path, capsys):
+    labels = {"labels.yaml": "kitchen: [1, 2]\nhall: [3, 4]\n"}
+    program = {"dock.lp": DOCK.replace("RELATION", relation)}
+    interfaces = {
+        "interfaces.yaml": "move_base:\n  type: move_base_msgs/MoveBaseAction\n  goal: {target_pose: $parameter.pose}\n"
+        "cool: {type: actionlib/TwoIntsAction, goal: {a: 1}}\n"
+        + ("stay: {type: actionlib/TwoIntsAction, goal: {a: 1}}\n" if "stay" in relation else "")
+    }
+    assert told(tmp_path, {**program, **labels, **interfaces}, capsys) == []
+    (tmp_path / "labels.yaml").write_text("kitchen: [1, 2]\n")
+    options = ["--labels", str(tmp_path / "labels.yaml"), "--interfaces", str(tmp_path / "interfaces.yaml")]
+    found = told(tmp_path, program, capsys, *options)
+    mixed = "can(R,move_base)" in relation  # what is not certain is not told
+    assert [one["kind"] for one in found] == ([] if mixed else ["no-label"])
+
+
+def test_each_file_is_counted_once(tmp_path, capsys):
+    files = texts("garden")
+    told(tmp_path, files, capsys)
+    named = [str(tmp_path / one) for one in ("garden.lp", "labels.yaml", "interfaces.yaml")]
+    options = [named[0], "--labels", named[1], "--interfaces", named[2]]
+    assert check_command.main(options, RobotFiles()) == 0
+    assert capsys.readouterr().out == "nothing in 3 files\n"
+    check_command.main([*options, "--json"], RobotFiles())
+    assert json.loads(capsys.readouterr().out)["files"] == named
 
 
 def test_what_is_silenced_in_yaml(tmp_path, capsys):

@@ -58,6 +58,10 @@ _ALL = {
     "no-step": (WARNING, "a head in the part of steps without its step: the rules of two steps may define it in a run"),
     "at-the-end": (WARNING, "a head in the volatile part that the core reads: it holds at a plan's last step alone"),
     "other-step": (WARNING, "an action of another step than its rule or its return, an end of which no step is asked"),
+    "past-volatile": (
+        WARNING,
+        "a look back at an atom that only the volatile part defines, so that it is gone by then",
+    ),
     "look-ahead": (WARNING, "an atom of a later step, whose rules are not there yet"),
     "first-step": (WARNING, "a fact of a predicate of steps that is of no step, or of one whose rules define it"),
     "history": (WARNING, "a look back at all steps: no cycle is ever over, a long run grows without end"),
@@ -65,6 +69,7 @@ _ALL = {
     "no-request": (WARNING, "no #external _request/2: the program takes no goals"),
     "no-return": (WARNING, "no #external _return/3: the program never learns how its actions end"),
     "no-action": (WARNING, "no rule for _action_lib/3: the program plans no actions"),
+    "restless": (WARNING, "each step has an action, also without a goal, and no _status/3 says that a goal has ended"),
     "idle-words": (WARNING, "words for an action that the program does not have"),
     "hidden": (WARNING, "what the core reads out of answers is defined, but other predicates alone are shown"),
     "status-word": (WARNING, "a status that is none of accepted, rejected, succeeded, canceled, aborted"),
@@ -78,6 +83,9 @@ _ALL = {
     "undefined-operation": (WARNING, "an operation without a value, like a+1: clingo leaves the rule's instance out"),
     "clingo": (WARNING, "what else clingo says while it grounds the first steps"),
     "translation": (WARNING, "what reads differently in gringo 3's language and in clingo 5's"),
+    # other systems' programs
+    "incmode": (WARNING, "what clingo's incmode alone heeds: query(t), #const imin, imax and istop"),
+    "not-interpreted": (WARNING, "a theory atom, a script's function or a library: a driver of its own would heed it"),
     # streams
     "stream-syntax": (ERROR, "a text that is no online progression"),
     "stream-fact": (WARNING, "a statement of a stream on a head that is no external, or that no rule can see"),
@@ -87,6 +95,9 @@ _ALL = {
     "idle-reason": (WARNING, "a reason to send a goal again with which the interface never returns"),
     "no-label": (WARNING, "a place of the program that the labels do not have, where an action asks for its pose"),
     "idle-label": (WARNING, "a label that no action of the program ever names"),
+    "label-value": (WARNING, "a frame with a leading slash, which tf2 refuses, or a yaw that looks like degrees"),
+    "like-reason": (WARNING, "a label or parameter that equals a reason with which its action fails: done or failed?"),
+    "idle-drawing": (WARNING, "a _draws from which nothing is drawn"),
     "unheard-fact": (WARNING, "a fact of an interface that the program does not declare external"),
     "unheard-order": (WARNING, "an order of people whose goal no rule of the program asks for"),
     "configuration": (ERROR, "an entry of a YAML file that cannot be used"),

@@ -10,13 +10,14 @@ from rosoclingo.oclingo.program.lint.constants import words_for_numbers
 from rosoclingo.oclingo.program.lint.exchanged import exchanged, exchanged_words
 from rosoclingo.oclingo.program.lint.kinds import ERROR, KINDS, WARNING, Finding
 from rosoclingo.oclingo.program.lint.lone_names import odd_words
-from rosoclingo.oclingo.program.lint.other_steps import early_ends, other_steps
+from rosoclingo.oclingo.program.lint.other_steps import early_ends, gone, other_steps
+from rosoclingo.oclingo.program.lint.other_systems import libraries, of_other_systems
 from rosoclingo.oclingo.program.lint.predicates import contradictions, disjoint, never_matching, unfounded, unused
 from rosoclingo.oclingo.program.lint.punctuation import odd_choices, odd_marks
 from rosoclingo.oclingo.program.lint.silence import Silences
 from rosoclingo.oclingo.program.lint.slips import slips, slips_of_words
 from rosoclingo.oclingo.program.lint.steps import histories, stepless
-from rosoclingo.oclingo.program.lint.talk import missing_words, statuses, told_at_the_end
+from rosoclingo.oclingo.program.lint.talk import demanded_actions, missing_words, statuses, told_at_the_end
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
@@ -46,12 +47,15 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
     found += [*unused(survey), *never_matching(survey, values), *disjoint(values)]
     found += [*unfounded(survey, values), *contradictions(survey)]
-    found += [*stepless(survey), *slips(survey), *words_for_numbers(survey)]
+    found += [*stepless(survey), *slips(survey, program.first_step), *words_for_numbers(survey)]
     found += [*exchanged(survey), *odd_choices(survey)]
-    found += odd_marks([(one.name, one.text) for one in program.texts if language_of(one.name) is None])
+    found += [*of_other_systems(survey), *gone(survey, program.first_step)]
+    texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
+    found += [*odd_marks(texts), *libraries(texts)]
     if checks.uses_keywords(program.parts) if core is None else core:
         found += [
             *missing_words(survey),
+            *demanded_actions(survey, program.demands),
             *statuses(survey, values),
             *told_at_the_end(survey),
             *histories(survey),
@@ -62,8 +66,17 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
         ]
     told = {(one.file, one.line, one.column) for one in found}
     found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in told]
+    found = _without_doubles(found)
     proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
     return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
+
+
+def _without_doubles(found: Sequence[Fault]) -> List[Fault]:
+    """Return the faults without what clingo says of a statement that it does not interpret."""
+    passive = {(one.file, one.line, one.column) for one in found if one.kind == "not-interpreted"}
+    grave = {(one.file, one.line, one.column) for one in found if one.kind == "syntax"}
+    doubles = {"undefined-operation": passive, "clingo": passive, "not-interpreted": grave}
+    return [one for one in found if (one.file, one.line, one.column) not in doubles.get(one.kind, ())]
 
 
 def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[Finding]:

@@ -1,18 +1,21 @@
 """Steps that do not belong together: those of an action and its return or its rule, of an end and what is asked."""
 
-from typing import Iterator, List, Optional, Sequence
+from typing import Dict, Iterator, List, Optional, Sequence
 
+import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.lint.survey import OWN, Survey, fault_at, written
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.directive_values import number_of
+from rosoclingo.oclingo.program.directives import Placed
+from rosoclingo.oclingo.program.lint.survey import OWN, Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.look_back import shortest_look_back, time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
 
-_KIND = "other-step"
+_KIND, _PAST = "other-step", "past-volatile"
 
 
 def other_steps(survey: Survey) -> Iterator[Fault]:
@@ -63,3 +66,60 @@ def _is_constraint(statement: Node) -> bool:
 def _steps(part: Part, atom: Occurrence, survey: Survey) -> List[int]:
     found = [time_offset(one, part.parameter, survey.constants) for one in atom.arguments]
     return [one for one in found if one is not None]
+
+
+# ---- the volatile part ----------------------------------------------------------------------------------------------
+
+
+def gone(survey: Survey, first: int) -> Iterator[Fault]:
+    """Yield the looks back at atoms that the volatile part alone defines, and that are gone by then.
+
+    ``first`` is the first step.
+    """
+    for signature, heads in survey.defining.items():
+        begins = [one for one in heads if not one.part.parameter]
+        windows = [_window(one, survey) for one in heads if one.part.parameter]
+        if survey.is_external(signature) or not windows or None in windows:
+            continue
+        offsets = [_offsets(one, survey) for one in heads if one.part.parameter]
+        for position in set.intersection(*map(set, offsets)):
+            last = min(one[position] - window for one, window in zip(offsets, windows) if window is not None)
+            if all(_is_before(one, position, first, survey) for one in begins):
+                uses = survey.using.get(signature, ())
+                yield from (_gone(one, survey) for one in uses if _looks_behind(one, position, last, survey))
+
+
+def _gone(place: Place, survey: Survey) -> Fault:
+    message = f"{written(place.occurrence.term)} looks back at the volatile part, whose atoms of steps before are gone"
+    return place.fault(
+        _PAST, message, f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
+    )
+
+
+def _window(place: Place, survey: Survey) -> Optional[int]:
+    """Return for how many steps holds what a rule defines; None where it stays."""
+    term = Placed(place.part.window, "", "", 0)
+    return number_of(term, survey.constants, []) if place.part.window else None
+
+
+def _offsets(place: Place, survey: Survey) -> Dict[int, int]:
+    found = [time_offset(one, place.part.parameter, survey.constants) for one in place.occurrence.arguments]
+    return {position: offset for position, offset in enumerate(found) if offset is not None}
+
+
+def _is_before(place: Place, position: int, first: int, survey: Survey) -> bool:
+    """Tell whether a head of base is of a step before the first one."""
+    value = evaluate(place.occurrence.arguments[position], survey.constants)
+    return value is not None and value.type is clingo.SymbolType.Number and value.number < first
+
+
+def _looks_behind(place: Place, position: int, last: int, survey: Survey) -> bool:
+    """Tell whether an atom is of steps of which nothing is left, as the last that defines it ends before."""
+    step, argument = place.part.parameter, place.occurrence.arguments[position]
+    if not step or place.statement.ast_type == ASTType.External:
+        return False
+    offset = time_offset(argument, step, survey.constants)
+    if offset is None and argument.ast_type == ASTType.Variable:
+        nearest = shortest_look_back(place.statement, step, survey.constants).get(argument.name)
+        offset = None if nearest is None else -nearest
+    return offset is not None and offset <= last

@@ -9,6 +9,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
 from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_value, slip_of
+from rosoclingo.oclingo.program.lint.other_systems import primed_mend, query_mend
 from rosoclingo.oclingo.program.lint.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.lint.term_shapes import WILD
 from rosoclingo.oclingo.program.nodes import Node
@@ -16,6 +17,16 @@ from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.progression.terms import Signature
 
 MANY = 6  # values that a message lists
+
+_KEYWORDS = frozenset(KEYWORDS.values())
+
+#: What to do about a keyword that comes in and that no rule looks at.
+_UNHEARD = {
+    "_request": "write a rule that takes goals, like wanted(X,t) :- _request(do(X),t+1).",
+    "_return": "the program never learns how its actions end: write rules for values that are no success",
+    "_failed": "write a rule for it, or leave it out",
+    "_cancel": "write a rule for it, or leave it out",
+}
 
 #: What others tell a program; the other keywords they hear of it, besides what it shows.
 TOLD = ("_request", "_return", "_failed", "_cancel")
@@ -38,7 +49,10 @@ def undefined(survey: Survey) -> List[Fault]:
 
 
 def _mend(signature: Signature, known: Set[Signature]) -> str:
-    near = likely(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
+    other = primed_mend(signature, known) or query_mend(signature)
+    if other:
+        return other
+    near = likely(signature, known | _KEYWORDS if signature.name.startswith("_") else known)
     if near is not None:
         return f"{asked(near)} else write #defined {signature}."
     return f"write a rule or an #external for it, or #defined {signature}."
@@ -54,12 +68,14 @@ def unused(survey: Survey) -> List[Fault]:
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
         if signature in looked_at:
             continue
-        meant = slip_of(signature, looked_at | {*KEYWORDS.values()}, survey.shows)
+        meant = None if signature in _KEYWORDS else slip_of(signature, looked_at | _KEYWORDS, survey.shows)
         told = survey.defining.get(signature, survey.declaring.get(signature))
-        if meant is not None:
-            found += _at(survey, signature, told, "misspelt", asked(meant))
+        primed = primed_mend(signature, survey.known)
+        if primed or meant is not None:
+            found += _at(survey, signature, told, "misspelt", primed or asked(meant))
         elif survey.shows:
-            found += _at(survey, signature, told, "unused", f"use it, #show {signature}. or leave it out")
+            mend = _UNHEARD.get(signature.name, f"use it, #show {signature}. or leave it out")
+            found += _at(survey, signature, told, "unused", mend)
     return found
 
 

@@ -13,7 +13,7 @@ from rosoclingo.oclingo.program.lint.actions import Actions
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
@@ -33,11 +33,11 @@ _EQUAL = ComparisonOperator.Equal
 _ALIKE = 0.8
 
 
-def slips(survey: Survey) -> List[Fault]:
-    """Return the slips that have to do with no keyword."""
+def slips(survey: Survey, first: int) -> List[Fault]:
+    """Return the slips that have to do with no keyword; ``first`` is the first step."""
     steps = _Steps(survey)
     found = [*_tautologies(survey), *_looks_ahead(survey, steps), *_steps_elsewhere(survey, steps)]
-    return [*found, *_first_steps(survey, steps), *_lower_case(survey), *_same_variables(survey)]
+    return [*found, *_first_steps(survey, steps, first), *_lower_case(survey), *_same_variables(survey)]
 
 
 def slips_of_words(survey: Survey, values: ArgumentValues) -> List[Fault]:
@@ -134,12 +134,20 @@ def _looks_ahead(survey: Survey, steps: _Steps) -> Iterator[Fault]:
         if survey.is_external(signature) or signature not in survey.defining:
             continue
         heads = [steps.of(one) for one in survey.defining[signature] if one.part.parameter]
+        if len(heads) == len(survey.defining[signature]):
+            yield from (_of_steps(one) for one in used if not one.part.parameter)
         for place in used:
             ahead = _ahead(steps.of(place), heads) if place.statement.ast_type == ASTType.Rule else None
             if ahead is not None:
                 step, term = place.part.parameter, written(place.occurrence.term)
                 message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
                 yield place.fault("look-ahead", message, "look at the step itself, or at one before")
+
+
+def _of_steps(place: Place) -> Fault:
+    term = written(place.occurrence.term)
+    message = f"{term} stands in base, where the rules of steps that define it are not there yet: it is never true"
+    return place.fault("look-ahead", message, "move the statement to #program cumulative(t).")
 
 
 def _ahead(seen: Dict[int, int], heads: List[Dict[int, int]]) -> Optional[int]:
@@ -166,20 +174,44 @@ def _steps_elsewhere(survey: Survey, steps: _Steps) -> Iterator[Fault]:
                 yield place.fault("exchanged", message, f"write the step as argument {number}")
 
 
-def _first_steps(survey: Survey, steps: _Steps) -> Iterator[Fault]:
+def _first_steps(survey: Survey, steps: _Steps, first: int) -> Iterator[Fault]:
     """Yield the facts of steps at which nothing begins: before all that rules look at, or of a step's own rules."""
     for signature, places in survey.defining.items():
-        heads = [steps.of(one) for one in places if one.part.parameter]
-        seen = [steps.of(one) for one in survey.using.get(signature, ())]
-        for position in set.intersection(*map(set, heads)) if heads else ():
-            least = 1 + min((one[position] for one in [*heads, *seen] if position in one), default=0)
+        heads = [one for one in places if one.part.parameter]
+        uses = survey.using.get(signature, ())
+        for position in set.intersection(*(set(steps.of(one)) for one in heads)) if heads else ():
+            own = [first + steps.of(one)[position] for one in heads if not _compares_step(one, survey)]
+            seen = _least_seen([_first_seen(one, position, steps, survey, first) for one in uses])
             for place in places:
                 step = None if place.part.parameter else _number(place.occurrence.arguments[position], survey)
-                if step is not None and not least <= step < 1:
+                defined = step is not None and bool(own) and step >= min(own)
+                if step is not None and (defined or (seen is not None and step < min(seen, first - 1))):
                     term = written(place.occurrence.term)
-                    why = "whose own rules define it" if step > 0 else "at which no rule looks"
-                    message = f"{term} is of step {step}, {why}: what holds at first is of step 0"
-                    yield place.fault("first-step", message, "write 0 for the step")
+                    why = "whose own rules define it" if defined else "at which no rule looks"
+                    message = f"{term} is of step {step}, {why}: what holds at first is of step {first - 1}"
+                    yield place.fault("first-step", message, f"write {first - 1} for the step")
+
+
+def _least_seen(steps: List[Optional[int]]) -> Optional[int]:
+    known = [one for one in steps if one is not None]
+    return min(known) if known and len(known) == len(steps) else None
+
+
+def _first_seen(place: Place, position: int, steps: _Steps, survey: Survey, first: int) -> Optional[int]:
+    """Return the least step at which an atom of a rule looks, None where that is open."""
+    argument, offset = place.occurrence.arguments[position], steps.of(place).get(position)
+    if offset is not None:
+        return first + offset
+    step, is_variable = place.part.parameter, argument.ast_type == ASTType.Variable
+    bounds = longest_look_back(place.statement, step, survey.constants) if step and is_variable else {}
+    farthest = bounds.get(argument.name) if is_variable else None
+    return _number(argument, survey) if farthest is None else first - farthest
+
+
+def _compares_step(place: Place, survey: Survey) -> bool:
+    """Tell whether a rule compares the step, and may hold at some steps alone."""
+    comparisons = (one for one in place.statement.nodes if one.ast_type == ASTType.Comparison)
+    return any(str(node) == place.part.parameter for one in comparisons for node in one.nodes)
 
 
 def _number(term: Node, survey: Survey) -> Optional[int]:

@@ -1,8 +1,10 @@
 """What a program for the core has to say and to hear: goals, actions, returns, and the statuses of goals."""
 
-from typing import Dict, FrozenSet, List, Optional, Set
+import operator
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set
 
 import clingo
+from clingo.ast import ASTType, ComparisonOperator
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
@@ -10,10 +12,20 @@ from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
 from rosoclingo.oclingo.program.lint.likeness import likely_value
 from rosoclingo.oclingo.program.lint.survey import Survey, written
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
 REQUEST = Signature("_request", 2)
 STATUS = Signature("_status", 3)
+_COMPARISONS: Dict[ComparisonOperator, Callable[[Any, Any], Any]] = {
+    ComparisonOperator.GreaterThan: operator.gt,
+    ComparisonOperator.LessThan: operator.lt,
+    ComparisonOperator.LessEqual: operator.le,
+    ComparisonOperator.GreaterEqual: operator.ge,
+    ComparisonOperator.NotEqual: operator.ne,
+    ComparisonOperator.Equal: operator.eq,
+}
 WORDS = ("accepted", "rejected", "succeeded", "canceled", "aborted")
 """What may be said of a goal, alone or around a reason."""
 
@@ -33,6 +45,48 @@ def missing_words(survey: Survey) -> List[Fault]:
         message = f"the program plans no actions: no rule defines {ACTION}"
         found.append(_of_all(survey, "no-action", message, "write rules for _action_lib(Action,Parameter,C)"))
     return found
+
+
+def demanded_actions(survey: Survey, demands: Callable[[Signature], Optional[bool]]) -> List[Fault]:
+    """Return that each step demands an action, in a program without statuses.
+
+    ``demands`` tells whether each step has an atom of a predicate though nothing is asserted; None for no answer.
+    """
+    places = survey.defining.get(ACTION, ())
+    demanded = demands(ACTION) if places and STATUS not in survey.defining else False
+    demanding = [one for one in places if not _admits_none(one.statement.head, survey)]
+    mend = "let a rule plan actions for open goals alone, or write rules for _status(Id,succeeded,C)"
+    if demanded:
+        message = "each step has an action, also while no goal is open, and as there is no _status/3 no goal ever ends"
+        place = next(iter(demanding or places))
+        return [place.fault("restless", message, mend)]
+    if demanded is None and any(_is_choice(one.statement.head) for one in demanding):
+        message = "each step needs an action, and while no goal is open there is none: the program has no answer then"
+        place = next(one for one in demanding if _is_choice(one.statement.head))
+        return [place.fault("restless", message, mend)]
+    return []
+
+
+def _is_choice(head: Node) -> bool:
+    return head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate)
+
+
+def _admits_none(head: Node, survey: Survey) -> bool:
+    """Tell whether a head is a choice that no atom satisfies as well."""
+    return _is_choice(head) and not any(
+        _holds(one.comparison, evaluate(one.term, survey.constants), mirrored) is False
+        for one, mirrored in ((head.left_guard, False), (head.right_guard, True))
+        if one is not None
+    )
+
+
+def _holds(comparison: int, bound: Optional[clingo.Symbol], mirrored: bool) -> Optional[bool]:
+    """Return whether the bound of a choice holds for no atoms, None where that is not known."""
+    if bound is None:
+        return None
+    none = clingo.Number(0)
+    left, right = (none, bound) if mirrored else (bound, none)
+    return bool(_COMPARISONS[ComparisonOperator(comparison)](left, right))
 
 
 def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:

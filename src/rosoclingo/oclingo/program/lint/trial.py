@@ -1,6 +1,6 @@
 """A trial: the first steps are ground, to see which heads two of them define and what clingo says."""
 
-from typing import Dict, List, Sequence, Set
+from typing import Dict, List, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import ASTType
@@ -13,6 +13,7 @@ from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 _TRIAL_STEPS = 3
+_TRIAL_SECONDS = 0.5
 _TRIAL_RULES = 50_000  # a fraction of a second of grounding
 
 
@@ -55,6 +56,7 @@ class Trial:
 
     Attributes:
         twice: an atom of each predicate that two steps define.
+        last: the last step that is ground, None where there is too much to ground.
 
     """
 
@@ -64,6 +66,8 @@ class Trial:
         Raises RuntimeError as clingo does, details go to the control's logger.
         """
         self.twice: Dict[Signature, str] = {}
+        self.last: Optional[int] = None
+        self._control = control
         observer = _Heads()
         control.register_observer(observer)
         twice: Set[int] = set()
@@ -77,9 +81,31 @@ class Trial:
                 defined |= observer.fresh
         except _TrialTooLargeError:
             return  # what is too large for a trial is not judged: a real grounding tells
+        self.last = step
         for one in control.symbolic_atoms if twice else ():
             if one.literal in twice:
                 self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
+
+    def demands(self, signature: Signature) -> Optional[bool]:
+        """Return whether each answer has an atom of the predicate at the last step, its last argument.
+
+        Nothing is asserted, and no plan ends here. None where there is no answer at all, False as well where that is
+        not known in time.
+        """
+        atoms = self._control.symbolic_atoms.by_signature(signature.name, signature.arity, signature.positive)
+        step = clingo.Number(self.last or 0)
+        literals = [one.literal for one in atoms if self.last is not None and one.symbol.arguments[-1] == step]
+        if self.last is None or self._has_answer([-one for one in literals]) is not False:
+            return False
+        return {True: True, False: None, None: False}[self._has_answer([])]
+
+    def _has_answer(self, assumptions: Sequence[int]) -> Optional[bool]:
+        """Return whether there is an answer, None where that is not known in time."""
+        self._control.configuration.solve.opt_mode = "ignore"  # type: ignore[union-attr]
+        with self._control.solve(assumptions, async_=True) as handle:
+            done = handle.wait(_TRIAL_SECONDS)
+            handle.cancel()
+            return handle.get().satisfiable if done else None
 
     def redefinitions(self, parts: Sequence[Part]) -> List[Fault]:
         """Return the heads that two steps define."""

@@ -51,6 +51,89 @@ def test_a_program_without_keywords_is_not_for_the_core(text):
     assert lint_program(ReactiveProgram.from_text(text, "home.lp")) == []
 
 
+IDLE = EXTERNALS + HEEDED + "#program cumulative(t). #program volatile(t). #program cumulative(t). "
+STATUS = "_status(I,succeeded,t) :- _request(do(I),t)."
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "_action_lib(go,a,t).",
+        "1 { _action_lib(go,(a;b),t) } 1.",
+        "{ _action_lib(go,(a;b),t) } = 1.",
+        "_action_lib(go,a,t) | _action_lib(rest,a,t).",
+        "{ _action_lib(go,(a;b),t) }. :- not _action_lib(go,a,t), not _action_lib(go,b,t).",
+        "{ _action_lib(go,(a;b),t) }. :- { _action_lib(A,P,t) } 0.",
+        "{ _action_lib(go,(a;b),t) }. acts(t) :- _action_lib(A,P,t). :- not acts(t).",
+        "{ _action_lib(go,a,t) }. _action_lib(rest,a,t) :- not _action_lib(go,a,t).",
+        "want(I,t) :- _request(do(I),t+1). 1 { _action_lib(go,I,t) : want(I,t) } 1.",
+    ],
+)
+def test_an_action_at_each_step_is_told_where_no_goal_has_a_status(rules):
+    assert [one.kind for one in lint_program(ReactiveProgram.from_text(IDLE + rules, "home.lp"))] == ["restless"]
+    assert lint_program(ReactiveProgram.from_text(IDLE + rules + STATUS, "home.lp")) == []
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "{ _action_lib(go,(a;b),t) } 1.",
+        "want(I,t) :- _request(do(I),t+1). 1 { _action_lib(go,(a;b),t) } 1 :- want(I,t).",
+        "{ _action_lib(go,a,t) }. :- not _action_lib(go,a,t), t < 3.",
+        "want(I,t) :- _request(do(I),t+1). { _action_lib(go,a,t) }. :- want(I,t), not _action_lib(go,a,t).",
+    ],
+)
+def test_actions_for_goals_alone_are_right(rules):
+    assert lint_program(ReactiveProgram.from_text(IDLE + rules, "home.lp")) == []
+
+
+STEPS = "#program base. {} #program cumulative(t). {} #program volatile(t). :- not p(t)."
+
+
+@pytest.mark.parametrize(
+    ("base", "rules"),
+    [
+        ("p(0).", "p(t) :- p(S), S = t-1."),
+        ("p(0).", "p(t) :- p(S), t = S+1."),
+        ("p(0).", "p(t) :- p(S), #sum { S; 1 } = t."),
+        ("p(-1).", "p(t) :- p(S), S < t, t-S < 3. p(t) :- not p(t-1)."),
+        ("p(-1). x :- p(-1).", "p(t) :- p(t-1). p(t) :- x."),
+        ("p(-1).", "p(t) :- p(T), T < t, t - T < 60, x(t). { x(t) }. p(t) :- not p(t-1)."),
+        ("p(1).", "p(t+1) :- p(t)."),
+        ("p(2).", "p(t) :- p(t-1), t > 2. p(t) :- t < 2."),
+        ("#iinit 0. p(-1).", "p(t) :- p(t-1)."),
+        ("p(0).", "p(t)."),
+    ],
+)
+def test_facts_of_steps_at_which_rules_look_are_right(base, rules):
+    program = ReactiveProgram.from_text(STEPS.format(base, rules), "home.lp")
+    assert [one for one in lint_program(program) if one.kind == "first-step"] == []
+
+
+@pytest.mark.parametrize("keyword", ["_request/2", "_return/3", "_failed/3", "_cancel/3"])
+def test_a_keyword_is_no_slip_of_itself(keyword):
+    text = f"#external {keyword}. #program cumulative(t). p(t). #show p/1. #program volatile(t). :- not p(t)."
+    found = list(lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False))
+    assert [one.kind for one in found] == ["unused"]
+    assert "meant?" not in str(found[0])
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "#program volatile(t). end(t) :- p(t). :- not end(t).",
+        "#volatile t : 3. end(t) :- p(t). #program cumulative(t). :- end(t-2), x(t). { x(t) }. #volatile t.",
+        "end(t) :- p(t). #program volatile(t). end(t) :- x(t). :- not end(t-1), p(t). { x(t) }.",
+        "#external end/1. #program volatile(t). end(t) :- p(t). :- end(t-1).",
+        "#program volatile(t). end(t) :- p(t), x. #program base. x. end(5). #program cumulative(t). :- end(t-1).",
+    ],
+)
+def test_looks_back_at_what_is_still_there_are_right(rules):
+    text = f"#program cumulative(t). p(t). {rules}"
+    found = lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False)
+    assert [one for one in found if one.kind == "past-volatile"] == []
+
+
 @pytest.mark.parametrize(
     ("given", "found"),
     [

@@ -1,0 +1,105 @@
+"""Values of a robot's files and programs that can be read, but that say something else than they seem to."""
+
+import math
+from typing import AbstractSet, Any, Iterable, Iterator, Mapping, Sequence
+
+from clingo.ast import ASTType
+
+from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
+from rosoclingo.interfaces.checking.yaml_places import YamlFile
+from rosoclingo.interfaces.config import InterfaceSpec
+from rosoclingo.interfaces.templates import texts_in
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.lint.actions import Named
+from rosoclingo.oclingo.program.lint.likeness import likely_word
+from rosoclingo.oclingo.program.lint.survey import Place, Survey, written
+from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.runs.drawing import DRAWS, drawing_fault
+from rosoclingo.runs.topic_atoms import atom_in
+
+_SLASH = "/"
+_FRAMES = ("frame_id", "child_frame_id")
+
+
+# ---- labels ---------------------------------------------------------------------------------------------------------
+
+
+def label_values(file: YamlFile) -> Iterator[Fault]:
+    """Yield the frames with a leading slash, and the headings that look like degrees."""
+    for key, place in file.data.items() if isinstance(file.data, dict) else ():
+        if isinstance(place, dict):
+            yield from _slash(file, f"{key}.frame", place.get("frame"))
+            yield from _degrees(file, f"{key}.yaw", place.get("yaw"))
+        elif isinstance(place, list) and len(place) > 2:
+            yield from _degrees(file, f"{key}[2]", place[2])
+
+
+def frame_values(file: YamlFile, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
+    """Yield the frames with a leading slash in goals of interfaces."""
+    for key, spec in specs.items():
+        for path, text in texts_in(spec.goal):
+            if path.rpartition(".")[2] in _FRAMES:
+                yield from _slash(file, f"{key}.goal{path}", text)
+
+
+def _slash(file: YamlFile, path: str, frame: Any) -> Iterator[Fault]:
+    if isinstance(frame, str) and frame.startswith(_SLASH):
+        bare = frame.lstrip(_SLASH)
+        message = f"{path}: tf2 refuses a frame with a leading slash; goals are sent with {bare} (write {bare})"
+        yield file.fault(message, "label-value")
+
+
+def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
+    """Yield that a heading is more than a turn."""
+    if isinstance(yaw, (int, float)) and not isinstance(yaw, bool) and 2 * math.pi + 0.01 < abs(yaw) < math.inf:
+        mend = f"are degrees meant? write {math.radians(yaw):.4g}"
+        yield file.fault(f"{path}: {yaw:g} radians is more than a full turn ({mend})", "label-value")
+
+
+# ---- reasons --------------------------------------------------------------------------------------------------------
+
+#: Reasons with which every action can fail.
+_REASONS = frozenset(reason for status, reason in DEFAULT_RETURNS.items() if status != SUCCEEDED)
+
+
+def reasons_of(specs: Iterable[InterfaceSpec]) -> AbstractSet[str]:
+    """Return the values, as text, with which actions of these interfaces can return whatever their parameter is."""
+    rules = [rule for one in specs for rule in one.rules]
+    return _REASONS | {str(rule.returns) for rule in rules if "$" not in str(rule.returns)}
+
+
+def labels_like_reasons(labels: Sequence[Named], reasons: AbstractSet[str]) -> Iterator[Fault]:
+    """Yield the labels that are named like a reason."""
+    for one in labels:
+        if one.name in reasons:
+            message = f"the label {one.name} is named like a reason with which actions fail"
+            mend = f"give it another name: _return(A,{one.name},C) would be success and failure"
+            yield one.fault("like-reason", message, mend)
+
+
+# ---- drawings -------------------------------------------------------------------------------------------------------
+
+
+def idle_drawings(survey: Survey) -> Iterator[Fault]:
+    """Yield the ``_draws`` from which nothing is drawn."""
+    shown = [one.term for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
+    names = {one.name for one in (*survey.known, *(one for one in shown if one.ast_type == ASTType.Function))}
+    for arity in (2, 3):
+        for place in survey.defining.get(Signature(DRAWS, arity), ()):
+            yield from _idle_drawing(place, names)
+
+
+def _idle_drawing(place: Place, names: AbstractSet[str]) -> Iterator[Fault]:
+    text = written(place.occurrence.term)
+    atom = None if getattr(place.statement, "body", ()) else atom_in(str(place.occurrence.term))
+    if atom is None:
+        yield place.fault(
+            "idle-drawing", f"{text} has nothing drawn: {DRAWS} is read from ground facts", "write a fact"
+        )
+        return
+    fault, name = drawing_fault(atom), str(atom.arguments[0])
+    if fault:
+        yield place.fault("idle-drawing", f"{text} has nothing drawn", fault)
+    elif name not in names:
+        message = f"{text} has nothing drawn: there is no predicate {name}"
+        yield place.fault("idle-drawing", message, likely_word(name, names) or "name a predicate of the program")

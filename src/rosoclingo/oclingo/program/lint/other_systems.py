@@ -1,0 +1,102 @@
+"""Statements of clingo's incmode, telingo and other drivers that mean nothing here, or something else."""
+
+from typing import Collection, Iterable, Iterator, List, Tuple
+
+from clingo.ast import ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.progression.terms import Signature
+
+_INCMODE, _PASSIVE = "incmode", "not-interpreted"
+
+_QUERY = Signature("query", 1)
+_BOUNDS = {
+    "imin": "the core plans as many steps as a goal needs",
+    "imax": "the parameter ~horizon_limit, or --imax of oclingo, bounds a plan's steps",
+    "istop": "steps are added until there is an answer",
+}
+_PRIME = "'"
+_STATES = ("initial", "final", "tel", "del")
+
+
+def of_other_systems(survey: Survey) -> Iterator[Fault]:
+    """Yield the statements that only another system than rosoclingo interprets."""
+    yield from _queries(survey)
+    for _, statement, _ in survey.statements:
+        if statement.ast_type == ASTType.Definition and statement.name in _BOUNDS and not _is_used(statement, survey):
+            message = f"#const {statement.name} has no effect: clingo's incmode alone reads it"
+            yield fault_at(statement, _INCMODE, message, f"leave it out: {_BOUNDS[statement.name]}")
+        for node in statement.nodes:
+            if node.ast_type == ASTType.TheoryAtom:
+                yield _theory_atom(node)
+            elif node.ast_type == ASTType.Function and node.external:
+                message = f"no script defines @{node.name}: instances that need it are left out"
+                yield fault_at(node, _PASSIVE, message, "state the function's results as facts")
+
+
+def libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+    """Yield the ``#include <NAME>`` of files, names and texts in clingo's language."""
+    for name, text in texts:
+        found = tokens(text) if "#include" in text else []
+        for one, bracket, library in zip(found, found[1:], found[2:]):
+            if one.kind is Kind.DIRECTIVE and one.text == "#include" and bracket.text == "<":
+                message = f"#include <{library.text}> has no effect: rosoclingo adds the steps itself"
+                yield Fault(name, one.line, one.column, message, "leave it out", _PASSIVE)
+
+
+def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
+    """Return the mend for a predicate that telingo reads as another one at another step, "" for any other."""
+    name = signature.name
+    plain = name.strip(_PRIME)
+    if plain == name or all(one.name != plain for one in known):
+        return ""
+    before = len(name) - len(name.lstrip(_PRIME))
+    step = f"t-{before}" if before else "t"
+    where = f"{before} step{'s' * (before > 1)} before" if before else "at the next step"
+    mend = f"{plain}(...,{step})" if before else f"{plain}(...,t) for the head, t-1 for the body"
+    return f"in telingo {name} is {plain} {where}; write {mend}"
+
+
+def _theory_atom(node: Node) -> Fault:
+    name = str(node.term).partition("(")[0]
+    mend = "write rules about atoms with the step" if name in _STATES else "write rules, or an aggregate like #sum"
+    message = f"&{name} is not interpreted: no theory is loaded, and the atom constrains nothing"
+    return fault_at(node, _PASSIVE, message, mend)
+
+
+def _queries(survey: Survey) -> Iterator[Fault]:
+    """Yield the external by which incmode tells the last step, where it is declared, or the atoms that ask for it."""
+    if _QUERY in survey.defining or _QUERY in survey.opened:
+        return
+    steps = [one for one in survey.declaring.get(_QUERY, ()) if _is_of_step(one, survey)]
+    asked = [one for one in survey.using.get(_QUERY, ()) if _is_of_step(one, survey)]
+    for place in steps[:1] if asked else ():
+        atom = written(place.occurrence.term)
+        message = f"{atom} is never true: only clingo's incmode sets it at a plan's last step"
+        yield place.fault(_INCMODE, message, f"write the rules into volatile({place.part.parameter}) without {atom}")
+
+
+def query_mend(signature: Signature) -> str:
+    """Return the mend for incmode's ``query(t)`` that nothing declares, "" for any other predicate."""
+    last = "in clingo's incmode it is true at a plan's last step; leave it out in volatile(t), which is that step's"
+    return last if signature == _QUERY else ""
+
+
+def _is_of_step(place: Place, survey: Survey) -> bool:
+    arguments: List[Node] = place.occurrence.arguments
+    step = place.part.parameter
+    return bool(step) and time_offset(arguments[0], step, survey.constants) == 0
+
+
+def _is_used(definition: Node, survey: Survey) -> bool:
+    """Tell whether a statement other than its definition mentions a constant."""
+    return any(
+        node.ast_type == ASTType.SymbolicTerm and str(node) == definition.name
+        for _, statement, _ in survey.statements
+        if statement is not definition
+        for node in statement.nodes
+    )
