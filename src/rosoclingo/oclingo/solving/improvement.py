@@ -14,7 +14,7 @@ at which nothing is done, where that is a plan.
 
 from itertools import product
 from random import Random
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
 
@@ -22,6 +22,7 @@ from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.reordered_plans import ReorderedPlans
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING, Given, moved, trimmed
 
 SIZE = 16
 """Steps of a window, at first; half as many more in each further round."""
@@ -46,8 +47,6 @@ SPANS = (1, 4, 8, 16, 32, 64)
 
 MOST_CONFLICTS = 20_000
 """Where so many conflicts a question bring nothing for the whole plan, nothing is left to try."""
-
-Given = List[Tuple[clingo.Symbol, bool]]
 
 
 class Part(NamedTuple):
@@ -78,7 +77,7 @@ class Part(NamedTuple):
             return [(action, True) for action in self.instead.actions]
         given = [one for action in plan.actions for one in self._assumed(action)]
         if self.put_off is not None:
-            given += [(_moved(self.put_off, steps), False) for steps in range(self.span)]
+            given += [(moved(self.put_off, steps), False) for steps in range(self.span)]
         return given
 
     def last_horizon(self, begin: int, length: int) -> int:
@@ -90,7 +89,7 @@ class Part(NamedTuple):
         if cycle < self.first:
             return [(action, True)]
         if self.last is not None and cycle > self.last:
-            return [(_moved(action, -1), True)]
+            return [(moved(action, -1), True)]
         return []
 
 
@@ -157,12 +156,18 @@ class Improvement:
         return grounding.search(1, halt, self._first, last, given, conflicts, best=False, advised=advised)
 
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
-        """Take ``found`` for the plan; where it idles, the same without these steps if that is one and no stop came."""
-        plan = _without_idling(Plan.of(found.answers[-1], found.horizon).since(self._step + 1), self._step)
-        end = max(self._first, self._step, plan.last_cycle)
-        if end < found.horizon and not halt():
-            sooner = self._ask(grounding, halt, end, [*present, *Part(end + 1).given(plan)], self._conflicts)
-            found = sooner if sooner.satisfiable else found
+        """Take ``found`` for the plan, without what is superfluous and without idle steps, unless a stop came."""
+
+        def ask(first: int, last: int, given: Given, unlike: Sequence[clingo.Symbol]) -> Search:
+            """Ask for a part of the plan."""
+            if halt():
+                return Search(None)
+            conflicts = TRIMMING if unlike else self._conflicts
+            return grounding.search(
+                1, halt, first, last, [*present, *given], conflicts, best=False, unlike=unlike
+            )
+
+        found = trimmed(found, self._step, self._first, grounding.actions, ask)
         self._plan = Plan.of(found.answers[-1], found.horizon)
         self._shortened = True
         return found
@@ -245,14 +250,3 @@ class Improvement:
     def _begin(self) -> int:
         """The least horizon that a shorter plan might have."""
         return max(self._step, self._first)
-
-
-def _without_idling(plan: Plan, step: int) -> Plan:
-    """Return ``plan``, which begins behind ``step``, without the steps at which nothing is done."""
-    cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
-    return plan._replace(actions=frozenset(_moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
-
-
-def _moved(action: clingo.Symbol, steps: int) -> clingo.Symbol:
-    """Return the same action so many steps later."""
-    return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) + steps)])

@@ -9,7 +9,7 @@ does from below. Where the program claims that so many steps are needed, as many
 
 import math
 import time
-from typing import Callable, Iterator, List, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 
 import clingo
 
@@ -18,6 +18,7 @@ from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horiz
 from rosoclingo.oclingo.solving.improvement import FEW_STEPS
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
+from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING, Given, trimmed
 
 Clock = Callable[[], float]
 """Seconds of processor time that this process has used: a loaded machine leaves the plans as they are."""
@@ -53,15 +54,19 @@ class TimeLimit:
 
     Where the update is ``foreseen``, as it tells nothing but that things went as planned, a plan that can be kept has
     had its time before.
+
+    Attributes:
+        foreseen: that.
+
     """
 
     def __init__(self, seconds: float, foreseen: bool = False, clock: Clock = CLOCK) -> None:
-        self._seconds, self._foreseen, self._clock = seconds, foreseen, clock
+        self._seconds, self.foreseen, self._clock = seconds, foreseen, clock
         self._begin = clock()
 
     def plan_is_kept(self, shortest: bool) -> None:
         """Note that the last plan, proven to be the ``shortest`` or not, still is one."""
-        if self._foreseen:
+        if self.foreseen:
             self._seconds *= PROOF_AGAIN if shortest else 0.0
 
     def is_over(self) -> bool:
@@ -115,7 +120,10 @@ class PlanSearch(HorizonSearch):
         for plan in (rest, later):
             found = self._exactly(transaction, plan)
             if found.satisfiable:
-                self._take(transaction, found)
+                if plan is rest and self._time.foreseen:
+                    self._best = found
+                else:
+                    self._take(transaction, found)
                 return plan is rest
         self._old = [plan for plan in (rest, later) if plan.actions]
         return False
@@ -226,14 +234,15 @@ class PlanSearch(HorizonSearch):
             self._take(transaction, found)
 
     def _take(self, transaction: Transaction, found: Search) -> None:
-        """Take ``found`` for the best plan; where it idles at its end, the same without these steps if that is one."""
-        self._best = found
-        plan = Plan.of(found.answers[-1], found.horizon).since(transaction.state.step)
-        end = max(self._least, plan.last_cycle)
-        if end < found.horizon:
-            given = [(action, True) for action in plan.actions] or None
-            sooner = self._look(transaction, end, end, CONFLICTS, given)
-            self._best = sooner if sooner.satisfiable else found
+        """Take ``found``, without what is superfluous and without idle steps, for the best plan."""
+
+        def ask(first: int, last: int, given: Given, unlike: Sequence[clingo.Symbol]) -> Search:
+            """Ask for a part of the plan."""
+            conflicts = TRIMMING if unlike else CONFLICTS
+            return self._look(transaction, first, last, conflicts, given, unlike=unlike)
+
+        actions = transaction.ready().actions
+        self._best = trimmed(found, transaction.state.step - 1, self._least, actions, ask)
 
     def _all(self, transaction: Transaction, best: Search) -> Search:
         """Find all answers of the plan's horizon, or a better one in the time that is left."""
@@ -254,9 +263,10 @@ class PlanSearch(HorizonSearch):
         conflicts: Optional[int],
         given: Optional[List[Tuple[clingo.Symbol, bool]]] = None,
         advised: bool = True,
+        unlike: Sequence[clingo.Symbol] = (),
     ) -> Search:
         """Ask for any answer; what is refuted without anything ``given`` need never be asked again."""
-        limits = {"conflicts": conflicts, "given": given or (), "advised": advised}
+        limits = {"conflicts": conflicts, "given": given or (), "advised": advised, "unlike": unlike}
         found = self._ask(transaction, first, last, models=1, best=False, **limits)
         if found.satisfiable is False and given is None and first <= self._least:
             self._least = max(self._least, last + 1)
