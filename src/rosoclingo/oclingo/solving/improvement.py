@@ -108,6 +108,7 @@ class Improvement:
         self._shortened = False  # in this round
         self._brought: Dict[clingo.Symbol, Tuple[int, int]] = {}  # kind of actions -> put off, how often of use
         self._orders = ReorderedPlans()
+        self._advised = False  # whether the program says by #heuristic what to do
         self._parts = self._rounds()
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
@@ -119,7 +120,7 @@ class Improvement:
 
     def run(self, grounding: Grounding, halt: Callable[[], bool]) -> Optional[Search]:
         """Return a shorter plan as soon as one is found; None where ``halt`` came first, or nothing is left to try."""
-        present = self._present(grounding)
+        present, self._advised = self._present(grounding), grounding.program.advises
         while not halt():
             part = next(self._parts, END)
             if part is None:
@@ -198,8 +199,9 @@ class Improvement:
         while first <= self._plan.horizon and self._length > 0:
             last = first + self._size - 1
             yield Part(first, last if last < self._plan.horizon else None)
-            yield from self._reordered()
-            for _ in range(PUT_OFFS):
+            if self._advised:
+                yield from self._reordered()
+            for _ in range(PUT_OFFS if self._advised else 0):
                 yield from self._without_one()
                 yield from self._reordered()
             first = max(self._step + 1, first + self._size // 2)
