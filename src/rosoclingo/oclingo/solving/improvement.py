@@ -45,6 +45,9 @@ FEW_STEPS = 100
 SPANS = (1, 4, 8, 16, 32, 64)
 """For so many steps an action is put off, one as likely as the other."""
 
+TIMES_CUT = 20
+"""So many times in a row a question that a stop cut off is asked again: what clasp has learnt by then is of use."""
+
 MOST_CONFLICTS = 20_000
 """Where so many conflicts a question bring nothing for the whole plan, nothing is left to try."""
 
@@ -109,12 +112,17 @@ class Improvement:
         self._brought: Dict[clingo.Symbol, Tuple[int, int]] = {}  # kind of actions -> put off, how often of use
         self._orders = ReorderedPlans()
         self._advised = False  # whether the program says by #heuristic what to do
+        self._cut_off: Optional[Part] = None  # to be asked again, as a stop came
+        self._times_cut = 0  # so many times in a row
+        self._ended = False
         self._parts = self._rounds()
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
         """Go on at a later ``step``, if ``plan`` is the one to be shortened; tell whether it is."""
         same = plan.horizon == self._plan.horizon and plan.since(step).actions == self._plan.since(step).actions
         if same:
+            if self._ended and step > self._step:  # what is left is shorter by now, and so are the questions
+                self._ended, self._size, self._parts = False, SIZE, self._rounds()
             self._plan, self._step, self._first = plan, step, first
         return same
 
@@ -122,10 +130,12 @@ class Improvement:
         """Return a shorter plan as soon as one is found; None where ``halt`` came first, or nothing is left to try."""
         present, self._advised = self._present(grounding), grounding.program.advises
         while not halt():
-            part = next(self._parts, END)
+            part = self._cut_off or next(self._parts, END)
+            self._cut_off = None
             if part is None:
                 continue
             if part is END:
+                self._ended = True
                 break
             if not part.advised and not (grounding.program.advises and self._length // part.share <= FEW_STEPS):
                 continue
@@ -137,6 +147,10 @@ class Improvement:
                 return self._take(grounding, halt, present, found)
             if found.satisfiable is False and part._replace(share=1, advised=True) == Part(self._step + 1):
                 self._first = last + 1  # there is none up to it
+            cut_off = found.satisfiable is None and halt()
+            self._times_cut = self._times_cut + 1 if cut_off else 0
+            if cut_off and self._times_cut <= TIMES_CUT:
+                self._cut_off = part
         return None
 
     def _present(self, grounding: Grounding) -> Given:
@@ -184,7 +198,9 @@ class Improvement:
             if not self._shortened:
                 if whole and self._conflicts >= MOST_CONFLICTS:
                     return
-                self._size, self._conflicts = self._size * 3 // 2, min(self._conflicts * 2, MOST_CONFLICTS)
+                again = whole and not self._advised
+                self._size = SIZE if again else self._size * 3 // 2
+                self._conflicts = min(self._conflicts * 2, MOST_CONFLICTS)
 
     def _round(self) -> Iterator[Optional[Part]]:
         """Yield other orders, then windows to the end, which overlap by half; after each some actions are put off."""

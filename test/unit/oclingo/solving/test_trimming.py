@@ -1,0 +1,88 @@
+"""Plans lose superfluous actions and idle steps."""
+
+import pytest
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+from rosoclingo.oclingo.solving.trimming import trimmed, without_idling
+
+
+def actions(*cycles):
+    return frozenset(parse_atom(f"_action_lib(go,x,{cycle})") for cycle in cycles)
+
+
+def found(horizon, *cycles):
+    return Search(True, (actions(*cycles),), horizon)
+
+
+def trim(plan, *plans, step=0, first=1):
+    """Trim a plan where there are ``plans``, sets of cycles; return the cycles of the result, its horizon, questions.
+
+    Only cycles after ``step`` have actions that can be left out.
+    """
+    asked = []
+
+    def ask(first, last, given, unlike):
+        asked.append((first, last))
+        assumed = {cycle_of(one): value for one, value in given}
+        for cycles in plans:
+            agrees = all((cycle in cycles) == value for cycle, value in assumed.items())
+            horizon = max([first, *cycles])
+            if agrees and horizon <= last and not (unlike and {*map(cycle_of, unlike)} <= {*cycles}):
+                return found(horizon, *cycles)
+        return Search(None)
+
+    result = trimmed(plan, step, first, lambda first, last: sorted(actions(*range(first, last + 1))), ask)
+    return sorted(map(cycle_of, result.answers[-1])), result.horizon, asked
+
+
+@pytest.mark.parametrize(
+    ("plan", "plans", "cycles", "horizon"),
+    [
+        (found(3, 1, 2, 3), [], [1, 2, 3], 3),
+        (found(3, 1, 2, 3), [(1, 3)], [1, 3], 3),
+        (found(3, 1, 2, 3), [(1, 3), (1, 2)], [1, 2], 2),
+        (found(4, 1, 2, 3, 4), [(1, 2, 4), (2, 4)], [2, 4], 4),
+        (found(4, 1, 2, 3, 4), [(2, 4), (1, 2)], [1, 2], 2),
+        (found(4, 2, 4), [(1, 3)], [2, 4], 4),
+        (found(4, 2, 4), [()], [], 1),
+        (found(5, 2, 4), [(2, 4)], [2, 4], 4),
+        (found(5, 2, 4), [(1, 2)], [1, 2], 2),
+        (found(5), [()], [], 1),
+    ],
+    ids=[
+        "minimal",
+        "one superfluous",
+        "moved together",
+        "two superfluous",
+        "superfluous and idle",
+        "idle but needed",
+        "all superfluous",
+        "idle at its end",
+        "idle",
+        "no action",
+    ],
+)
+def test_trimmed_plans_hold_no_superfluous_action(plan, plans, cycles, horizon):
+    assert trim(plan, *plans)[:2] == (cycles, horizon)
+
+
+def test_trimmed_leaves_what_is_done_up_to_the_present():
+    assert trim(found(5, 1, 2, 4, 5), (1, 2, 5), (1, 2, 3), step=2)[:2] == ([1, 2, 3], 3)
+
+
+def test_trimmed_plans_end_no_sooner_than_any_plan_can():
+    assert trim(found(5, 1, 2), (1, 2), first=4)[:2] == ([1, 2], 4)
+
+
+def test_trimmed_asks_nothing_more_where_nothing_is_superfluous_or_idle():
+    assert trim(found(3, 1, 2, 3))[2] == [(1, 3)]
+
+
+def test_steps_at_which_nothing_is_done_are_left_out():
+    names = ["go,x,3", "take,y,3", "go,z,8", "go,x,70", "take,x,70"]
+    pushed = ["go,x,2", "take,y,2", "go,z,3", "go,x,4", "take,x,4"]
+    old, new = (frozenset(parse_atom(f"_action_lib({one})") for one in some) for some in (names, pushed))
+    assert without_idling(Plan(old, 71), 1) == Plan(new, 71)
+    assert without_idling(Plan(new, 4), 1) == Plan(new, 4)
