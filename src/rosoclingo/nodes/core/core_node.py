@@ -203,7 +203,7 @@ class CoreNode:
             self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
         self._send()
         try:
-            self._solvers.start(lambda: self._ending)
+            self._solvers.start(self._watch_start)
         except DroppedError as error:
             if not self._ending:
                 rospy.logwarn("%s", error)
@@ -298,6 +298,18 @@ class CoreNode:
     def _time(self) -> float:
         return self._clock.at(rospy.get_time(), time.monotonic())
 
+    def _attend(self) -> None:
+        """Do what does not wait for the end of a search."""
+        self._keeper.settle()
+        self._tick()
+        if self._server.arrivals:
+            self._take_arrivals()
+
+    def _watch_start(self) -> bool:
+        """Tell whether the core ends while its solver starts."""
+        self._attend()
+        return self._ending
+
     def _watch_improvement(self, now: float) -> Callable[[], bool]:
         """End what improves the plan as soon as anything comes, or something may be due by time."""
         start = time.monotonic()
@@ -317,10 +329,7 @@ class CoreNode:
 
         def look() -> Optional[Halt]:
             """Return why the search is to end now, None while it may go on."""
-            self._keeper.settle()
-            self._tick()
-            if self._server.has_arrivals:
-                self._take_arrivals()
+            self._attend()
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
             if self._cancels and time.monotonic() - start >= CANCEL_GRACE:
@@ -331,7 +340,14 @@ class CoreNode:
 
     def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
         """Be content with what was found of goals to give up after some time."""
-        return self._watch_time(self._parameters.recovery_timeout)
+        too_long = self._watch_time(self._parameters.recovery_timeout)
+
+        def look() -> Optional[Halt]:
+            """Return why the search is to end now, None while it may go on."""
+            self._attend()
+            return too_long()
+
+        return look
 
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
         """End what takes longer than some seconds, 0 for never, or as long as the core has the patience for."""

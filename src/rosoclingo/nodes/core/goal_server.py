@@ -1,7 +1,8 @@
 """The action server of the core: clients hear of what arrived, and of what was, once it is in the journal."""
 
-from collections import deque
-from typing import Any, Callable, Deque
+import threading
+from collections import Counter, deque
+from typing import Any, Callable, Deque, Dict, List, NamedTuple
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
@@ -9,15 +10,46 @@ from actionlib.handle_tracker_deleter import HandleTrackerDeleter
 from actionlib.status_tracker import StatusTracker
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal
+from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
+
+#: Goals and cancels of one node that can wait for the worker, and the characters of their texts.
+MOST_ARRIVALS, MOST_TEXT = 1000, 1 << 22
+
+#: Characters of a goal's id, which each status message repeats.
+LONGEST_ID = 1000
+
+#: Goals and cancels that the worker takes together.
+TURN = 100
+
+#: Cancels for goals that have not arrived which the status lists.
+MOST_UNKNOWN = 100
 
 Taker = Callable[[ServerGoalHandle], None]
+
+#: Each terminal status's outcome, and its words where the server's code gives none.
+_ENDS = {
+    GoalStatus.SUCCEEDED: (ROSoClingoResult.SUCCEEDED, "the goal is met"),
+    GoalStatus.PREEMPTED: (ROSoClingoResult.CANCELED, "the goal was cancelled"),
+    GoalStatus.RECALLED: (ROSoClingoResult.CANCELED, "the goal was cancelled before it arrived"),
+    GoalStatus.REJECTED: (ROSoClingoResult.REJECTED, "the goal was rejected"),
+    GoalStatus.ABORTED: (ROSoClingoResult.ABORTED, "the goal was aborted"),
+}
+
+
+class _Arrival(NamedTuple):
+    """A goal or a cancel that waits, of ``node``: how actionlib takes it, and how many characters its text has."""
+
+    take: Callable[[], None]
+    node: str
+    size: int
+    is_goal: bool
 
 
 class GoalServer(ActionServer):  # type: ignore[misc]
     """actionlib's server, in which goals and cancels wait until the worker takes them.
 
-    Until then no status tells of them: ``arrived`` is called from rospy's threads and is to have the worker call
+    No status goes out while a goal waits, as a client that has cancelled its goal takes a status without the goal for
+    the server's word that the goal is lost. ``arrived`` is called from rospy's threads and is to have the worker call
     :meth:`take`. ``ending`` is called with each result before it goes out.
     """
 
@@ -26,39 +58,114 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     ) -> None:
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
         self._arrived, self._ending = arrived, ending
-        self._arrivals: Deque[Callable[[], None]] = deque()
+        self._owed = self._told = False  # a status that was held back; whether the status is out before its result
+        self._queue_lock = threading.Lock()  # for all below; nothing is called while it is held
+        self._arrivals: Deque[_Arrival] = deque()
+        self._number: Dict[str, int] = Counter()  # arrivals that wait, by node
+        self._text: Dict[str, int] = Counter()  # their characters
+        self._dropped: Dict[str, int] = Counter()
+        self._unkept = 0  # goals that wait, and what was taken and is not in the journal yet
+        self._called = False
 
     @property
-    def has_arrivals(self) -> bool:
-        """Whether anything waits to be taken."""
-        return bool(self._arrivals)
+    def arrivals(self) -> int:
+        """How many goals and cancels wait to be taken."""
+        return len(self._arrivals)
 
     def internal_goal_callback(self, goal: Any) -> None:
         """Called by rospy."""
         take = super().internal_goal_callback
-        self._arrivals.append(lambda: take(goal))
-        self._arrived()
+        self._put(goal.goal_id.id, _Arrival(lambda: take(goal), _node_of(goal), len(goal.goal.request), True))
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
         """Called by rospy."""
         take = super().internal_cancel_callback
-        self._arrivals.append(lambda: take(goal_id))
-        self._arrived()
+        self._put(goal_id.id, _Arrival(lambda: take(goal_id), _node_of(goal_id), 0, False))
 
-    def publish_result(self, status: GoalStatus, result: Any) -> None:
-        """Called by actionlib's goal handles."""
-        self._ending(status, result)
-        super().publish_result(status, result)
+    def _put(self, key: str, arrival: _Arrival) -> None:
+        """Have an arrival wait, or drop it where too much of its node waits."""
+        node = arrival.node
+        with self._queue_lock:
+            too_much = self._text[node] and self._text[node] + arrival.size > MOST_TEXT
+            if too_much or self._number[node] >= MOST_ARRIVALS or len(key) > LONGEST_ID:
+                self._dropped[node] += 1
+                return
+            self._arrivals.append(arrival)
+            self._number[node] += 1
+            self._text[node] += arrival.size
+            self._unkept += arrival.is_goal
+            called, self._called = self._called, True
+        if not called:
+            self._arrived()
+
+    def _next(self) -> List[_Arrival]:
+        """Return the arrivals that are taken now; until they are in the journal no status goes out."""
+        with self._queue_lock:
+            taken = [self._arrivals.popleft() for _ in range(min(TURN, len(self._arrivals)))]
+            self._called = bool(self._arrivals)
+            for one in taken:
+                self._number[one.node] -= 1
+                self._text[one.node] -= one.size
+                self._unkept += not one.is_goal
+                if not self._number[one.node]:
+                    del self._number[one.node], self._text[one.node]
+        return taken
 
     def take(self, keep: Callable[[], None]) -> None:
         """Take what has arrived; called by the worker. It is shown to clients after ``keep``."""
+        taken = self._next()
+        for one in taken:
+            one.take()
+        if taken:
+            self._forget_unknown()
+            keep()
+        with self._queue_lock:
+            self._unkept -= len(taken)
+            called = self._called
+        if self._owed:
+            self.publish_status()
+        if called:
+            self._arrived()
+
+    def take_dropped(self) -> Dict[str, int]:
+        """Return how many goals and cancels were dropped since the last call, by node."""
+        with self._queue_lock:
+            dropped, self._dropped = self._dropped, Counter()
+        return dropped
+
+    def _forget_unknown(self) -> None:
+        """Remove the oldest of too many cancels for goals that have not arrived."""
         with self.lock:
-            taken = False
-            while self._arrivals:
-                self._arrivals.popleft()()
-                taken = True
-            if taken:
-                keep()
+            unknown = [one for one in self.status_list if one.goal is None]
+            if len(unknown) > MOST_UNKNOWN:
+                gone = set(map(id, unknown[:-MOST_UNKNOWN]))
+                self.status_list = [one for one in self.status_list if id(one) not in gone]
+
+    def publish_status(self) -> None:
+        """Called by actionlib, at each change and by its timer."""
+        with self.lock:
+            if self._told:
+                return
+            self._owed = self._unkept > 0
+            if not self._owed:
+                super().publish_status()
+
+    def publish_result(self, status: GoalStatus, result: Any) -> None:
+        """Called by actionlib; each result has the outcome and the words of its status, whoever has set it.
+
+        The status goes out first: a client that sends its next goal on this result hears no status from before that.
+        """
+        result.outcome, words = _ENDS[status.status]
+        result.message = result.message or status.text or words
+        status.text = status.text or result.message
+        with self.lock:
+            self._ending(status, result)
+            self.publish_status()
+            self._told = True
+            try:
+                super().publish_result(status, result)
+            finally:
+                self._told = False
 
     def restore(self, key: str, text: str, stamp: rospy.Time, status: int, message: str = "") -> ServerGoalHandle:
         """Have a goal of before in the first status message; to be called before the server starts."""
@@ -69,3 +176,7 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         tracker.handle_tracker = HandleTrackerDeleter(self, tracker)
         self.status_list.append(tracker)
         return ServerGoalHandle(tracker, self, tracker.handle_tracker)
+
+
+def _node_of(message: Any) -> str:
+    return str(message._connection_header["callerid"])

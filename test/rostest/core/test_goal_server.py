@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""The core's action server by itself: what a status tells while arrivals wait, and how actionlib's own ends look."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from rosoclingo.msg import ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoGoal, ROSoClingoResult
+
+from rosoclingo.common.action_servers import start_server
+from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, MOST_UNKNOWN, GoalServer
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client
+from interface_helpers import init_node, wait_until
+
+CANCELED = ROSoClingoResult.CANCELED
+
+
+class Core:
+    """The core's side of a server: the test is its worker, which takes arrivals when the test says so."""
+
+    def __init__(self, name):
+        self.handles, self.cancelled, self.journal, self.calls = [], [], [], 0
+        self.server = GoalServer(name, self.handles.append, self.cancelled.append, self.call, lambda *_: None)
+        start_server(self.server)
+
+    def call(self):
+        """Count how often the worker is asked to take arrivals."""
+        self.calls += 1
+
+    def take(self):
+        """Take what waits, as the worker does."""
+        while self.server.arrivals:
+            self.server.take(self.keep)
+
+    def keep(self):
+        """Note what the journal has."""
+        self.journal = [one.get_goal_id().id for one in self.handles]
+
+
+class Statuses:
+    """All statuses from now on, the goals in each, and what the journal had when it came."""
+
+    def __init__(self, name):
+        self.messages, self.results = [], []
+        rospy.Subscriber(name + "/status", GoalStatusArray, self.messages.append, queue_size=10000)
+        rospy.Subscriber(name + "/result", ROSoClingoActionResult, self.results.append, queue_size=10000)
+
+    @property
+    def goals(self):
+        """The goals that were ever in a status."""
+        return {one.goal_id.id for message in self.messages for one in message.status_list}
+
+
+class GoalServerTest(unittest.TestCase):
+    def start(self, name):
+        """A server, a client of it, and all statuses."""
+        core, statuses = Core(name), Statuses(name)
+        return core, Client(name), statuses
+
+    def test_a_goal_cancelled_before_the_worker_takes_it_is_not_lost(self):
+        core, client, statuses = self.start("waits")
+        other = client.send("do(walk,0)")
+        wait_until(lambda: core.server.arrivals, "the first goal")
+        core.take()
+        goal = client.send("do(walk,1)")
+        wait_until(lambda: core.server.arrivals, "the goal")
+        goal.handle.cancel()
+        core.handles[0].set_accepted("it")  # each of these tells the status
+        core.server.publish_status()
+        core.server.publish_status_async(None)
+        wait_until(lambda: core.server.arrivals == 2, "the cancel")
+        before = len(statuses.messages)
+        core.take()
+        wait_until(lambda: len(statuses.messages) > before, "the status that was held back")
+        core.cancelled[0].set_canceled(ROSoClingoResult(CANCELED, "as you like"), "as you like")
+        self.assertEqual(goal.wait()[0], GoalStatus.RECALLED)
+        core.handles[0].set_succeeded(ROSoClingoResult(), "met")
+        other.ends_as(GoalStatus.SUCCEEDED)
+
+    def test_a_status_tells_of_a_goal_and_a_cancel_once_the_journal_has_them(self):
+        core, client, statuses = self.start("keeps")
+        goals, told = [client.send(f"do(walk,{number})") for number in range(3)], []
+        core.keep = lambda: (told.append(set(statuses.goals)), core.server.publish_status())
+        wait_until(lambda: core.server.arrivals == 3, "the goals")
+        client.raw.cancel_all_goals()
+        wait_until(lambda: core.server.arrivals == 4, "the cancel")
+        core.take()
+        wait_until(lambda: len(statuses.goals) == 3, "the status after the journal")
+        self.assertEqual(told, [set()])
+        for handle in core.handles:
+            handle.set_canceled(ROSoClingoResult(CANCELED, "ended"), "ended")
+        for goal in goals:
+            goal.ends_as(GoalStatus.RECALLED)
+
+    def test_a_result_follows_the_status_of_its_end(self):
+        core, client, _ = self.start("ends")
+        order = []
+        goal = client.send("do(walk,1)")
+        wait_until(lambda: core.server.arrivals, "the goal")
+        core.take()
+        for publisher, name in ((core.server.status_pub, "status"), (core.server.result_pub, "result")):
+            publish = publisher.publish
+            publisher.publish = lambda message, name=name, publish=publish: (order.append(name), publish(message))
+        core.handles[0].set_canceled(ROSoClingoResult(CANCELED, "ended"), "ended")
+        self.assertEqual(order[:2], ["status", "result"])
+        self.assertEqual(order.count("result"), 1)
+        goal.ends_as(GoalStatus.RECALLED)
+
+    def test_what_actionlib_ends_by_itself_has_outcome_and_words(self):
+        core, client, statuses = self.start("recalled")
+        raw = client.raw
+        raw.pub_cancel.publish(GoalID(id="early"))
+        wait_until(lambda: core.server.arrivals, "the cancel")
+        core.take()
+        raw.pub_goal.publish(ROSoClingoActionGoal(goal_id=GoalID(id="early"), goal=ROSoClingoGoal("do(walk,1)")))
+        wait_until(lambda: core.server.arrivals, "its goal")
+        core.take()
+        stamp = rospy.Time.now()
+        raw.cancel_goals_at_and_before_time(stamp)
+        wait_until(lambda: core.server.arrivals, "the cancel by time")
+        core.take()
+        old = GoalID(id="old", stamp=stamp)
+        raw.pub_goal.publish(ROSoClingoActionGoal(goal_id=old, goal=ROSoClingoGoal("do(walk,2)")))
+        wait_until(lambda: core.server.arrivals, "a goal from before that")
+        core.take()
+        wait_until(lambda: len(statuses.results) == 2, "two results")
+        for one in statuses.results:
+            self.assertEqual((one.status.status, one.result.outcome), (GoalStatus.RECALLED, CANCELED))
+            self.assertTrue(one.result.message and one.status.text)
+        self.assertEqual(core.handles, [], "neither was a goal of the core's")
+
+    def test_one_client_has_a_bounded_number_of_arrivals(self):
+        core, client, _ = self.start("floods")
+        raw = client.raw
+        raw.pub_cancel.impl.set_queue_size(None)  # the publisher drops nothing itself
+        most, more = MOST_ARRIVALS, 20
+        for number in range(most + more):
+            raw.pub_cancel.publish(GoalID(id=f"unknown{number}"))
+        wait_until(lambda: core.server.arrivals == most, "as many as can wait")
+        wait_until(lambda: self.dropped(core) == more, "the rest to be counted")
+        self.assertEqual(core.calls, 1, "the worker is called once for all of them")
+        core.take()
+        self.assertLessEqual(len(core.server.status_list), MOST_UNKNOWN)
+        raw.pub_goal.publish(ROSoClingoActionGoal(goal_id=GoalID(id="x" * (LONGEST_ID + 1))))
+        wait_until(lambda: self.dropped(core) == more + 1, "an id that is too long")
+        goal = client.send("do(walk,1)")
+        wait_until(lambda: core.server.arrivals, "a goal, as there is room again")
+        core.take()
+        core.handles[0].set_rejected(ROSoClingoResult(), "no")
+        goal.ends_as(GoalStatus.REJECTED)
+
+    def dropped(self, core):
+        """How many arrivals were dropped so far."""
+        core.dropped = getattr(core, "dropped", 0) + sum(core.server.take_dropped().values())
+        return core.dropped
+
+    def test_a_restored_goal_is_in_the_first_status(self):
+        core = Core.__new__(Core)
+        core.handles = []
+        core.server = GoalServer("restored", core.handles.append, core.handles.append, lambda: None, lambda *_: None)
+        core.server.restore("before", "do(walk,1)", rospy.Time(1), GoalStatus.ACTIVE)
+        start_server(core.server)
+        message = rospy.wait_for_message("restored/status", GoalStatusArray)
+        self.assertEqual([one.goal_id.id for one in message.status_list], ["before"])
+
+
+if __name__ == "__main__":
+    init_node("goal_server_test")
+    rostest.rosrun("rosoclingo", "goal_server", GoalServerTest, sys.argv)
