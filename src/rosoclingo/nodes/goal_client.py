@@ -11,7 +11,7 @@ from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import comes_to
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
-from rosoclingo.nodes.server_watch import UNHEARD, ServerWatch, Silence
+from rosoclingo.nodes.server_watch import ServerWatch, Silence
 
 #: actionlib's terminal states as the words of a goal's outcome.
 OUTCOME_WORDS = {
@@ -51,6 +51,7 @@ class SentGoal:
 
     def send(self) -> None:
         """Send it; once only."""
+        self.silence.end(self._client.last_status_msg)
         self._handle = self._client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
 
     def send_again(self) -> None:
@@ -103,14 +104,17 @@ class CoreClient:
         """Wait until goals and news of them will arrive, at most ``timeout`` s of wall time; whether they will."""
         end = time.monotonic() + timeout
         while time.monotonic() < end and not rospy.is_shutdown():
-            # actionlib measures its time-out by ROS time, which may stand still or not have begun: so in short turns
+            # not by actionlib's own: its time-out is of ROS time, which may stand still or not have begun
             status = self._client.last_status_msg
             server = "" if status is None else status._connection_header["callerid"]
-            if server and self._client.wait_for_server(rospy.Duration(0.001)) and self._hears(server):
+            if server and self._is_heard(server) and self._hears(server):
                 self._watch = ServerWatch(server)
                 return True
             self.wait(0.02)
         return False
+
+    def _is_heard(self, server: str) -> bool:
+        return all(one.impl.has_connection(server) for one in (self._client.pub_goal, self._client.pub_cancel))
 
     def _hears(self, server: str) -> bool:
         subscribers = (self._client.feedback_sub, self._client.result_sub)
@@ -132,7 +136,7 @@ class CoreClient:
         """End goals of which nothing will be heard any more as lost; to be called while waiting for them.
 
         That is so once nothing was heard of a goal for some seconds of wall time, and the server does not answer
-        either, was started anew, or tells of its goals without this one. Takes some seconds where nothing answers.
+        either, was started anew, or tells of its goals again and again without this one. Takes some seconds where nothing answers.
         """
         before, self._latest = self._latest, self._client.last_status_msg
         fresh = self._latest if self._latest is not before else None
@@ -145,7 +149,7 @@ class CoreClient:
                 goal.silence.deny(fresh)
             turns = goal.silence.turn()
             fault = self._watch.fault() if turns and self._watch is not None else ""
-            if not fault and turns >= UNHEARD and goal.silence.denied:
+            if not fault and turns and goal.silence.unheard:
                 fault = "the server is there, but does not know of it"
             if turns and not fault:
                 goal.send_again()

@@ -7,6 +7,7 @@ import rospy
 
 from rosoclingo.msg import ROSoClingoFeedback
 from rosoclingo.nodes.goal_client import CoreClient, SentGoal
+from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import interfaces_of, words_of
 from rosoclingo.reasoning.interface_register import ReportedInterfaces
 from rosoclingo.runs.sentences import Sentences, actions_now
@@ -26,7 +27,8 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
 
     Feedback is the plan, or ``plain`` what is done now in the program's words, or that no interface is there for it.
 
-    A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost.
+    A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost; one that waits for
+    ROS time to begin is waited for.
 
     Subscribes:
         CORE/program (std_msgs/String): the program, once, for its words.
@@ -42,10 +44,10 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
     line = _plain_line(words_of(client.node), interfaces_of(client.node)) if plain else _line
     tell = _changes(line, say)
     goal = client.send(text)
-    cancelled = False
+    cancelled, beginning = False, Beginning()
     while True:
         try:
-            _follow(client, goal, tell)
+            _follow(client, goal, tell, beginning, say)
             break
         except KeyboardInterrupt:
             if cancelled:
@@ -58,9 +60,12 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
     return EXIT_CODES[goal.outcome]
 
 
-def _follow(client: CoreClient, goal: SentGoal, tell: Tell) -> None:
+def _follow(client: CoreClient, goal: SentGoal, tell: Tell, beginning: Beginning, say: Callable[[str], None]) -> None:
     """Tell feedback until the goal has ended."""
     while not goal.ended:
+        line = beginning.line()
+        if line:
+            say(line)
         if goal.feedback is not None:
             tell(goal.feedback)
         client.wait(_TURN)

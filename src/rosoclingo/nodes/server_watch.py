@@ -15,8 +15,11 @@ from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 #: Seconds of wall time without word of a goal after which the server is asked whether it is there.
 SILENCE = 5.0
 
-#: Such silences in a row after which a server that is there, and tells of its goals, has never got a goal.
+#: Such silences in a row, in each of which the server's status lacked the goal, until it has never got the goal.
 UNHEARD = 3
+
+#: Seconds of wall time that ROS time may take to begin before that is said.
+BEGINNING = 2.0
 
 
 class ServerWatch:
@@ -58,10 +61,10 @@ class Silence:
         self.end()
 
     def end(self, status: Optional[GoalStatusArray] = None) -> None:
-        """Start counting anew: the goal was heard of, when ``status`` was the last one of the server."""
+        """Restart the count: the goal was sent or heard of, when ``status`` was the last one of the server."""
         with self._lock:
             self._since = time.monotonic()
-            self._turns = 0
+            self._turns = self._denials = 0
             self._status, self._denied = status, False
 
     def deny(self, status: GoalStatusArray) -> None:
@@ -70,16 +73,37 @@ class Silence:
             self._denied |= status is not self._status
 
     @property
-    def denied(self) -> bool:
-        """Whether the server's status was heard since, without the goal in it."""
-        return self._denied
+    def unheard(self) -> bool:
+        """Whether the server's status lacked the goal in each of the last UNHEARD turns, so the goal never arrived.
+
+        One status alone can be older than the goal, and where ROS time stands still no other follows.
+        """
+        return self._denials >= UNHEARD
 
     def turn(self) -> int:
         """Return how many turns have passed where one ends just now, else 0."""
-        turns = int((time.monotonic() - self._since) / SILENCE)
-        fresh = turns > self._turns
-        self._turns = turns
-        return turns if fresh else 0
+        with self._lock:
+            turns = int((time.monotonic() - self._since) / SILENCE)
+            if turns <= self._turns:
+                return 0
+            self._denials = self._denials + 1 if self._denied else 0
+            self._turns, self._denied = turns, False
+            return turns
+
+
+class Beginning:
+    """Notices that ROS time has not begun: there is no /clock, and the core waits for it."""
+
+    def __init__(self) -> None:
+        self._since = time.monotonic()
+        self._said = False
+
+    def line(self) -> str:
+        """Return the words for that, once, after BEGINNING seconds of wall time; else nothing."""
+        if self._said or time.monotonic() - self._since < BEGINNING or rospy.get_time():
+            return ""
+        self._said = True
+        return "ROS time has not begun: waiting for /clock"
 
 
 def missing_master() -> str:

@@ -9,6 +9,7 @@ import rospy
 from rosoclingo.nodes.account_node import TOPICS, AccountNode, TopicAccount
 from rosoclingo.nodes.pose_topics import EXACT
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -42,10 +43,13 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     """Tell the account of the system around a core, until Ctrl-C or the master's end, then the summary."""
     name = rospy.resolve_name(core) if core else _find_core()
     words = words_of(name)  # first, as the first line may be of an action
-    account = AccountNode(say, with_state, name, words)
+    account, beginning = AccountNode(say, with_state, name, words), Beginning()
     try:
         while not rospy.is_shutdown():
             time.sleep(_TURN)
+            line = beginning.line()
+            if line:
+                say(line)
             account.tick(rospy.get_time())
     except KeyboardInterrupt:
         pass

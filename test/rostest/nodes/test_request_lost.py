@@ -25,16 +25,17 @@ from interface_helpers import PATIENCE, Process, executable, init_node, wait_to_
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
 
-def core(namespace):
+def core(namespace, *arguments):
     """A core in a process of its own; its topics are /NAMESPACE/..."""
-    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", f"_program_files:=[{ERRANDS}]")
+    files = f"_program_files:=[{ERRANDS}]"
+    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", files, *arguments)
 
 
 class Request:
     """`rosrun rosoclingo request`, ended with the test."""
 
-    def __init__(self, server, wait, **environment):
-        command = [executable("request"), "do(walk,1)", "--server", server, "--wait", str(wait)]
+    def __init__(self, server, wait, *arguments, **environment):
+        command = [executable("request"), "do(walk,1)", "--server", server, "--wait", str(wait), *arguments]
         self._process = subprocess.Popen(
             command, stdout=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ, **environment)
         )
@@ -119,6 +120,22 @@ class RequestLost(unittest.TestCase):
                 self.running.clear()
                 hands.succeed(command)
                 self.assertEqual(request.end()[0], 0)
+
+    def test_time_that_has_not_begun_is_waited_for(self):
+        other = "/clock:=/late_clock"
+        with core("early", other), Request("early/rosoclingo", PATIENCE, other) as request:
+            hands = Hands("early/")
+            hands.wait_for("/early/rosoclingo")
+            for _ in range(int(4 * SILENCE)):
+                self.assertTrue(request.running, "the core is there, and waits for time to begin")
+                threading.Event().wait(1.0)
+            clock = rospy.Publisher("/late_clock", Clock, queue_size=10, latch=True)
+            ticks = rospy.Timer(rospy.Duration(0.05), lambda event: clock.publish(Clock(event.current_real)))
+            hands.succeed(hands.take())
+            code, said = request.end()
+            ticks.shutdown()
+        self.assertEqual(code, 0, said)
+        self.assertIn("ROS time has not begun", said)
 
     def test_core_is_started_anew(self):
         with core("anew") as process:

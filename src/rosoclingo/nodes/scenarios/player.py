@@ -75,7 +75,13 @@ class ScenarioPlayer:
         self.goals: List[SentGoal] = []
 
     def prepare(self, timeout: float) -> None:
-        """Wait for all servers, each at most ``timeout`` seconds of wall time, put the packages; raises PlayError."""
+        """Wait for ROS time and all servers, each at most ``timeout`` seconds of wall time, put the packages.
+
+        Raises PlayError.
+        """
+        if not rospy.get_time():
+            self._say("waiting for ROS time to begin")
+        self.wait_until(lambda: rospy.get_time() > 0.0, timeout, lambda: "ROS time has not begun: no /clock")
         self.wait_until(
             lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing))
         )
