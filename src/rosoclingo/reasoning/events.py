@@ -145,11 +145,12 @@ class GoalProgress(Event):
 class Problem(Event):
     """Something that should not be; ``message`` says what, where and what was done about it.
 
-    ``origin`` names the interface that it is about, empty where it is about none.
+    ``origin`` names the interface that it is about, empty where it is about none. It stands for ``times`` such things.
     """
 
     message: str
     origin: str = ""
+    times: int = 1
 
 
 Observer = Callable[[Event], None]

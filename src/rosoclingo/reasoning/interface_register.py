@@ -5,6 +5,9 @@ from typing import AbstractSet, Dict, FrozenSet, Iterable, List, NamedTuple, Opt
 
 from rosoclingo.reasoning.keywords import Action, shortened
 
+#: Interfaces that one node can announce.
+MOST_NAMES = 1000
+
 #: Seconds for which an action may wait for its interface to appear before that is told.
 GRACE = 2.0
 
@@ -43,7 +46,9 @@ class InterfaceRegister:
 
     def announce(self, node: str, interface: str) -> None:
         """Record that a node announces an interface."""
-        self._announced.setdefault(node, set()).add(interface)
+        names = self._announced.setdefault(node, set())
+        if len(names) < MOST_NAMES:
+            names.add(interface)
 
     def answered(self, interface: str) -> None:
         """Record that a return of an interface was taken."""

@@ -16,6 +16,9 @@ FEW = 3
 #: So many different problems of one interface, and of the core itself, are said within that time.
 MANY = 10
 
+#: So many interfaces are told apart within that time.
+MOST_ORIGINS = 100
+
 #: Characters of a problem that are told: its beginning, and its end, where the reason stands.
 TOLD = 900
 
@@ -33,9 +36,10 @@ class _Kind:
     unsaid: int = 0
     latest: str = ""
 
-    def leave(self, text: str) -> None:
-        """Count a problem that is not logged."""
-        self.unsaid, self.latest = self.unsaid + 1, text
+    def leave(self, text: str, times: int) -> None:
+        """Count problems that are not logged."""
+        if times:
+            self.unsaid, self.latest = self.unsaid + times, text
 
 
 class LogThrottle:
@@ -54,26 +58,33 @@ class LogThrottle:
 
     def take(self, problem: Problem, now: float) -> str:
         """The line for a problem at ``now`` (seconds of a clock that only goes forward), empty for none."""
-        self.count += 1
+        self.count += problem.times
         self.latest = shortened(f"cycle {problem.cycle}: {problem.message}", TOLD)
         self._forget(now)
-        text = _NUMBERS.sub("", problem.message) if problem.origin else problem.message
-        if (problem.origin, text) in self._said:
-            self._kind(problem.origin, _kind_of(text), now).leave(self.latest)
+        origin, text = self._origin(problem.origin), shortened(problem.message, TOLD)
+        text = _NUMBERS.sub("", text) if origin else text
+        if (origin, text) in self._said:
+            self._kind(origin, _kind_of(text), now).leave(self.latest, problem.times)
             return ""
-        different = sum(origin == problem.origin for origin, _ in self._said)
+        different = sum(one == origin for one, _ in self._said)
         if different >= MANY:
-            self._kind(problem.origin, "", now).leave(self.latest)
+            self._kind(origin, "", now).leave(self.latest, problem.times)
             return ""
-        kind = self._kind(problem.origin, _kind_of(text), now)
+        kind = self._kind(origin, _kind_of(text), now)
         if kind.said >= FEW:
-            kind.leave(self.latest)
+            kind.leave(self.latest, problem.times)
             return ""
         kind.said += 1
-        self._said[problem.origin, text] = now
+        kind.leave(self.latest, problem.times - 1)
+        self._said[origin, text] = now
         if different + 1 == MANY:
             return self.latest + "; its further problems are only counted for a minute"
         return self.latest + ("; more of the kind are only counted for a minute" if kind.said == FEW else "")
+
+    def _origin(self, origin: str) -> str:
+        """The origin under which a problem is remembered: of too many interfaces the rest are one."""
+        origin, known = shortened(origin), {one for one, _ in self._kinds}
+        return origin if origin in known or len(known) < MOST_ORIGINS else "other interfaces"
 
     def counted(self, now: float) -> List[str]:
         """The lines that tell how many problems were not said, once their time is over; each line once."""

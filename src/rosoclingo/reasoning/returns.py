@@ -274,10 +274,16 @@ class ExecutionMonitor:
             with self._guarded(origin, text):
                 self._take(origin, _read(text))
         if len(facts) > MOST_FACTS:
-            why = (
-                f"of {len(facts)} facts in one message from '{origin}' those behind the first {MOST_FACTS} are ignored"
-            )
-            self._tell(Problem(self._cycle(), f"{why}: send them in several", origin))
+            self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
+
+    def ignore(self, origin: str, text: str, why: str, times: int) -> None:
+        """Report ``times`` facts as ignored, the last of which is ``text``; ``why`` is empty if the text tells it."""
+        if not text:
+            self._tell(Problem(self._cycle(), why, origin, times))
+            return
+        with self._guarded(origin, text, times):
+            self._check(_read(text))
+            raise FactError(why)
 
     def expire(self, now: float, limit: float) -> None:
         """Count actions that have not returned within ``limit`` seconds as failed; 0 waits for ever."""
@@ -322,12 +328,13 @@ class ExecutionMonitor:
         self._known = {symbol_of(text): None for text in keys_of(record, "known")}
 
     @contextmanager
-    def _guarded(self, origin: str, text: str) -> Iterator[None]:
-        """Tell as a problem why the fact ``text`` makes no sense."""
+    def _guarded(self, origin: str, text: str, times: int = 1) -> Iterator[None]:
+        """Tell as a problem why the fact ``text`` makes no sense, and ``times`` such ones."""
         try:
             yield
         except (ProgressionError, KeywordError, ReturnError, FactError) as error:
-            self._tell(Problem(self._cycle(), f"'{shortened(text)}' from '{origin}' is ignored: {error}", origin))
+            message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
+            self._tell(Problem(self._cycle(), message, origin, times))
 
     def _take(self, origin: str, atom: Symbol) -> None:
         """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
@@ -384,6 +391,12 @@ class ExecutionMonitor:
             raise FactError("{}/{} is for the core and the program only".format(*signature))
         if not self._program.declares_external(*signature):
             raise FactError("the program declares no external {}/{}".format(*signature))
+
+
+def too_many_facts(number: int, origin: str) -> str:
+    """Tell of a message with too many facts."""
+    ignored = f"those behind the first {MOST_FACTS} are ignored"
+    return f"of {number} facts in one message from '{origin}' {ignored}: send them in several"
 
 
 def _read(text: str) -> Symbol:

@@ -10,7 +10,8 @@ from actionlib import ServerGoalHandle
 from rosoclingo.common.action_servers import forget_cancels, start_server
 from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
-from rosoclingo.msg import InterfaceIO, ROSoClingoResult
+from rosoclingo.msg import ROSoClingoResult
+from rosoclingo.nodes.core.fact_intake import FactIntake
 from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, status_of
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
@@ -159,6 +160,7 @@ class CoreNode:
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
+        self._facts = FactIntake(program, self._core, self._register, self._worker)
         self._health = CoreHealth(self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
             UpdateSent: self._topics.update_sent,
@@ -176,23 +178,13 @@ class CoreNode:
 
     def _connect(self) -> None:
         self._worker.put(self._start)
-        self._server = GoalServer(
-            "rosoclingo", self._goal_arrived, self._cancel_arrived, self._on_arrival, self._results.add
-        )
+        arrived = partial(self._worker.put, self._take_arrivals)
+        self._server = GoalServer("rosoclingo", self._goal_arrived, self._cancel_arrived, arrived, self._results.add)
         self._go_on_with_clients()
-        self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
+        self._facts.connect()
         rospy.on_shutdown(self._shut_down)
         start_server(self._server)
         self._worker.start()
-
-    # -- callbacks: they only put things into the queue
-
-    def _on_arrival(self) -> None:
-        self._worker.put(self._take_arrivals)
-
-    def _on_facts(self, message: InterfaceIO) -> None:
-        node = message._connection_header["callerid"]
-        self._worker.put(lambda: self._facts_came(node, message))
 
     # -- the worker's side
 
@@ -245,13 +237,8 @@ class CoreNode:
         self._cancels.discard(key)
         self._core.cancel_goal(key)
 
-    def _facts_came(self, node: str, message: InterfaceIO) -> None:
-        if message.facts:
-            self._core.receive(message.interface, message.facts)
-        else:
-            self._register.announce(node, message.interface)
-
     def _settle(self) -> Optional[float]:
+        self._facts.take()
         self._tick()
         improvable = self._go_on()
         self._send()
@@ -259,7 +246,7 @@ class CoreNode:
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()
-        return 0.0 if improvable else None
+        return 0.0 if improvable or self._facts.waiting else None
 
     def _go_on(self) -> bool:
         """Do what is due; tell whether the plan may be improved while nothing comes."""
@@ -273,7 +260,7 @@ class CoreNode:
             return False
         self._core.poll(self._time())
         self._send()
-        while not self._ending and not self._worker.waiting and self._core.advance(self._time()):
+        while not self._ending and not self._facts.gather() and self._core.advance(self._time()):
             self._send()
             self._last_cycle = time.monotonic()
         self._send()
@@ -292,6 +279,7 @@ class CoreNode:
 
     def _tick(self) -> None:
         """Tell what has changed; often, also while a search goes on."""
+        self._health.dropped(self._core.cycle, self._server.take_dropped())
         self._health.tick()
         self._handles.tick()
 
@@ -396,8 +384,7 @@ class CoreNode:
         self._register.answered(return_of(event.atom).interface_name)
 
     def _describe(self, health: Health, now: float) -> Report:
-        speaking = {connection.callerid_pub for connection in self._inlet.impl.connections}
-        missing = self._register.look(self._core.awaited, self._topics.listeners, speaking, now)
+        missing = self._register.look(self._core.awaited, self._topics.listeners, self._facts.senders, now)
         for one in missing:
             if one.new:
                 self._health.problem(Problem(self._core.cycle, one.text, one.action.interface_name))

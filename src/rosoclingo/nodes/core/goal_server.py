@@ -129,6 +129,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
 
     def take_dropped(self) -> Dict[str, int]:
         """Return how many goals and cancels were dropped since the last call, by node."""
+        if not self._dropped:
+            return {}
         with self._queue_lock:
             dropped, self._dropped = self._dropped, Counter()
         return dropped

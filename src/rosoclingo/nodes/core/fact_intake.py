@@ -1,0 +1,76 @@
+"""What the core hears on in_rosoclingo, as far as it takes that."""
+
+import time
+from typing import Set
+
+import rospy
+
+from rosoclingo.common.worker import Worker
+from rosoclingo.msg import InterfaceIO
+from rosoclingo.nodes.core.fact_queue import FactQueue
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.interface_register import InterfaceRegister
+from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.keywords import RETURN
+
+#: Seconds of wall time for which the worker takes facts before it looks at anything else.
+SLICE = 0.05
+
+#: Seconds of wall time for which an update waits for arrivals that are still to be taken.
+GATHERING = 0.1
+
+#: Seconds of wall time between two reports of facts that were ignored.
+REPORTING = 0.5
+
+
+class FactIntake:
+    """Has facts wait in a queue until the worker takes them; the callback of the topic only puts them there."""
+
+    def __init__(self, program: ReactiveProgram, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
+        self._core, self._register, self._worker = core, register, worker
+        self._queue = FactQueue({RETURN, *(one.name for one in program.external_signatures)})
+        self._reported, self._gathering = float("-inf"), time.monotonic()
+
+    def connect(self) -> None:
+        """Hear facts from now on."""
+        self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether facts wait."""
+        return self._queue.waiting
+
+    def gather(self) -> bool:
+        """Whether the next update waits for facts, goals or cancels to be taken; not for all of a flood."""
+        now, waiting = time.monotonic(), self._queue.waiting or self._worker.waiting
+        if not waiting:
+            self._gathering = now
+        return waiting and now - self._gathering < GATHERING
+
+    @property
+    def senders(self) -> Set[str]:
+        """The names of the nodes that can send facts."""
+        return {connection.callerid_pub for connection in self._inlet.impl.connections}
+
+    def _on_facts(self, message: InterfaceIO) -> None:
+        if self._queue.put(message._connection_header["callerid"], message.interface, message.facts):
+            self._worker.put(_wake)
+
+    def take(self) -> None:
+        """Pass on facts for SLICE seconds at most; the worker's part."""
+        end = time.monotonic() + SLICE
+        message = self._queue.take()
+        while message is not None:
+            if message.facts:
+                self._core.receive(message.interface, message.facts)
+            else:
+                self._register.announce(message.node, message.interface)
+            message = self._queue.take() if time.monotonic() < end else None
+        if time.monotonic() - self._reported >= REPORTING:
+            self._reported = time.monotonic()
+            for one in self._queue.take_ignored():
+                self._core.ignore(*one)
+
+
+def _wake() -> None:
+    """Let the worker settle, which takes facts."""

@@ -1,0 +1,149 @@
+"""Facts that wait for the core's worker: a bounded queue for each node that sends some."""
+
+import re
+import threading
+from collections import OrderedDict, deque
+from typing import Container, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from rosoclingo.reasoning.keywords import LONGEST, RETURN, shortened
+from rosoclingo.reasoning.returns import MOST_FACTS, MOST_WAITING, too_many_facts
+
+#: Characters of the facts of one node that can wait.
+MOST_TEXT = 1 << 24
+
+#: Returns of one node that can wait though as many facts wait as can.
+MOST_RETURNS = 1000
+
+#: Kinds of facts that are counted apart from each other between two reports.
+MOST_KINDS = 100
+
+_NAME = re.compile(r"\s*-?\s*([_']*[a-z][A-Za-z0-9_']*)")
+
+
+class Sent(NamedTuple):
+    """A message of a node; without facts it announces that the node serves the interface."""
+
+    node: str
+    interface: str
+    facts: Tuple[str, ...]
+
+
+class Ignored(NamedTuple):
+    """Facts of one kind that do not wait for the worker: the last one, and why, empty where it says so itself."""
+
+    interface: str
+    text: str
+    why: str
+    times: int
+
+
+class _Line:
+    """The messages of one node, in order."""
+
+    def __init__(self) -> None:
+        self.messages: Deque[Sent] = deque()
+        self.number = self.size = self.returns = 0
+
+    def add(self, message: Sent, sign: int = 1) -> None:
+        """Count a message as one that waits, or with the other ``sign`` no longer does."""
+        self.number += sign * max(1, len(message.facts))
+        self.size += sign * sum(map(len, message.facts))
+        self.returns += sign * any(map(_is_return, message.facts))
+
+
+class FactQueue:
+    """The facts of all nodes, put by rospy's threads and taken by the worker; ``names`` are of declared externals.
+
+    Facts of one node keep their order. The nodes take turns, and every other turn is for one that has sent a return. A
+    fact whose predicate has another name, and one for which there is no room, is only counted.
+    """
+
+    def __init__(self, names: Container[str]) -> None:
+        self._names = names
+        self._lock = threading.Lock()
+        self._lines: "OrderedDict[str, _Line]" = OrderedDict()
+        self._ignored: Dict[Tuple[str, str, str], Ignored] = {}
+        self._urgent = False  # whether the next turn is for a return
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything waits to be taken."""
+        return bool(self._lines)
+
+    def put(self, node: str, interface: str, facts: Sequence[str]) -> bool:
+        """Take a message from a node; return whether nothing has waited before, so the worker is to be called."""
+        interface, good = shortened(interface), []
+        bad: List[Tuple[str, str]] = []
+        for text in facts[:MOST_FACTS]:
+            if len(text) > LONGEST or self._is_hopeless(text):
+                bad.append((text[: LONGEST + 1], ""))
+            else:
+                good.append(text)
+        if len(facts) > MOST_FACTS:
+            bad.append(("", too_many_facts(len(facts), interface)))
+        with self._lock:
+            called = bool(self._lines)
+            if good or not facts:
+                bad += self._add(node, interface, good)
+            for text, why in bad:
+                self._ignore(node, interface, text, why)
+            return not called and bool(self._lines)
+
+    def take(self) -> Optional[Sent]:
+        """Return the next message, None where none waits."""
+        with self._lock:
+            if not self._lines:
+                return None
+            self._urgent = not self._urgent
+            urgent = (name for name, line in self._lines.items() if line.returns)
+            node = next(urgent, "") if self._urgent else ""
+            node = node or next(iter(self._lines))
+            line = self._lines.pop(node)
+            message = line.messages.popleft()
+            line.add(message, -1)
+            if line.messages:
+                self._lines[node] = line
+            return message
+
+    def take_ignored(self) -> List[Ignored]:
+        """Return what was ignored since the last call."""
+        with self._lock:
+            ignored, self._ignored = self._ignored, {}
+        return list(ignored.values())
+
+    def _add(self, node: str, interface: str, facts: Sequence[str]) -> List[Tuple[str, str]]:
+        """Append a message, return the facts that there is no room for, and why."""
+        line = self._lines.get(node) or _Line()
+        number, size = MOST_WAITING - line.number, MOST_TEXT - line.size
+        kept, left = [], []
+        for text in facts:
+            number, size = number - 1, size - len(text)
+            if (number >= 0 and size >= 0) or (_is_return(text) and number >= -MOST_RETURNS):
+                kept.append(text)
+            else:
+                number, size = number + 1, size + len(text)
+                left.append((text, f"too much of {node} waits to be looked at"))
+        if kept or (not facts and number > 0):
+            message = Sent(node, interface, tuple(kept))
+            line.messages.append(message)
+            line.add(message)
+            self._lines[node] = line
+        return left
+
+    def _ignore(self, node: str, interface: str, text: str, why: str) -> None:
+        name = _NAME.match(text)
+        key = (node, interface, why or (name.group(1) if name else ""))
+        if key not in self._ignored and len(self._ignored) >= MOST_KINDS:
+            key, interface = ("", "", ""), "other interfaces"
+        before = self._ignored.get(key)
+        self._ignored[key] = Ignored(interface, text, why, before.times + 1 if before else 1)
+
+    def _is_hopeless(self, text: str) -> bool:
+        """Whether the text is no atom that the program declares, by its name; a comment can stand before that."""
+        name = _NAME.match(text)
+        return "%" not in text if name is None else name.group(1) not in self._names
+
+
+def _is_return(text: str) -> bool:
+    name = _NAME.match(text)
+    return name is not None and name.group(1) == RETURN
