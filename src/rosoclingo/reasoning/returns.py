@@ -49,8 +49,8 @@ EXECUTED = 64
 #: Cycles of which the median is taken for how long one takes.
 MEASURED = 10
 
-#: Facts that may wait for the next update, returns not counted.
-MOST_WAITING = 10000
+#: Facts that may wait for the next update, returns not counted, and their characters.
+MOST_WAITING, MOST_TEXT = 10000, 1 << 22
 
 
 class ReturnError(ValueError):
@@ -222,6 +222,7 @@ class ExecutionMonitor:
         self._cycle = cycle
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
+        self._text = 0  # characters of the facts that wait
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
         self._begun: Deque[float] = deque(maxlen=MEASURED + 1)  # when actions went out
@@ -272,7 +273,7 @@ class ExecutionMonitor:
         """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""
         for text in facts[:MOST_FACTS]:
             with self._guarded(origin, text):
-                self._take(origin, _read(text))
+                self._take(origin, _read(text), len(text))
         if len(facts) > MOST_FACTS:
             self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
@@ -336,7 +337,7 @@ class ExecutionMonitor:
             message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
             self._tell(Problem(self._cycle(), message, origin, times))
 
-    def _take(self, origin: str, atom: Symbol) -> None:
+    def _take(self, origin: str, atom: Symbol, size: int) -> None:
         """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
@@ -346,9 +347,11 @@ class ExecutionMonitor:
             self._feed_return(origin, atom)
         else:
             self._check(atom)
-            if self._feeder.waiting >= MOST_WAITING:
-                raise FactError(f"{MOST_WAITING} facts wait for the next update already")
+            self._text = self._text if self._feeder.waiting else 0
+            if self._feeder.waiting >= MOST_WAITING or 0 < self._text > MOST_TEXT - size:
+                raise FactError(f"{self._feeder.waiting} facts wait for the next update already")
             if not self._is_known(atom):
+                self._text += size
                 self._tell(FactTaken(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle())
 

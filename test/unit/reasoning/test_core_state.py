@@ -1,12 +1,14 @@
 """The core's state in values, and its problems as lines of a log."""
 
+import pickle
+
 import pytest
 from core_driver import Driver
 
 from rosoclingo.reasoning import PlanMade, Problem
 from rosoclingo.reasoning.core_state import FRESH, Health, Level
 from rosoclingo.reasoning.keywords import shortened
-from rosoclingo.reasoning.log_throttle import FEW, MANY, QUIET, LogThrottle
+from rosoclingo.reasoning.log_throttle import FEW, MANY, MOST_ORIGINS, QUIET, LogThrottle
 
 
 def test_the_same_is_said_once():
@@ -147,3 +149,26 @@ def test_a_long_problem_is_told_by_its_beginning_and_its_end():
     assert len(line) < 1000
     assert line.startswith("cycle 1: 'seen(999")
     assert "it makes no sense (" in line
+
+
+def test_log_throttle_counts_a_problem_for_many():
+    throttle = LogThrottle()
+    assert throttle.take(Problem(1, "'_unheard(7)' is ignored", "eye", 300), 0.0)
+    assert not throttle.take(Problem(2, "'_unheard(9)' is ignored", "eye", 20), 1.0)
+    assert throttle.count == 320
+    (line,) = throttle.counted(QUIET)
+    assert line.startswith("319 more of this kind in a minute, the last: cycle 2: '_unheard(9)'")
+
+
+def test_log_throttle_tells_a_bounded_number_of_interfaces_apart():
+    throttle = LogThrottle()
+    lines = [throttle.take(Problem(1, "'x(' is ignored", f"eye{'x' * number}"), 0.0) for number in range(3000)]
+    assert MOST_ORIGINS <= len([line for line in lines if line]) <= MOST_ORIGINS + MANY
+    assert throttle.count == 3000
+
+
+def test_log_throttle_keeps_no_long_texts():
+    throttle = LogThrottle()
+    for number in range(50):
+        throttle.take(Problem(1, f"{'x' * 100000}{number}" * 10, "y" * 100000), 0.0)
+    assert len(pickle.dumps(throttle)) < 100000

@@ -1,7 +1,7 @@
 """Which interfaces there are, and which actions wait for one that is not there."""
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning.interface_register import GRACE, REPORTED, InterfaceRegister, ReportedInterfaces
+from rosoclingo.reasoning.interface_register import GRACE, MOST_NAMES, REPORTED, InterfaceRegister, ReportedInterfaces
 from rosoclingo.reasoning.keywords import action_of
 
 HOLD, MOVE = (action_of(parse_atom(text)) for text in ("_action_lib(hold,cup,3)", "_action_lib(move_base,hall,3)"))
@@ -82,3 +82,10 @@ def test_client_knows_what_the_core_reports():
     (missing,) = looked(register(), [long])
     found.report([], missing[1])
     assert found.fault(long, 0.0) == missing[1]
+
+
+def test_interface_register_bounds_the_names_of_a_node():
+    found = register()
+    for number in range(MOST_NAMES + 10):
+        found.announce("/a", f"arm{number}")
+    assert len(found.names) == MOST_NAMES

@@ -199,3 +199,36 @@ def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
     assert events[-1].message == f"{low} from interface meter comes too late: it is taken as {high}"
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low, "it is known by what was told"
+
+
+def test_facts_that_wait_are_bounded_by_their_text_as_well(monkeypatch):
+    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_TEXT", 1000)
+    driver = Driver().goal("a", "do(walk,1)")
+    for number in range(4):
+        driver.core.receive("eye", ["_seen({}{})".format("x" * 400, number)])
+    assert [one.message.split(": ")[-1] for one in driver.journal.of(Problem)] == [
+        "2 facts wait for the next update already"
+    ] * 2
+    driver.succeed()
+    driver.core.receive("eye", ["_seen(y)"])
+    assert len(driver.problems) == 2, "there is room again"
+
+
+@pytest.mark.parametrize(
+    ("text", "why", "message"),
+    [
+        ("garbage((", "", "'garbage((' from 'eye' is ignored: 1:10: "),
+        ("reading(1)", "", "'reading(1)' from 'eye' is ignored: the program declares no external reading/1"),
+        ("_seen(1)", "too much waits", "'_seen(1)' from 'eye' is ignored: too much waits"),
+        ("", "of 7 facts", "of 7 facts"),
+    ],
+)
+def test_ignored_facts_are_reported_with_their_number(text, why, message):
+    feeder, told = InputFeeder(), []
+    program = ReactiveProgram.from_text("#external _seen/1. #external _return/3.")
+    monitor = ExecutionMonitor(program, feeder, Clock(), told.append, lambda: 3)
+    monitor.ignore("eye", text, why, 40)
+    (problem,) = told
+    assert problem.message.startswith(message)
+    assert (problem.cycle, problem.origin, problem.times) == (3, "eye", 40)
+    assert not feeder.waiting

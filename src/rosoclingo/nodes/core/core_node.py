@@ -223,6 +223,8 @@ class CoreNode:
 
     def _goal_arrived(self, handle: ServerGoalHandle) -> None:
         key, text = handle.get_goal_id().id, handle.get_goal().request
+        if not self._handles.has_room(handle):
+            return
         self._handles.add(key, handle)
         self._keeper.add(key, Client(text, stamp_of(handle)))
         self._worker.put(lambda: self._core.add_goal(key, text))

@@ -1,6 +1,7 @@
 """The clients' side of the core's goals: actionlib's goal handles, kept until their goals end."""
 
 import time
+from collections import Counter
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import rospy
@@ -26,17 +27,31 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
 RESENT = 60.0
 
 
+#: Goals of one node that can be open.
+MOST_OPEN = 1000
+
+
 class GoalHandles:
     """Handles by goal id. Used by the worker only, as a handle takes the action server's lock."""
 
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
+        self._open: Dict[str, int] = Counter()  # by the node that has sent them
         self._board = GoalBoard()
         self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
+
+    def has_room(self, handle: ServerGoalHandle) -> bool:
+        """Whether the goal's node has few enough goals open; else the goal is rejected."""
+        if self._open[_node_of(handle)] < MOST_OPEN:
+            return True
+        text = f"{MOST_OPEN} goals of {_node_of(handle)} are open: wait until some of them have ended"
+        handle.set_rejected(ROSoClingoResult(ROSoClingoResult.REJECTED, text), text)
+        return False
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
         """Take a goal that arrived."""
         self._handles[key] = handle
+        self._open[_node_of(handle)] += 1
         self._board.add(key, handle)
 
     def changed(self, event: GoalChanged) -> None:
@@ -74,6 +89,7 @@ class GoalHandles:
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
+        self._open[_node_of(handle)] -= 1
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
         rospy.loginfo("goal '%s' %s: %s", handle.get_goal().request, outcome.name.lower(), message)
 
@@ -118,6 +134,12 @@ def status_of(client: Client, goal: Optional[Goal]) -> int:
 
 def _number(state: GoalState) -> int:
     return int(getattr(GoalStatus, state.name))
+
+
+def _node_of(handle: Any) -> str:
+    """The node that has sent a goal; empty for a goal from before the core was killed."""
+    header = getattr(handle.goal, "_connection_header", None) or {}
+    return str(header.get("callerid", ""))
 
 
 def stamp_of(handle: Any) -> Tuple[int, int]:

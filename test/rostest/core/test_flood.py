@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Nodes that send facts as fast as they can: goals, cancels, returns and diagnostics go on all the same."""
+
+import itertools
+import signal
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticArray
+from rosoclingo.msg import InterfaceIO
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from core_helpers import Client, Hands
+from interface_helpers import Process, init_node, wait_to_hear, wait_until
+
+#: What a node floods the core with, by a running number.
+FLOODS = {"undeclared": "reading({})", "declared": "_seen({})", "garbage": "x{}((", "returns": "_return(walk,{},1)"}
+
+
+def flood(kind):
+    """Be the node that sends facts as fast as it can."""
+    rospy.init_node("flood", anonymous=True)
+    publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=10)
+    numbers = itertools.count()
+    while not rospy.is_shutdown():
+        publisher.publish(InterfaceIO("sensor", [FLOODS[kind].format(next(numbers)) for _ in range(500)]))
+
+
+class Flood(unittest.TestCase):
+    def setUp(self):
+        self.hands, self.client = Hands(), Client()
+        self.hands.wait_for("/rosoclingo")
+        self.reports = []
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, self.note)
+        wait_to_hear(diagnostics, nodes=["/rosoclingo"])
+        self.addCleanup(diagnostics.unregister)
+
+    def note(self, message):
+        """Note a report of the core, as a table."""
+        found = [one for one in message.status if one.name == "rosoclingo: core"]
+        self.reports += [{pair.key: pair.value for pair in one.values} for one in found]
+
+    def problems(self):
+        """How many problems there were so far."""
+        return int(self.reports[-1]["problems"]) if self.reports else 0
+
+    def goes_on_during(self, kind, number):
+        wait_until(lambda: self.reports, "a report")
+        before = self.problems()
+        command = [sys.executable, str(Path(__file__).resolve()), "--flood", kind]
+        with Process(*command) as one, Process(*command) as other:
+            wait_until(lambda: self.problems() > before + 20000, "the flood, of which more is ignored than not")
+            goal = self.client.send(f"do(walk,{number})")
+            self.hands.succeed(self.hands.take())
+            goal.ends_as(GoalStatus.SUCCEEDED)
+            goal = self.client.send(f"do(walk,{number + 1})")
+            command = self.hands.take()
+            goal.cancelled()
+            self.hands.succeed(command)
+            self.assertIn(goal.wait()[0], (GoalStatus.SUCCEEDED, GoalStatus.PREEMPTED))
+            reports = len(self.reports)
+            wait_until(lambda: len(self.reports) >= reports + 3, "reports during the flood")
+            for process in (one, other):
+                process.signal(signal.SIGKILL)
+        self.assertIn("is ignored", self.reports[-1]["last error"])
+
+    def test_undeclared_facts(self):
+        self.goes_on_during("undeclared", 10)
+
+    def test_declared_facts(self):
+        self.goes_on_during("declared", 20)
+
+    def test_garbage(self):
+        self.goes_on_during("garbage", 30)
+
+    def test_returns_that_nobody_awaits(self):
+        self.goes_on_during("returns", 40)
+
+
+if __name__ == "__main__":
+    if "--flood" in sys.argv:
+        flood(sys.argv[sys.argv.index("--flood") + 1])
+    else:
+        init_node("flood_test")
+        rostest.rosrun("rosoclingo", "flood", Flood, sys.argv)
