@@ -136,7 +136,8 @@ class CoreClient:
         """End goals of which nothing will be heard any more as lost; to be called while waiting for them.
 
         That is so once nothing was heard of a goal for some seconds of wall time, and the server does not answer
-        either, was started anew, or tells of its goals again and again without this one. Takes some seconds where nothing answers.
+        either, was started anew, or tells of its goals again and again without this one. Takes some seconds where
+        nothing answers.
         """
         before, self._latest = self._latest, self._client.last_status_msg
         fresh = self._latest if self._latest is not before else None

@@ -10,15 +10,18 @@ from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.keywords import identifier_of
 from rosoclingo.reasoning.records import Record, group, symbol_of, text_of
 
-#: So many goals are remembered.
-KEPT = 20
+#: So many goals are remembered, and bytes of them.
+KEPT, MEMORY = 20, 16 * 1024 * 1024
 
 #: Bytes that they may take in a record, of which the latest goals come first.
 ROOM = 256 * 1024
 
 
 class GivenUpGoals:
-    """Remembers the last :data:`KEPT` goals that were given up; a record has those of them that :data:`ROOM` is for."""
+    """Remembers the last :data:`KEPT` goals that were given up, the last one and others within :data:`MEMORY`.
+
+    A record has those of them that :data:`ROOM` is for.
+    """
 
     def __init__(self) -> None:
         self._goals: Dict[str, GoalUnmet] = {}
@@ -28,7 +31,8 @@ class GivenUpGoals:
         """Remember a goal, the latest one."""
         self._drop(event.key)
         self._goals[event.key] = event
-        while len(self._goals) > KEPT:
+        sizes = {key: self._record_of(key)[1] for key in self._goals}
+        while len(self._goals) > KEPT or (len(self._goals) > 1 and sum(sizes[key] for key in self._goals) > MEMORY):
             self._drop(next(iter(self._goals)))
 
     @property

@@ -15,10 +15,22 @@ from rosoclingo.reasoning.keywords import Action, action_of
 Record = Dict[str, Any]
 
 
-@lru_cache(maxsize=4096)  # the same ones are asked for again and again
+#: Symbols whose texts are cached, and the characters of a text that is.
+CACHED, SHORT = 4096, 200
+
+_texts: Dict[Symbol, str] = {}
+
+
 def text_of(symbol: Symbol) -> str:
-    """Return a symbol as text for :func:`symbol_of`."""
-    return symbols_to_text([symbol])
+    """Return a symbol as text for :func:`symbol_of`; short ones are asked for again and again."""
+    text = _texts.get(symbol)
+    if text is None:
+        text = symbols_to_text([symbol])
+        if len(text) <= SHORT:
+            if len(_texts) >= CACHED:
+                _texts.clear()
+            _texts[symbol] = text
+    return text
 
 
 def symbol_of(text: str) -> Symbol:
@@ -26,7 +38,7 @@ def symbol_of(text: str) -> Symbol:
     return symbol_list(text)[0]
 
 
-@lru_cache(maxsize=1024)  # those that were done stay for long
+@lru_cache(maxsize=128)  # those that were done last, which are asked for at each step
 def action_to_text(action: Action) -> str:
     """Return an action as text for :func:`symbol_of`."""
     return text_of(action.atom)

@@ -50,7 +50,7 @@ EXECUTED = 64
 MEASURED = 10
 
 #: Facts that may wait for the next update, returns not counted, and their characters.
-MOST_WAITING, MOST_TEXT = 10000, 1 << 22
+MOST_WAITING, MOST_TEXT = 10000, 1 << 24
 
 
 class ReturnError(ValueError):
@@ -196,8 +196,8 @@ class FactError(ValueError):
     """A fact is rejected: no interface may state it, or the program does not declare it; the text says why."""
 
 
-#: So many facts that name their cycle are remembered: told again they are nothing new.
-KNOWN = 1000
+#: So many facts that name their cycle are remembered, if they are short: told again they are nothing new.
+KNOWN, SHORT = 1000, 1000
 
 
 class ExecutionMonitor:
@@ -350,7 +350,7 @@ class ExecutionMonitor:
             self._text = self._text if self._feeder.waiting else 0
             if self._feeder.waiting >= MOST_WAITING or 0 < self._text > MOST_TEXT - size:
                 raise FactError(f"{self._feeder.waiting} facts wait for the next update already")
-            if not self._is_known(atom):
+            if size > SHORT or not self._is_known(atom):
                 self._text += size
                 self._tell(FactTaken(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle())

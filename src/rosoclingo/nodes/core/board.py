@@ -9,9 +9,13 @@ from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import GoalState, GoalStates
+from rosoclingo.reasoning.keywords import shortened
 
 #: Goals that are told of after they have ended.
 ENDED = 100
+
+#: Characters of a goal's request and of its reason; what is longer is told without its middle.
+SHOWN = 500
 
 #: Seconds of wall time in which changes are told together, as each message has all goals.
 TOGETHER = 0.1
@@ -34,7 +38,8 @@ class GoalBoard:
     def add(self, key: str, handle: ServerGoalHandle) -> None:
         """Take a goal that arrived."""
         self._goals.pop(key, None)
-        self._goals[key] = GoalState(id=handle.get_goal_id(), request=handle.get_goal().request, came=rospy.Time.now())
+        request = shortened(handle.get_goal().request, SHOWN)
+        self._goals[key] = GoalState(id=handle.get_goal_id(), request=request, came=rospy.Time.now())
         self._changed = True
         self.look(key, handle)
 
@@ -55,7 +60,7 @@ class GoalBoard:
             id=before.id,
             request=before.request,
             status=status,
-            reason=self._waits.get(key) or found.text,
+            reason=shortened(self._waits.get(key) or found.text, SHOWN),
             came=before.came,
             since=before.since or (now if accepted else rospy.Time()),
             ended=now if ended else rospy.Time(),

@@ -61,7 +61,7 @@ class FactQueue:
     def __init__(self, names: Container[str]) -> None:
         self._names = names
         self._lock = threading.Lock()
-        self._lines: "OrderedDict[str, _Line]" = OrderedDict()
+        self._lines: OrderedDict[str, _Line] = OrderedDict()
         self._ignored: Dict[Tuple[str, str, str], Ignored] = {}
         self._urgent = False  # whether the next turn is for a return
 

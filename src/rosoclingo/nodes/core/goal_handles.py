@@ -15,6 +15,7 @@ from rosoclingo.nodes.core.board import GoalBoard
 from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
 from rosoclingo.reasoning.goals import TRANSITIONS
 from rosoclingo.reasoning.journal.keeper import Client
+from rosoclingo.reasoning.keywords import shortened
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
     GoalEvent.SUCCEED: ServerGoalHandle.set_succeeded,
@@ -91,7 +92,7 @@ class GoalHandles:
         handle = self._handles.pop(key)
         self._open[_node_of(handle)] -= 1
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
-        rospy.loginfo("goal '%s' %s: %s", handle.get_goal().request, outcome.name.lower(), message)
+        rospy.loginfo("goal '%s' %s: %s", shortened(handle.get_goal().request), outcome.name.lower(), message)
 
 
 class Results:

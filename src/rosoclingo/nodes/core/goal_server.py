@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
 
 #: Goals and cancels of one node that can wait for the worker, and the characters of their texts.
-MOST_ARRIVALS, MOST_TEXT = 1000, 1 << 22
+MOST_ARRIVALS, MOST_TEXT = 1000, 1 << 25
 
 #: Characters of a goal's id, which each status message repeats.
 LONGEST_ID = 1000

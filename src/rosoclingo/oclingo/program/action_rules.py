@@ -8,8 +8,7 @@ What an action returns is its parameter, when all goes well. Where a program ope
 are declared step by step as well: an atom that steps which are ground could have seen means to ground them anew.
 """
 
-from functools import lru_cache
-from typing import Callable, Container, List, Sequence, Set, Tuple
+from typing import Callable, Container, FrozenSet, Iterable, List, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
@@ -41,12 +40,24 @@ def is_action(atom: clingo.Symbol) -> bool:
     return atom.match(*ACTION)
 
 
-@lru_cache(maxsize=1 << 16)
-def is_dated_action(atom: clingo.Symbol) -> bool:
-    """Tell whether ``atom``, or any other symbol of an answer, is an ``_action_lib(A,P,C)`` whose C is a number.
+class DatedActions:
+    """Picks from the symbols of answers each ``_action_lib(A,P,C)`` whose C is a number.
 
-    Most atoms of an answer were in the one before: to look them up takes a seventh of the time.
+    Most symbols of an answer were in the one before, so that the others of that one are kept, and looked at once.
     """
+
+    def __init__(self) -> None:
+        self._others: FrozenSet[clingo.Symbol] = frozenset()
+
+    def __call__(self, symbols: Iterable[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
+        """Return the actions of an answer."""
+        answer = frozenset(symbols)
+        found = frozenset(filter(_is_dated_action, answer - self._others))
+        self._others = answer - found
+        return found
+
+
+def _is_dated_action(atom: clingo.Symbol) -> bool:
     return is_action(atom) and atom.arguments[2].type is clingo.SymbolType.Number
 
 

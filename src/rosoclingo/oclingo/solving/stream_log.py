@@ -13,7 +13,7 @@ from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Se
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import is_dated_action
+from rosoclingo.oclingo.program.action_rules import DatedActions
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
 from rosoclingo.oclingo.solving.state_text import (
@@ -24,6 +24,9 @@ from rosoclingo.oclingo.solving.state_text import (
     symbols_to_text,
 )
 from rosoclingo.oclingo.solving.stream_state import StreamState
+
+
+_dated_actions = DatedActions()
 
 
 class Plan(NamedTuple):
@@ -43,7 +46,7 @@ class Plan(NamedTuple):
     @classmethod
     def of(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
         """Return the plan in an answer, whose ``atoms`` may be other symbols as well that a ``#show`` has named."""
-        return cls(frozenset(filter(is_dated_action, atoms)), horizon, shortest)
+        return cls(_dated_actions(atoms), horizon, shortest)
 
     def since(self, cycle: int) -> "Plan":
         """Return what is to be done from ``cycle`` on."""
