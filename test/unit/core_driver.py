@@ -7,7 +7,7 @@ from core_journal import Journal
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamSolver
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Problem
+from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Halt, Problem
 from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 
 #: One errand per goal ``do(What,Id)``; see the file.
@@ -38,6 +38,18 @@ def soon(program: ReactiveProgram, plan_time: float = 1.0) -> ReactiveSolver:
 
 #: Makers of solvers for either setting of ``~plan``.
 PLANS = {"shortest": shortest, "soon": soon}
+
+
+class Leaving:
+    """A watch by which the search of this ``number``, counted from 1, is left for what comes."""
+
+    def __init__(self, number: int = 0) -> None:
+        self.number = number
+
+    def __call__(self) -> Callable[[], Optional[Halt]]:
+        self.number -= 1
+        over = self.number == 0
+        return lambda: Halt("the test", disturbed=True) if over else None
 
 
 class Driver:

@@ -4,12 +4,13 @@ from contextlib import suppress
 from typing import Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult
+from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
 from rosoclingo.reasoning.explanations import Explanations, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
-from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, update_status
+from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
@@ -18,7 +19,7 @@ from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Outlook, Preparations
 from rosoclingo.reasoning.present import Present
-from rosoclingo.reasoning.recovery import Question, Recovery, recover
+from rosoclingo.reasoning.recovery import Question, Recovery, anew, recover, settle
 from rosoclingo.reasoning.refusals import refusals
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.settings import CoreSettings
@@ -55,9 +56,8 @@ class Core:
     ) -> None:
         self._tell, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
         self._problem = self._announce.problem
-        self._settings = settings
+        self._settings, self._watch_recovery = settings, watch_recovery
         self._planner = Planner(make_solver, settings.horizon_limit, watch)
-        self._watch_recovery = watch_recovery
         self._speaks = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
@@ -158,7 +158,8 @@ class Core:
         self._ahead.prepare(self._planner, self._latest[1], self._announce.told + 1, self._outlook)
 
     def abandon(self, why: str) -> None:
-        """Abort every goal, as the core ends."""
+        """Abort every goal; the program is to hear of it."""
+        self._goals.drop(self._goals.fed, why)
         self._goals.end(self._goals.live, Outcome.ABORTED, why)
 
     def _preempt(self) -> None:
@@ -198,10 +199,12 @@ class Core:
         return Outlook(told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps)
 
     def _solve(self, batch: Batch, now: float) -> None:
+        refused, self.queue.hurried = False, batch.is_predicted and bool(self._latest[1].remaining(self._step))
         try:
             try:
                 result = self._planner.update(batch.update)
             except SolverError as error:
+                refused = not isinstance(error, DroppedError)
                 result = feed_less(self._planner, batch, error, self._goals.end, self._problem, bool(self._goals.fed))
         except DisturbedError as disturbance:
             self._leave(disturbance)
@@ -212,7 +215,7 @@ class Core:
         except SolverError as error:
             self._take_nothing(now if isinstance(error, DroppedError) else None)
             return
-        self._taken(batch)
+        self._taken(batch, refused)
         try:
             self._answered(result, batch, now)
         except DisturbedError as disturbance:
@@ -221,7 +224,7 @@ class Core:
 
     def _leave(self, disturbance: DisturbedError) -> None:
         """Leave the search: there is another as soon as what has come is taken."""
-        self._plan = None
+        self._plan, self.queue.left = None, True
         self._problem(str(disturbance))
 
     def _take_nothing(self, now: Optional[float]) -> None:
@@ -229,23 +232,34 @@ class Core:
         self._plan, self._planner = TaskPlan(), self._planner.restarted()
         self.queue.give_time()
         if now is None:
-            why = "is given up: the solver takes no update any more"
-            self._goals.drop(self._goals.fed, why)
-            self._goals.end(self._goals.live, Outcome.ABORTED, why)
+            self.abandon("is given up: the solver takes no update any more")
+            self._feeder.forget_executed()
         self._feeder.wait(now)
 
-    def _taken(self, batch: Batch) -> None:
-        """Remember the facts of an update that is in force."""
-        self._feeder.taken(batch)
+    def _taken(self, batch: Batch, refused: bool = False) -> None:
+        """Remember the facts of an update that is in force; others come later unless it was ``refused`` for them."""
         present = self._planner.in_force.heads
+        for fact in self._feeder.taken(batch, present, refused):
+            self._problem(f"{fact.told} is dropped: the solver takes no update with it", fact.origin)
         self._execution.taken(batch.facts, present)
         self._goals.taken(batch.goals, present)
 
-    def _answered(self, result: SolveResult, batch: Batch, now: float, mended: bool = False) -> None:
+    def _answered(self, result: SolveResult, batch: Batch, now: float, no_plan: Optional[Stream] = None) -> None:
+        """Go on with an answer or without; ``no_plan`` is the stream that had none, if this is the mended one."""
         self._plan = TaskPlan()
         for warning in result.warnings:
             self._problem(warning)
         self._goals.reject_undeclared(batch.goals, result.warnings)
+        if self._execution.has_untaken(batch.failures, result.warnings):
+            settled = settle(self._planner, result, self._question, self._execution.untaken.open)
+            self._planner, result = settled.planner, settled.result
+            self._execution.untaken.settle(settled.failures, self._problem)
+            if settled.recovery is not None:
+                self._plan = extract_plan(result.answers[0]) if result.answers else None
+                self._announce.plan(result, self._shown())
+                self._adopt(settled.recovery, "", now, no_plan)
+                return
+            self._goals.give_up([one.goal for one in settled.unmet], settled.why)
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._announce.update(self._step, self._planner.in_force)
             self._use(result, now, any(goal.fed for goal in batch.goals))  # some may have been left out
@@ -254,7 +268,7 @@ class Core:
             return
         self._announce.plan(result, self._shown())
         if result.outcome is SolveOutcome.UNSATISFIABLE:
-            self._recover(result, batch, now, mended)
+            self._recover(result, batch, now, mended=no_plan is not None)
         elif batch.known_goals or not self._keep_plan(now):
             self._too_much(batch, self._planner.why_none(result), now)
 
@@ -274,12 +288,7 @@ class Core:
         reading = Reading(statuses, plan, since, self._step, result.horizon, self._speaks)
         self._improvable = not result.shortest
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
-        for fault in (*plan.faults, *statuses.faults):
-            self._problem(fault)
-        for goal in self._goals.fed:
-            update_status(goal, reading)
-            if goal.refused:
-                self._feeder.add_rejection(goal.identifier)
+        self._goals.read(reading)
         self._announce.progress(self._step, self._goals.fed, shown)
         if not actions and self._waits >= self._planner.lookahead and self._later():
             self._lose_patience()
@@ -298,17 +307,20 @@ class Core:
 
     def _recover(self, result: SolveResult, batch: Batch, now: float, mended: bool) -> None:
         """No plan: end the goals that must go and start the next cycle without them, or doubt what was seen."""
-        goals, why = self._goals.fed, self._planner.why_none(result)
-        seen, limit = self._execution.observations.newest_first, self._settings.horizon_limit
-        question = Question(self._step + 1, tuple(reversed(goals)), seen, self._watch_recovery, limit)
+        question, why = self._question, self._planner.why_none(result)
         try:
             found = recover(self._planner, question)
             if found is not None:
-                self._adopt(found, why, now)
+                self._adopt(found, why, now, self._planner.stream)
             elif mended or not self._mend(question, batch, now):
                 self._begin_anew(batch, why, now)
         except UndecidedError:
             self._too_much(batch, f"{why}, and it was not found out in time which goals cannot be met", now)
+
+    @property
+    def _question(self) -> Question:
+        goals, seen = tuple(reversed(self._goals.fed)), self._execution.observations.newest_first
+        return Question(self._step + 1, goals, seen, self._watch_recovery, self._settings.horizon_limit)
 
     def _too_much(self, batch: Batch, why: str, now: float) -> None:
         """Nothing is known in time: the newest goals wait, or the search goes on; the last plan is kept if it can."""
@@ -320,8 +332,8 @@ class Core:
 
     def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> None:
         """Take goals out of the program until it is their turn again, but for those in hand."""
-        executed = self._execution.executed
-        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, self._announce.told, executed)
+        at, done, look = self._announce.told, self._execution.executed, self._watch_recovery()
+        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, at, done, look)
         self._problem(told)
 
     def _keep_plan(self, now: float) -> bool:
@@ -337,18 +349,14 @@ class Core:
 
     def _mend(self, question: Question, batch: Batch, now: float) -> bool:
         """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
-        observations = self._execution.observations
-        case = Case(batch, self._planner.in_force, self._execution.executed, question, self._clock)
-        found = mend(self._planner, case)
+        found = mend(
+            self._planner, Case(batch, self._planner.in_force, self._execution.executed, question, self._clock)
+        )
         if found is None:
             return False
-        self._planner = found.planner
-        observations.drop(frozenset(change.observation.atom for change in found.changes))
-        for change in found.changes:
-            self._problem(str(change), change.observation.origin)
-            if change.taken_as is not None:
-                observations.add_fact(change.observation._replace(atom=change.taken_as))
-        self._answered(found.result, batch, now, mended=True)
+        no_plan, self._planner = self._planner.stream, found.planner
+        self._execution.change(found.changes, batch.failures)
+        self._answered(found.result, batch, now, no_plan)
         return True
 
     def _lose(self, why: str) -> None:
@@ -359,33 +367,24 @@ class Core:
 
     def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
         """Nothing else helps: the program forgets what was told and done before, if it has an answer then."""
-        try:
-            planner, updates, result = self._planner.anew(self._step)
-        except DroppedError:
-            raise UndecidedError from None
-        except SolverError:
+        found = anew(self._planner, self._step, why, self._problem)
+        if found is None:
             self._lose(why)
             return
-        if result.outcome is SolveOutcome.INTERRUPTED:
-            raise UndecidedError
-        if result.outcome is SolveOutcome.UNSATISFIABLE:
-            self._problem(f"the program has no answer, whatever is told: {why}")
-            self._lose(why)
-            return
+        self._planner, updates, result = found
         self._problem(f"ERROR: the program has no answer after all that was done and told: {why}; it begins anew")
         old = [goal for goal in self._goals.fed if goal not in batch.goals]
         self._goals.end(old, Outcome.ABORTED, "is given up: the program begins anew")
         self._goals.again(batch.goals)
-        self._planner = planner
         self._execution.forget_all()
         self._announce.updates(self._step, updates)
         self._answered(result, Batch(self._planner.in_force), now)
 
-    def _adopt(self, found: Recovery, why: str, now: float) -> None:
+    def _adopt(self, found: Recovery, why: str, now: float, no_plan: Optional[Stream]) -> None:
         self._announce.update(self._step, self._planner.in_force)
         if found.withheld:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
-        for one, stream in streams_of(found.unmet, self._planner.stream):
+        for one, stream in streams_of(found.unmet, no_plan) if no_plan is not None else ():
             self._tell(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
         self._step += 1

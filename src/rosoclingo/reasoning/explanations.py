@@ -47,12 +47,14 @@ class UnmetGoal(NamedTuple):
     """``goal`` and the goals ``together`` cannot be met after ``observations``.
 
     ``sure`` tells that they could be with any of the observations left out; otherwise that was not found out in time.
+    ``note`` is what else there is to say of the observations.
     """
 
     goal: Goal
     together: Tuple[Goal, ...] = ()
     observations: Tuple[Observation, ...] = ()
     sure: bool = True
+    note: str = ""
 
     def text(self, explanations: Explanations, why: str) -> str:
         """The one in words, the program's where it has some; ``why`` is told where nothing else is known."""
@@ -65,6 +67,7 @@ class UnmetGoal(NamedTuple):
             f" together with {others}" if others else "",
             f": {reason}" if reason else "",
             f" {perhaps}since {seen}" if seen else "",
+            f", {self.note}" if self.note else "",
         ]
         return "".join(parts)
 

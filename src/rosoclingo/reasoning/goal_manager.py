@@ -5,7 +5,8 @@ from typing import Callable, Container, Iterable, List, Optional, Sequence
 from clingo import Symbol
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused
+from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
+from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, request
@@ -105,6 +106,21 @@ class GoalManager:
             self._feeder.add_cancellation(goal.identifier)
         self.end(goals, Outcome.ABORTED, why)
 
+    def read(self, reading: Reading) -> None:
+        """Bring the goals that the program knows to the states that an answer gives them; tell its faults."""
+        for fault in (*reading.plan.faults, *reading.statuses.faults):
+            self._tell(Problem(self._cycle(), fault))
+        for goal in self.fed:
+            update_status(goal, reading)
+            if goal.refused:
+                self._feeder.add_rejection(goal.identifier)
+
+    def give_up(self, goals: Sequence[Goal], why: str) -> None:
+        """Abort goals; the program hears of their cancellations with the next update, should there be one."""
+        for goal in goals:
+            self._feeder.add_rejection(goal.identifier)
+        self.end(goals, Outcome.ABORTED, why)
+
     def end(self, goals: Iterable[Goal], outcome: Outcome, why: str) -> None:
         """End those of the goals that have not ended, each with its term and the reason as its message."""
         for goal in goals:
@@ -136,6 +152,13 @@ class GoalManager:
         self.queue.found(seconds)
         self._admit()
 
+    def take_out(self, goals: Sequence[Goal], told: int) -> None:
+        """End goals that were cancelled and are no longer in the program; updates were told up to that of ``told``."""
+        self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
+        for goal in goals:
+            goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
+        self.queue.go_on()
+
     def put_off(self, goals: Sequence[Goal], why: str, told: int) -> None:
         """Goals that were taken out of the program wait for their turn; updates were told up to that of ``told``."""
         self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
@@ -155,6 +178,7 @@ class GoalManager:
 
     def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
         """An update that was for some goals is in force; those whose request is not among its heads were left out."""
+        self.queue.hurried = False
         left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
         if left:
             self._left_out(left)

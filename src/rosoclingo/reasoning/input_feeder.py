@@ -1,5 +1,6 @@
 """The input feeder of Fig. 4: it turns what happened into the next stream update."""
 
+import math
 from typing import (
     Callable,
     Container,
@@ -27,6 +28,12 @@ from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, gr
 
 #: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
 PAUSE = 10.0
+
+#: So often an update is taken without a fact that was its only one, before the fact is dropped.
+MOST_TRIES = 5
+
+#: Seconds that such a fact rests after the second time; then twice as many, and so on.
+FACT_REST = 10.0
 
 
 class Batch(NamedTuple):
@@ -58,10 +65,23 @@ class Batch(NamedTuple):
         return self.update.less(frozenset(request(goal.term, self.request_cycle) for goal in self.goals))
 
     @property
-    def commitments(self) -> StreamUpdate:
-        """The same update with nothing but the commitments."""
-        kept = tuple(item for item in self.update.items if not isinstance(item, Statement) or item.is_commitment)
-        return StreamUpdate(step=self.update.step, items=kept)
+    def failures(self) -> Tuple[Observation, ...]:
+        """The returns of actions that failed, each with the actions."""
+        return tuple(one for one in self.facts if one.actions)
+
+    @property
+    def is_predicted(self) -> bool:
+        """Whether all that was done has succeeded, and nothing else has come than new goals: the plan can go on."""
+        return len(self.goals) == len(self.requests) and all(one.is_return and not one.actions for one in self.facts)
+
+    @property
+    def indispensable(self) -> StreamUpdate:
+        """The same update without the goals' requests and the facts that are no returns.
+
+        What was done and what came of it are never fed apart; new goals and other facts can come later.
+        """
+        later = {one.atom for one in self.facts if not one.is_return}
+        return self.without_goals.less(frozenset(later))
 
 
 class Clock:
@@ -100,13 +120,74 @@ class Clock:
         return self._delay(fact.name, len(fact.arguments)) or 0
 
 
+class LeftFacts:
+    """Facts that updates were taken without, as the solver dropped or refused the update with them.
+
+    They come again, half as many at a time, until the one that is to blame is alone.
+    """
+
+    def __init__(self) -> None:
+        self._tries: Dict[Symbol, int] = {}  # how often a fact was left out that was alone
+        self._rests: Dict[Symbol, float] = {}  # until when
+        self._room: Optional[int] = None  # for so many of them in an update
+        self._now = -math.inf
+
+    def due(self, facts: Dict[Symbol, Observation]) -> Dict[Symbol, Observation]:
+        """Return those of the waiting ``facts``, by what was told, that the next update can carry."""
+        if not self._tries:
+            return facts
+        ready = [one for one in facts if one in self._tries and self._rests.get(one, -math.inf) <= self._now]
+        fit = frozenset(ready[: self._room])
+        return {one: seen for one, seen in facts.items() if one not in self._tries or one in fit}
+
+    def taken(self, facts: Iterable[Observation], left: Sequence[Observation], refused: bool) -> List[Observation]:
+        """Note that an update was taken without those ``left``; return what was alone too often, once if refused."""
+        others = [one for one in facts if not one.is_return]
+        for one in frozenset(others).difference(left) if self._tries else ():
+            self._drop(one)
+        if left:
+            self._room = max(1, len(left) // 2)
+        elif self._room is not None:
+            self._room = 2 * self._room if self._tries else None
+        lost: List[Observation] = []
+        for one in left:
+            key = one.told or one.atom
+            self._tries[key] = self._tries.get(key, 0) + (len(others) == 1)
+            if self._tries[key] > 1:
+                self._rests[key] = math.inf  # the search has taken time: the rest begins when next it is told
+            if self._tries[key] >= (1 if refused else MOST_TRIES):
+                self._drop(one)
+                lost.append(one)
+        return lost
+
+    def tick(self, now: float) -> None:
+        """Time passes, in seconds of whatever clock; where it has jumped back, a rest begins now."""
+        self._now = now
+        for key, until in self._rests.items():
+            self._rests[key] = min(until, now + FACT_REST * 2 ** (self._tries[key] - 2))
+
+    def record(self) -> Record:
+        """Return the facts as a section of plain values, none where there are no facts."""
+        return {f"left:{text_of(key)}": tries for key, tries in self._tries.items()}
+
+    def restore(self, record: Record) -> None:
+        """Go on from a record; the facts come one at a time, and each rest starts again."""
+        self._tries = {symbol_of(text): tries for text, tries in group(record, "left").items()}
+        self._rests = {key: math.inf for key, tries in self._tries.items() if tries > 1}
+        self._room = 1 if self._tries else None
+
+    def _drop(self, one: Observation) -> None:
+        for table in (self._tries, self._rests):
+            table.pop(one.told or one.atom, None)
+
+
 class InputFeeder:
     """Collects requests, cancellations, returns and other facts in order of arrival, until an update takes them.
 
     Within an update commitments come first, then requests and cancellations, then returns and other facts, those of
     several actions that were a success in the order of the actions; a new goal
     in update n carries cycle n+1, a cancellation n (as in the paper's printed updates). ``clock`` knows the cycle of
-    facts that are stated for ``now``.
+    facts that are stated for ``now``. Facts of an update that was taken without them come again, in ever smaller parts.
 
     Attributes:
         arrivals: how many things have arrived so far.
@@ -120,6 +201,7 @@ class InputFeeder:
         self._facts: Dict[Symbol, Observation] = {}
         self._executed: Tuple[Action, ...] = ()
         self._withdrawn: FrozenSet[Symbol] = frozenset()
+        self._left = LeftFacts()
         self._waits: Optional[int] = None  # for more to arrive than has by now
         self._paused: Optional[float] = None  # since when
         self.arrivals = 0
@@ -127,12 +209,13 @@ class InputFeeder:
     @property
     def pending(self) -> bool:
         """Whether anything waits to be fed."""
-        return bool(self._requests or self._facts) and self.arrivals != self._waits
+        waits = self._requests or self._executed or self._left.due(self._facts)
+        return bool(waits) and self.arrivals != self._waits
 
     def has_beside(self, expected: Container[Optional[Symbol]]) -> bool:
         """Whether the next update is to tell more than what was done and facts that are ``expected``."""
         return bool(self._requests or self._rejected or self._withdrawn) or any(
-            fact not in expected for fact in self._facts
+            fact not in expected for fact in self._left.due(self._facts)
         )
 
     @property
@@ -171,6 +254,16 @@ class InputFeeder:
         """Take the actions of a cycle that has ended: the next update commits to them."""
         self._executed += tuple(actions)
 
+    def forget_executed(self) -> None:
+        """Forget what was done together with what came of it: the solver refuses it."""
+        self._facts = {atom: one for atom, one in self._facts.items() if not one.is_return}
+        self._executed = ()
+
+    def add_failure(self, answer: Symbol, actions: Tuple[Action, ...]) -> None:
+        """Note the actions that a return of failure may be about, if the program takes it."""
+        if answer in self._facts:
+            self._facts[answer] = self._facts[answer]._replace(actions=actions)
+
     def next_update(self, step: int, over: int = 0) -> Batch:
         """Return the update that starts cycle ``step``; what it carries waits until it is ``taken``.
 
@@ -180,19 +273,31 @@ class InputFeeder:
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         requests = [one for one in self._requests if not (too_early and isinstance(one, Goal))]
-        return self._batch(step, self._executed, self._after_rejected(requests), self._facts.values(), over)
+        facts = self._left.due(self._facts).values()
+        return self._batch(step, self._executed, self._after_rejected(requests), facts, over)
 
-    def taken(self, batch: Batch) -> None:
-        """Record that the latest update is in force: what it carries no longer waits; the program knows its goals."""
+    def taken(
+        self, batch: Batch, present: Optional[Container[Optional[Symbol]]] = None, refused: bool = False
+    ) -> List[Observation]:
+        """Record that the latest update is in force, with those of its heads that are ``present`` (None: all).
+
+        These no longer wait, and the program knows its goals. Facts and cancellations that were left out, as the whole
+        was dropped or ``refused``, come again; returned are those facts that do not.
+        """
+        present = batch.update.heads if present is None else present
         for one in batch.requests:
             waiting = self._rejected if one in self._rejected else self._requests
-            if one in waiting:
+            if one in waiting and (isinstance(one, Goal) or self._request(one, batch.update.step or 0) in present):
                 waiting.remove(one)
-        self._rejected, self._executed, self._waits, self._withdrawn = [], (), None, frozenset()
-        for fact in batch.facts:
+        kept = [one for one in batch.requests if one in self._rejected]
+        self._rejected, self._executed, self._waits, self._withdrawn = kept, (), None, frozenset()
+        left = [one for one in batch.facts if not one.is_return and one.atom not in present]
+        lost = self._left.taken(batch.facts, left, refused)
+        for fact in frozenset(batch.facts).difference(left).union(lost):
             self._facts.pop(fact.told or fact.atom, None)
         for goal in batch.goals:
             goal.feed(batch.request_cycle)
+        return lost
 
     def wait(self, now: Optional[float] = None) -> None:
         """The next update is not to be made before something else arrives or, from ``now`` on, some time has passed."""
@@ -202,6 +307,7 @@ class InputFeeder:
         """Time passes, in seconds of whatever clock."""
         if self._paused is not None and not 0.0 <= now - self._paused < PAUSE:
             self._waits = self._paused = None
+        self._left.tick(now)
 
     def record(self) -> Record:
         """Return what waits as plain values; goals by their keys."""
@@ -210,11 +316,12 @@ class InputFeeder:
         withdrawn = symbols_to_text(sorted(self._withdrawn))
         rest = [actions_to_text(self._executed), withdrawn, self._waits, self._paused, self.arrivals]
         facts = {f"fact:{text_of(fact)}": seen.record() for fact, seen in self._facts.items()}
-        return {**facts, "feeder": [requests, rejected, *rest]}
+        return {**facts, "feeder": [requests, rejected, *rest], **self._left.record()}
 
     def restore(self, record: Record, goal_of: Callable[[str], Optional[Goal]]) -> None:
         """Go on from a record; ``goal_of`` gives a live goal by its key."""
         requests, rejected, executed, withdrawn, self._waits, self._paused, self.arrivals = record["feeder"]
+        self._left.restore(record)
         found = [goal_of(text) if is_goal else symbol_of(text) for is_goal, text in requests]
         self._requests = [one for one in found if one is not None]
         self._rejected = [symbol_of(text) for text in rejected]
@@ -226,7 +333,7 @@ class InputFeeder:
         self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), over: int = 0
     ) -> StreamUpdate:
         """Return what the next update would be, with ``further`` facts."""
-        facts = {**self._facts, **{atom: Observation(atom, step) for atom in further}}
+        facts = {**self._left.due(self._facts), **{atom: Observation(atom, step) for atom in further}}
         requests = self._after_rejected(self._requests)
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
 

@@ -90,6 +90,11 @@ class Return(NamedTuple):
         """The return as ``_return(A,V,C)``."""
         return Function(RETURN, [self.interface, self.value, Number(self.cycle)])
 
+    @property
+    def failure(self) -> Symbol:
+        """What the solver adds to a return that is no success: ``_failed(A,V,C)``."""
+        return Function(FAILED, self.atom.arguments)
+
 
 def success_of(action: Action) -> Symbol:
     """The return that says that an action has succeeded: its parameter."""

@@ -2,7 +2,8 @@
 
 What was done was done, so an observation that says it can't have been is wrong, or is dated wrong: a sensor that tells
 of a blocked door late speaks of the cycle that it knows. Such a fact is taken for the present where it makes sense
-there, else withheld. What is new is doubted before what is older, and other facts before how actions ended.
+there, else withheld. What is new is doubted before what is older, and other facts before how actions ended. A failure
+is withheld together with the commitment to its action, which then counts as not done, where that leaves an answer.
 """
 
 from dataclasses import replace
@@ -41,7 +42,8 @@ class Case(NamedTuple):
 class Change(NamedTuple):
     """An observation that was ``taken_as`` another fact, or withheld; ``against`` tells what was done that it denies.
 
-    ``sure`` tells that it does; otherwise time was over before it was known which observations do.
+    ``sure`` tells that it does; otherwise time was over before it was known which observations do. The actions of an
+    observation that is withheld count as not done.
     """
 
     observation: Observation
@@ -60,6 +62,7 @@ class Change(NamedTuple):
         origin = f" from interface {one.origin}" if one.origin else ""
         denied = f"that {was}" if was else "what was done and told before"
         now = f"taken for cycle {self.taken_as.arguments[-1]}" if self.taken_as is not None else "withheld"
+        now += "".join(f", {action.atom} counts as not done" for action in one.actions)
         return f"{one.told or one.atom}{origin} {'contradicts' if self.sure else 'may contradict'} {denied}: {now}"
 
 
@@ -91,13 +94,17 @@ class _Mender:
         return first_found(self._pools(), lambda pool: self._least(pool) if self._answers(pool) else None)
 
     def _pools(self) -> Iterator[Tuple[Observation, ...]]:
-        """Yield what is doubted, newest first: facts that come late, this update's, earlier ones, returns."""
+        """Yield what is doubted, newest first: facts that come late, this update's, earlier ones, returns.
+
+        Returns of failures come with their actions first, then alone.
+        """
         new = tuple(reversed(self._case.batch.facts))
         old = tuple(one for one in self._case.question.observations if one.atom not in self._fed)
         facts = tuple(one for one in new if not one.is_return)
         earlier = (*facts, *(one for one in old if not one.is_return))
         pools = [tuple(one for one in facts if self._is_late(one)), facts, earlier]
         pools.append((*earlier, *(one for one in (*new, *old) if one.is_return)))
+        pools.append(tuple(one._replace(actions=()) if one.is_return else one for one in pools[-1]))
         pools.append((*pools[-1], *map(self._cancellation, self._cancellations())))
         for number, pool in enumerate(pools):
             if pool and pool not in pools[:number]:
@@ -215,10 +222,10 @@ class _Mender:
 
     def _without(self, doubted: Sequence[Observation], moved: Dict[Observation, Symbol]) -> StreamUpdate:
         """The update with some observations otherwise; those of before are withdrawn."""
-        atoms = frozenset(one.atom for one in doubted)
+        atoms = frozenset().union(*(one.facts for one in doubted))
         update = self._case.taken
-        present = update.heads
-        before = [Withdraw(one.atom) for one in doubted if one.atom not in present]
+        present = update.heads | update.committed
+        old = dict.fromkeys(atom for one in doubted for atom in sorted(one.facts) if atom not in present)
         kept = update.less(atoms)
         new = [Statement(atom) for atom in dict.fromkeys(moved.values()) if atom not in present - atoms]
-        return replace(kept, items=(*before, *kept.items, *new))
+        return replace(kept, items=(*map(Withdraw, old), *kept.items, *new))

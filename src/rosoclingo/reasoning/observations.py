@@ -56,6 +56,27 @@ class Observation(NamedTuple):
         return f"{tried} returned {name_of(return_of(self.atom).value)} in cycle {self.cycle}"
 
 
+class Untaken(NamedTuple):
+    """A failure that the program cannot take, for the reason ``why``.
+
+    ``undone`` tells whether its actions count as not done; None where that has not been tried.
+    """
+
+    failure: Observation
+    why: str
+    undone: Optional[bool] = None
+
+    def record(self) -> List[Any]:
+        """Return the failure as a plain value."""
+        return [self.failure.record(), self.why, self.undone]
+
+    @classmethod
+    def of_record(cls, record: Sequence[Any]) -> "Untaken":
+        """Return the failure of :meth:`record`."""
+        failure, why, undone = record
+        return cls(Observation.of_record(failure), why, undone)
+
+
 class Observations:
     """The latest observations."""
 

@@ -1,6 +1,7 @@
 """Which goals can be taken out of the program as if it had never been told of them: those that nothing was done for."""
 
-from typing import List, Optional, Sequence, Tuple
+import math
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Item, Withdraw
@@ -18,17 +19,30 @@ def put_off(
     fresh: Sequence[Goal],
     why: str,
     told: int,
-    executed: Sequence[Action] = (),
+    executed: Optional[Sequence[Action]] = None,
+    look: Callable[[], Any] = lambda: None,
 ) -> Tuple[Planner, str]:
     """Take those of the ``chosen`` goals that are not in hand out of the program; what was too much: ``why``.
 
-    Where they all are, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up
-    to that of this cycle; ``executed`` are the latest actions. Those of an update that is not in force can always
-    wait. Returns the planner that goes on, and in words what was done. May raise DisturbedError, with nothing done.
+    Goals that were cancelled, and that nothing was done for, are taken out instead, and end. Where the chosen ones are
+    all in hand, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up to that
+    of this cycle. Those of an update that is not in force can always wait, as can those that came after the last of the
+    ``executed`` actions, if these are known: nothing was done for them. Others are looked for until ``look()`` is not
+    None.
+
+    Returns the planner that goes on, and in words what was done. May raise DisturbedError, with nothing done.
     """
+    last = math.inf if executed is None else max((action.cycle for action in executed), default=0)
+    first = max(last + 1, planner.log.over)
+    fresh = [goal for goal in manager.fed if goal in fresh or (goal.request_cycle or 0) > first]
     fed = manager.fed
+    over = [goal for goal in fed if goal.cancelling and (goal.request_cycle or 0) > first]
+    if over:
+        planner = planner.restarted(requests_of(over))
+        manager.take_out(over, told)
+        return planner, f"{why}: {len(over)} of {len(fed)} goals are taken out, as they were cancelled"
     others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
-    trial = _Trial(planner, fed, fresh, executed)
+    trial = _Trial(planner, fed, fresh, executed or (), look)
     gone = _postponable(planner, chosen, fresh, trial) or _postponable(planner, others, fresh, trial)
     if not gone:
         manager.queue.stay(chosen)
@@ -57,9 +71,14 @@ class _Trial:
     """Plans beside the stream in which each goal is withdrawn or cancelled."""
 
     def __init__(
-        self, planner: Planner, fed: Sequence[Goal], fresh: Sequence[Goal], executed: Sequence[Action]
+        self,
+        planner: Planner,
+        fed: Sequence[Goal],
+        fresh: Sequence[Goal],
+        executed: Sequence[Action],
+        look: Callable[[], Any],
     ) -> None:
-        self._planner = planner
+        self._planner, self._look = planner, look
         self._successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.over)
         self._old = [goal for goal in fed if goal not in fresh]
         self._fresh = [goal for goal in fed if goal in fresh]
@@ -74,7 +93,9 @@ class _Trial:
         return self._among([], goals)
 
     def _among(self, found: List[Goal], goals: Sequence[Goal]) -> List[Goal]:
-        """Those of the goals that can be withdrawn together with the ones found."""
+        """Those of the goals that can be withdrawn together with the ones found, as far as there is time."""
+        if self._look() is not None:
+            return []
         if self._plan([*found, *goals]) is not None:
             return list(goals)
         if len(goals) == 1:

@@ -4,13 +4,15 @@ Goals are given up in the next update, by the program's own means, ``_request(ca
 sent stays a true record. What would be without a goal or an observation is found out on a solver beside it.
 """
 
-from typing import Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from dataclasses import replace
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
+from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.oclingo.solving.inquiry import Verdict
+from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.conflicts import (
     Choice,
     Conflict,
@@ -24,7 +26,7 @@ from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.keywords import cancellation
-from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.observations import Observation, Untaken
 from rosoclingo.reasoning.stream_planner import Planner, SearchWatch
 
 #: So many observations are told though it is not sure that all of them matter.
@@ -89,6 +91,112 @@ def is_answerable(planner: Planner, question: Question) -> bool:
         return found if found.met else None
 
     return first_found(_both_ways(planner, question), answer) is not None
+
+
+def anew(
+    planner: Planner, step: int, why: str, problem: Callable[[str], None]
+) -> Optional[Tuple[Planner, List[StreamUpdate], SolveResult]]:
+    """Forget all but that it is ``step``; None where there is no answer even then. Raises UndecidedError."""
+    try:
+        found = planner.anew(step)
+    except DroppedError:
+        raise UndecidedError from None
+    except SolverError:
+        return None
+    if found[2].outcome is SolveOutcome.INTERRUPTED:
+        raise UndecidedError
+    if found[2].outcome is SolveOutcome.UNSATISFIABLE:
+        problem(f"the program has no answer, whatever is told: {why}")
+        return None
+    return found
+
+
+class Settled(NamedTuple):
+    """What to do about failures that the program cannot take: go on with ``result`` on ``planner``.
+
+    ``failures`` tell whether their actions count as not done now. If there are ``unmet`` goals, they rest on these
+    actions; ``recovery`` is a way on without them, None where there is none, or nothing is left to do.
+    """
+
+    planner: Planner
+    result: SolveResult
+    failures: Tuple[Untaken, ...]
+    unmet: Tuple[UnmetGoal, ...] = ()
+    recovery: Optional[Recovery] = None
+
+    @property
+    def why(self) -> str:
+        """Why the goals are given up, to be written behind each."""
+        return f"cannot be met since {self.failures[0].failure}, {self.failures[0].why}"
+
+
+def settle(planner: Planner, result: SolveResult, question: Question, untaken: Sequence[Untaken]) -> Settled:
+    """Find the goals that rest on actions whose failures the program cannot take, lest they be called met.
+
+    The actions count as not done, if the program has an answer then; those goals rest on them that were with the
+    program before and have no plan but one that tries such an action again. Otherwise it is all that were, as it is
+    where nothing is done instead.
+    """
+    new = [one for one in untaken if one.undone is None]
+    other = _undo(planner, [one.failure for one in new]) if new else None
+    planner, result = other or (planner, result)
+    failures = tuple(one._replace(undone=other is not None) if one in new else one for one in untaken)
+    failed = frozenset((one.interface, one.parameter) for each in failures for one in each.failure.actions)
+    last = max(one.failure.cycle for one in failures) + 1
+    resting = [goal for goal in question.goals if (goal.request_cycle or 0) <= last]
+    undone = all(one.undone for one in failures)
+    step, answers = question.step - 1, result.answers
+    left = not answers or bool(extract_plan(answers[0]).remaining(step))
+    if not resting or (undone and left and _goes_on(result, step, failed)):
+        return Settled(planner, result, failures)
+    found = _without_failed(planner, question, resting, failed, keeps=undone) if left else None
+    gone = found[1] if found is not None else resting
+    seen, note = tuple(one.failure for one in failures), failures[0].why
+    unmet = tuple(UnmetGoal(goal, observations=seen, note=note) for goal in gone)
+    return Settled(planner, result, failures, unmet, None if found is None else found[0]._replace(unmet=unmet))
+
+
+def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:
+    """Let the failed actions count as not done; None where no answer is found then."""
+    gone, update = _facts_of(failures), planner.in_force
+    old = sorted(gone - update.heads - update.committed)
+    try:
+        found = planner.instead(replace(update, items=(*map(Withdraw, old), *update.less(gone).items)))
+    except SolverError:
+        return None
+    return found if found[1].outcome is SolveOutcome.SATISFIABLE else None
+
+
+def _goes_on(result: SolveResult, cycle: int, failed: FrozenSet[Tuple[Symbol, Symbol]]) -> bool:
+    """Whether there is a plan that from ``cycle`` on tries none of the actions again that have failed."""
+    if result.outcome is not SolveOutcome.SATISFIABLE:
+        return False
+    return not any((one.interface, one.parameter) in failed for one in extract_plan(result.answers[0]).remaining(cycle))
+
+
+def _without_failed(
+    planner: Planner, question: Question, resting: List[Goal], failed: FrozenSet[Tuple[Symbol, Symbol]], keeps: bool
+) -> Optional[Tuple[Recovery, List[Goal]]]:
+    """Plan without the goals, or those of them that try again what has failed; None where no plan is found."""
+    found: Optional[Recovery] = None
+    dropped = resting
+    for attempts in _both_ways(planner, question):
+        without = attempts.without(dropped)
+        if without.met and (found is None or _goes_on(without.result, question.step, failed)):
+            found = without
+        if found is not None and _goes_on(found.result, question.step, failed):
+            break
+    if found is None:
+        return None
+    look = question.watch()
+    for goal in reversed(resting) if keeps else ():
+        others = [one for one in dropped if one is not goal]
+        if look() is not None or not others:
+            break
+        trial = _Attempts(planner, question, found.withheld).without(others)
+        if trial.met and _goes_on(trial.result, question.step, failed):
+            found, dropped = trial, others
+    return found, dropped
 
 
 class _Attempts:

@@ -26,6 +26,7 @@ from rosoclingo.reasoning.keywords import (
     return_of,
     shortened,
 )
+from rosoclingo.reasoning.mending import Change
 from rosoclingo.reasoning.observations import Observation, Observations
 from rosoclingo.reasoning.records import (
     Record,
@@ -36,6 +37,7 @@ from rosoclingo.reasoning.records import (
     symbol_of,
     text_of,
 )
+from rosoclingo.reasoning.untaken_failures import UntakenFailures
 
 #: Facts of one message.
 MOST_FACTS = 1000
@@ -205,6 +207,7 @@ class ExecutionMonitor:
 
     Attributes:
         observations: the latest actions that failed, and the latest facts.
+        untaken: failures that the program cannot take, until the goals that rest on their actions are given up.
 
     """
 
@@ -228,6 +231,7 @@ class ExecutionMonitor:
         self._begun: Deque[float] = deque(maxlen=MEASURED + 1)  # when actions went out
         self._reasons: Dict[Symbol, Symbol] = {}  # interface -> why an action of it failed last
         self.observations = Observations()
+        self.untaken = UntakenFailures(program)
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
@@ -307,6 +311,8 @@ class ExecutionMonitor:
             return ()
         for answer, actions in dispatch.failures:
             self.observations.add_failure(answer, actions)
+            self._feeder.add_failure(answer.atom, actions)
+            self.untaken.note(Observation(answer.atom, answer.cycle, actions))
             self._reasons[answer.interface] = answer.value
         self._executed.extend(dispatch.actions)
         return dispatch.actions
@@ -316,6 +322,7 @@ class ExecutionMonitor:
         return {
             "dispatch": None if self._dispatch is None else self._dispatch.record(),
             "observations": self.observations.record(),
+            "untaken": self.untaken.record(),
             **{f"done:{action_to_text(action)}": 1 for action in self._executed},
             **{f"known:{text_of(fact)}": 1 for fact in self._known},
         }
@@ -325,6 +332,7 @@ class ExecutionMonitor:
         dispatch = record["dispatch"]
         self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
         self.observations.restore(record["observations"])
+        self.untaken.restore(record.get("untaken", ()))
         self._executed.extend(action_of(symbol_of(text)) for text in keys_of(record, "done"))
         self._known = {symbol_of(text): None for text in keys_of(record, "known")}
 
@@ -366,10 +374,23 @@ class ExecutionMonitor:
                 text = f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}"
                 self._tell(Problem(self._cycle(), text))
 
+    def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
+        """Take observations otherwise or withhold them; ``failures`` are those of the last update."""
+        self.untaken.change(changes, failures, self.observations)
+        for one in changes:
+            self._tell(Problem(self._cycle(), str(one), one.observation.origin))
+
+    def has_untaken(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
+        """Whether there are failures that the program cannot take; those of an update may have led to ``warnings``."""
+        if failures:
+            self.untaken.note_warnings(failures, warnings)
+        return bool(self.untaken.open)
+
     def forget_all(self) -> None:
         """Forget all facts and observations."""
         self._known.clear()
         self.observations.clear()
+        self.untaken.open.clear()
 
     def _is_known(self, atom: Symbol) -> bool:
         """Whether a fact that names its cycle was told before."""

@@ -325,10 +325,10 @@ def feed_less(
 ) -> SolveResult:
     """Feed what can be taken of a batch that came to an ``error``, and search; raises SolverError where nothing can.
 
-    Of an update that is refused, the new goals are left out, then all but the commitments. Where one was dropped since
-    it took too long, the new goals are left out as well if there are ``others``, for which there was a plan; else it is
-    first fed without looking ahead: then it is known, whatever the search does. Goals that are refused ``end``; those
-    that are left out since that took too long do not.
+    Of an update that is refused, the new goals are left out, then all but the indispensable part: what was done with
+    its returns, and cancellations. Where one was dropped since it took too long, the new goals are left out as well if
+    there are ``others``, for which there was a plan; else it is first fed without looking ahead: then it is known,
+    whatever the search does. Goals that are refused ``end``; those that are left out since that took too long do not.
     """
 
     def refused(error: SolverError, goals: Sequence[Goal]) -> None:
@@ -343,10 +343,10 @@ def feed_less(
     if isinstance(error, DroppedError):
         refused(error, ())
         first = (planner.update, batch.without_goals) if batch.goals and others else (planner.take, batch.update)
-        ways = [first, (planner.take, batch.without_goals), (planner.take, batch.commitments)]
+        ways = [first, (planner.take, batch.without_goals), (planner.take, batch.indispensable)]
     else:
         refused(error, batch.goals)
-        ways = [(planner.update, batch.without_goals), (planner.update, batch.commitments)]
+        ways = [(planner.update, batch.without_goals), (planner.update, batch.indispensable)]
     for number, (take, update) in enumerate(ways):
         if (take, update) not in ways[:number]:
             try:

@@ -7,7 +7,7 @@ it, and then has more time.
 """
 
 import math
-from typing import Any, Callable, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Container, List, Optional, Sequence, Set, Tuple
 
 from rosoclingo.reasoning.goals import Goal
 
@@ -110,6 +110,8 @@ class GoalQueue:
         now: the time in seconds of whatever clock.
         window: how many goals there is room for.
         stuck: how often in a row no plan was found in time, and no goal could be taken out.
+        left: whether the last search was left for something that came.
+        hurried: whether the plan in force could go on while new goals are searched for: then wall time counts.
 
     """
 
@@ -121,6 +123,7 @@ class GoalQueue:
         self._waiting: Set[Goal] = set()
         self.window = GoalWindow(at_once, seconds)
         self.stuck = 0
+        self.left = self.hurried = False
         self._held: Set[Goal] = set()  # what could not be taken out
         self.now = 0.0
         self.closed = False
@@ -222,12 +225,14 @@ class GoalQueue:
         """The goals that are to wait since no plan was found in time for all: the newest, at least half of them.
 
         Where ``fresh`` goals, which are new to the program, are less than half, only as many: there was a plan for the
-        others. A single goal is to wait where another one can have its turn.
+        others. A single one of these is then tried alone. A single goal is to wait where another one can have its turn.
         """
-        goals = self._movable
+        goals, self.left = self._movable, False
         if len(goals) > 1:
-            new = sum(goal in fresh for goal in goals)
-            return goals[max(len(goals) // 2, len(goals) - new if new else 0) :]
+            new = [goal for goal in goals if goal in fresh]
+            for goal in new if len(new) == 1 else ():
+                goal.tries += 1
+            return goals[max(len(goals) // 2, len(goals) - len(new) if new else 0) :]
         for goal in goals:
             goal.tries += 1
             goal.overtaken = 0
@@ -239,7 +244,7 @@ class GoalQueue:
 
     def found(self, seconds: Optional[float] = None) -> None:
         """There is a plan for all goals that are with the program; if some are new, it took so many ``seconds``."""
-        served = self.served
+        served, self.left = self.served, False
         for goal in served:
             goal.tries, goal.together = 0, max(goal.together, len(served))
         self.go_on()
@@ -256,6 +261,7 @@ class GoalQueue:
 
     def give_time(self) -> None:
         """Nothing of an update could be taken in time: the next search has more."""
+        self.left = self.hurried = False
         self.stuck += 1
 
     def go_on(self) -> None:
@@ -268,6 +274,19 @@ class GoalQueue:
         """How many times the usual time a search may take."""
         tries = min((goal.tries for goal in self._movable), default=0)
         return int(max(min(2**tries, MOST_PATIENCE), 2**self.stuck))
+
+    def why_left(self, cancelled: Container[str], new: bool) -> str:
+        """Return why a search is left, empty if it is not: cancels of goals of these keys, or a ``new`` goal.
+
+        It is left for the cancel of a goal that the program has, or is to have, and for a new goal where the one that
+        it is for was in vain alone, and does not come first. After a search that was left the next one has its time.
+        """
+        if self.left:
+            return ""
+        if any(goal.key in cancelled for goal in self.served):
+            return "a goal was cancelled"
+        yields = not self.stuck and self.first not in self._movable and any(goal.tries for goal in self._movable)
+        return "a goal has come" if new and yields else ""
 
     @property
     def unhurried(self) -> bool:

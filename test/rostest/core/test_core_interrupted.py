@@ -19,12 +19,13 @@ from interface_helpers import Process, executable, init_node, process_of, wait_u
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
 
-#: The errand boom is ground without end, the errand pigeons is searched without end.
+#: The errand boom is ground without end, the errand pigeons is searched without end, maze also if it is cancelled.
 ENDLESS = """
 #program cumulative(t).
 n(0,t) :- asked(boom,_,C), C <= t+1.
 n(X+1,t) :- n(X,t), X < 2000000000.
 1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, asked(pigeons,I,C), C <= t, not dropped(I).
+1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, asked(maze,I,C), C <= t.
 :- in(P,H,t), in(Q,H,t), P < Q.
 #program base.
 dropped(I) :- _request(cancel(I),_).
@@ -120,6 +121,16 @@ class CoreInterrupted(unittest.TestCase):
                 goal.cancel()
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
             self.serves("cancelled", "do(walk,3)", updates)
+
+    def test_a_goal_whose_search_never_ends_waits_and_is_cancelled(self):
+        with core("alone", search_timeout=2.0, horizon_limit=4):
+            updates = Updates("alone/rosoclingo")
+            goal = Client("alone/rosoclingo").send("do(maze,1)")
+            goal.arrived()
+            for number in (2, 3, 4):
+                self.serves("alone", f"do(walk,{number})", updates)
+            goal.cancel()
+            self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
 
     def test_ctrl_c_ends_grounding(self):
         with core("stopped", search_timeout=0) as process:

@@ -376,7 +376,10 @@ def test_action_timeout_of_a_program_without_returns():
     driver.now = 11.0
     assert driver.run().awaited == []
     assert any("no external _return/3" in problem for problem in driver.journal.problems)
-    assert driver.states("a")[-1] == "succeeded", "the program is told of no failure"
+    assert driver.states("a")[-1] == "aborted", "the program is told of no failure"
+    assert driver.message("a") == (
+        "do(walk,1) cannot be met since walk(1) returned timeout in cycle 1, which no rule of the program looks at"
+    )
 
 
 def test_no_action_timeout():

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from core_driver import ERRANDS, Driver, shortest
+from core_driver import ERRANDS, Driver, Leaving, shortest
 from mailbot_world import program as mailbot
 from stream_replay import check_replay
 
@@ -43,18 +43,6 @@ class Interrupted(Driver):
         assert self.core.advance(self.now)
         self.halt = None
         return self
-
-
-class Leaving:
-    """A watch by which the search of this ``number``, counted from 1, is left for what comes."""
-
-    def __init__(self, number=0):
-        self.number = number
-
-    def __call__(self):
-        self.number -= 1
-        over = self.number == 0
-        return lambda: Halt("the test", disturbed=True) if over else None
 
 
 def test_a_search_that_is_left_is_made_again():

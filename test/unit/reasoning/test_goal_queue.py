@@ -444,3 +444,44 @@ def test_requests_that_were_told_are_withdrawn_and_only_those():
     assert clients.feed() == ["#withdraw _request(go(2),2)"], "the update with goal 3 was never told"
     assert clients.feed() == []
     assert clients.waits(2) == clients.waits(3) == ["too much"]
+
+
+# -- searches that are left for what comes
+
+
+@pytest.mark.parametrize(
+    ("cancelled", "why"),
+    [("", ""), ("g9", ""), ("g5", ""), ("g2", "a goal was cancelled"), ("g5 g2", "a goal was cancelled")],
+)
+def test_a_search_is_left_for_cancels_of_goals_that_it_is_for(cancelled, why):
+    queue = crowd(5, at_once=3).goals.queue
+    assert queue.why_left(set(cancelled.split()), new=True) == why
+
+
+@pytest.mark.parametrize("end", ["plan", "no_plan", "nothing taken"])
+def test_after_a_search_that_was_left_the_next_one_has_its_time(end):
+    clients = crowd(3)
+    queue = clients.goals.queue
+    queue.left = True
+    assert queue.why_left({"g2"}, new=True) == ""
+    {"plan": clients.plan, "no_plan": clients.no_plan, "nothing taken": queue.give_time}[end]()
+    assert queue.why_left({"g1", "g2", "g3"}, new=False) == "a goal was cancelled"
+
+
+def test_a_goal_in_vain_is_left_for_a_new_one_unless_it_comes_first():
+    clients = crowd(1, overtaking_limit=2)
+    queue = clients.goals.queue
+    assert queue.why_left((), new=True) == ""
+    clients.no_plan()
+    assert [queue.why_left((), new) for new in (False, True)] == ["", "a goal has come"]
+    clients.goal(1).overtaken = 2
+    assert queue.why_left((), new=True) == ""
+
+
+def test_a_single_new_goal_that_is_too_much_is_tried_alone_next():
+    clients = crowd(3)
+    clients.add(4).feed()
+    assert clients.no_plan(4) == [4]
+    clients.add(5).feed()
+    assert clients.plan().end(1).plan().served == [2, 3, 5], "others go first"
+    assert clients.end(2, 3, 5).served == [4]

@@ -192,7 +192,7 @@ def test_the_parts_of_an_update():
     feeder.add_executed([action("_action_lib(a,x,4)")])
     batch = feeder.next_update(5)
     assert words(str(batch.without_goals)) == words("#step 5. :- not _action_lib(a,x,4). _seen(ball). #end step.")
-    assert words(str(batch.commitments)) == words("#step 5. :- not _action_lib(a,x,4). #end step.")
+    assert words(str(batch.indispensable)) == words("#step 5. :- not _action_lib(a,x,4). #end step.")
 
 
 def test_facts_of_cycles_that_are_over_are_taken_for_the_present():
@@ -309,7 +309,9 @@ def test_parts_of_an_update_that_says_more_than_statements():
     fed.feed(6)
     update = parse_update("#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). _request(g(1),6). #endstep.")
     batch = Batch(update, (fed, unfed))
-    assert words(str(batch.commitments)) == words("#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). #end step.")
+    assert words(str(batch.indispensable)) == words(
+        "#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). #end step."
+    )
     assert words(str(batch.without_goals)) == words(
         "#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). #end step."
     )

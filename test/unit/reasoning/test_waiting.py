@@ -302,3 +302,86 @@ def test_a_goal_in_hand_stays_whatever_a_program_takes_for_possible():
     driver.finish()
     done = [action.split(",")[:2] for action in driver.journal.actions]
     assert len(done) == len({tuple(action) for action in done}) == 10
+
+
+class EndlessDriver(BusyDriver):
+    """A driver for which a goal in ``heavy`` is too much as long as it is not withdrawn, cancelled or not."""
+
+    @staticmethod
+    def left_out(goal, text):
+        return f"#withdraw _request({goal.term}," in text
+
+    def turns(self, number):
+        """Advance so often, where all that is under way succeeds."""
+        for _ in range(number):
+            self.core.poll(self.now)
+            if not self.core.advance(self.now):
+                for action in self.core.awaited:
+                    self.core.receive("interface", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+        return self
+
+    def ended(self):
+        return {key for key, outcome in ends(self).items() if outcome is Outcome.SUCCEEDED}
+
+
+@pytest.mark.parametrize("before", [0, 1, 2, 4])
+def test_a_goal_whose_search_never_ends_keeps_no_others_from_being_planned(before):
+    driver = EndlessDriver(most=9, heavy={"g9": 10**9})
+    ask(driver, *range(1, before + 1))
+    if before:
+        driver.core.advance(driver.now)
+    ask(driver, 9).turns(3)
+    others = {f"g{number}" for number in (1, 2, 3, 4)}
+    for number in range(before + 1, 5):
+        ask(driver, number).turns(4)
+        assert f"g{number}" in driver.ended() | {goal.key for goal in driver.core.queue.served}
+    driver.turns(20)
+    assert driver.ended() == others
+    assert driver.states("g9") == [], "it is not given up"
+
+
+def test_a_goal_whose_search_never_ends_costs_the_others_one_search():
+    driver = EndlessDriver(most=9, heavy={"g9": 10**9})
+    ask(driver, 1, 2).turns(1)
+    ask(driver, 9).turns(2)
+    cut = sum(text.startswith("no plan was found before") for text in driver.problems)
+    for number in (3, 4, 5, 6):
+        ask(driver, number).turns(1)
+    while driver.core.awaited:
+        driver.turns(1)
+        assert sum(text.startswith("no plan was found before") for text in driver.problems) == cut <= 1
+
+
+def test_a_goal_whose_search_never_ends_is_cancelled():
+    driver = EndlessDriver(most=9, heavy={"g9": 10**9})
+    ask(driver, 9).turns(2)
+    driver.core.cancel_goal("g9")
+    driver.turns(4)
+    assert driver.states("g9")[-1] == "recalled"
+    assert driver.message("g9") == "do(walk,9) is cancelled before anything was done for it"
+    assert ask(driver, 1).turns(6).ended() == {"g1"}
+
+
+def test_a_goal_that_something_was_done_for_stays_where_its_search_is_too_long():
+    driver = EndlessDriver(most=9)
+    ask(driver, 1, 2).turns(1)
+    driver.heavy = {"g2": 10**9}
+    driver.core.receive("interface", ["_return(walk,failed,1)"])
+    driver.turns(1)
+    assert driver.core.queue.waiting == [], "who knows whether it is in hand"
+
+
+def test_wall_time_counts_while_the_plan_in_force_can_go_on():
+    driver, seen = BusyDriver(most=9), []
+    driver.look = lambda: seen.append(driver.core.queue.hurried)
+    ask(driver, 1, 2, 3).run()
+    assert not any(seen), "there is no plan yet"
+    ask(driver, 4)
+    seen.clear()
+    driver.succeed()
+    assert seen[:1] == [True], "a new goal must not keep the robot from its next action"
+    seen.clear()
+    ask(driver, 5).fail("failed")
+    assert seen
+    assert not any(seen), "after a failure there is no plan to go on with"
+    assert driver.finish().core.live_goals == []

@@ -132,7 +132,8 @@ class CoreNode:
     def __init__(self) -> None:
         self._parameters = core_parameters()
         self._ending = False
-        self._cancels: Set[str] = set()  # keys of goals whose cancel waits
+        self._arrivals: Set[str] = set()  # keys of goals that wait for the core
+        self._cancels: Set[str] = set()  # and of goals whose cancel waits
         self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
         self._clock = PacedClock()
         self._handles = GoalHandles()
@@ -225,9 +226,14 @@ class CoreNode:
         key, text = handle.get_goal_id().id, handle.get_goal().request
         if not self._handles.has_room(handle):
             return
+        self._arrivals.add(key)
         self._handles.add(key, handle)
         self._keeper.add(key, Client(text, stamp_of(handle)))
-        self._worker.put(lambda: self._core.add_goal(key, text))
+        self._worker.put(lambda: self._goal_came(key, text))
+
+    def _goal_came(self, key: str, text: str) -> None:
+        self._arrivals.discard(key)
+        self._core.add_goal(key, text)
 
     def _cancel_arrived(self, handle: ServerGoalHandle) -> None:
         key = handle.get_goal_id().id
@@ -322,8 +328,9 @@ class CoreNode:
             self._attend()
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
-            if self._cancels and time.monotonic() - start >= CANCEL_GRACE:
-                return Halt("a goal was cancelled", disturbed=True)
+            why = self._core.queue.why_left(self._cancels, bool(self._arrivals))
+            if why and time.monotonic() - start >= CANCEL_GRACE:
+                return Halt(why, disturbed=True)
             return too_long()
 
         return look
@@ -340,13 +347,13 @@ class CoreNode:
         return look
 
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
-        """End what takes longer than some seconds, 0 for never, or as long as the core has the patience for."""
+        """End what takes longer than some seconds of processor time, of wall time if a plan could go on; 0: never."""
         queue = self._core.queue
         worked, limit, start = self._solvers.stopwatch(), seconds * queue.patience, time.monotonic()
 
         def look() -> Optional[Halt]:
             """Return why to end it now, None while it may go on."""
-            if not 0 < limit <= time.monotonic() - start or worked() < limit:
+            if not 0 < limit <= time.monotonic() - start or (worked() < limit and not queue.hurried):
                 return None
             if not queue.unhurried:
                 return Halt(f"it took longer than {limit:g} s")

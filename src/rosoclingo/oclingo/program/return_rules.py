@@ -9,7 +9,7 @@ so that an answer itself tells it. Where the rest is about actions of the same c
 where these are, or are not, done as the rule has it.
 """
 
-from typing import FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType, Sign
@@ -19,8 +19,11 @@ from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
+
+_FAR = 2**31 - 1
 
 ASKS, ACTS = "__oclingo_asks", "__oclingo_acts"
 
@@ -42,6 +45,19 @@ class ReturnRules(NamedTuple):
     texts: Tuple[Tuple[str, List[str], str], ...]
     number: int
     acting: FrozenSet[int]
+
+
+def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo.Symbol]) -> bool:
+    """Tell whether the body of some rule, at whatever step, could have one of ``atoms``; never wrongly False."""
+    wanted = list(atoms)
+    return any(
+        atom.match(one.signature.name, one.signature.arity)
+        and Pattern(one.term, part.parameter, statement, dict(constants)).may_match(atom, -_FAR, _FAR)
+        for part in parts
+        for statement, one in part.atoms
+        if not one.head
+        for atom in wanted
+    )
 
 
 def return_rules(parts: Sequence[Part], constants: Constants) -> Optional[ReturnRules]:

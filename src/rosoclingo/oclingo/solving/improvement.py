@@ -178,9 +178,7 @@ class Improvement:
             if halt():
                 return Search(None)
             conflicts = TRIMMING if unlike else self._conflicts
-            return grounding.search(
-                1, halt, first, last, [*present, *given], conflicts, best=False, unlike=unlike
-            )
+            return grounding.search(1, halt, first, last, [*present, *given], conflicts, best=False, unlike=unlike)
 
         found = trimmed(found, self._step, self._first, grounding.actions, ask)
         self._plan = Plan.of(found.answers[-1], found.horizon)

@@ -84,7 +84,6 @@ class KeptCore(Core):
         ended = self._preemption.end_all()
         if ended:
             self._tell(ActionsPreempted(self.cycle, ended))
-        self._goals.drop(self._goals.fed, why)
         self.abandon(why)
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:

@@ -1,6 +1,6 @@
 """The core on trial: it can go back to where it was, and tells where a program leaves it without a way on."""
 
-from typing import Any, Callable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -9,9 +9,11 @@ from rosoclingo.oclingo.solving.stream_log import StreamLog
 from rosoclingo.reasoning.events import Event, Problem, UpdateSent
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record
 from rosoclingo.reasoning.recovery import Question, Recovery
 from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.untaken_failures import UntakenFailures
 from rosoclingo.reasoning.verifying.moves import Move
 
 NO_ANSWER, PUT_OFF = "no-answer", "put-off"
@@ -49,6 +51,16 @@ class _NoRecorder:
         return {"plan_now": None}
 
 
+class _UnnotedFailures(UntakenFailures):
+    """What the program makes of a failure is what is verified: the core must not hide it."""
+
+    def note(self, failure: Observation) -> None:
+        """Leave the failure to the program."""
+
+    def note_warnings(self, failures: Iterable[Observation], warnings: Sequence[str]) -> None:
+        """Leave the failures to the program."""
+
+
 class TrialCore(KeptCore):
     """A core that raises BrokenError where else it would doubt what it was told, begin anew, or lose patience.
 
@@ -69,6 +81,7 @@ class TrialCore(KeptCore):
         record = None if snapshot is None else snapshot.record
         super().__init__(program, make_solver, self.events.append, settings, record=record)
         self._log = _NoRecorder()  # type: ignore[assignment]
+        self._execution.untaken = _UnnotedFailures(program)
         if snapshot is not None:
             self._planner = self._planner.at(snapshot.log)
 
@@ -135,10 +148,10 @@ class TrialCore(KeptCore):
     def _lose(self, why: str) -> None:
         raise BrokenError(NO_ANSWER, self._planner.stream)
 
-    def _adopt(self, found: Recovery, why: str, now: float) -> None:
+    def _adopt(self, found: Recovery, why: str, now: float, no_plan: Optional[Stream]) -> None:
         if found.withheld:
             raise BrokenError(NO_ANSWER, self._planner.stream, withheld=True)
-        super()._adopt(found, why, now)
+        super()._adopt(found, why, now, no_plan)
 
     def _lose_patience(self) -> None:
         raise BrokenError(PUT_OFF, self._planner.stream)

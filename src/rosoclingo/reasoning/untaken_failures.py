@@ -1,0 +1,72 @@
+"""Failures that the program cannot take: none of its rules asks for them, or they contradict it.
+
+Such a program would take the action for done. So the goals that rest on it are given up.
+"""
+
+from typing import Any, Callable, Iterable, List, Sequence
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.return_rules import may_heed
+from rosoclingo.reasoning.keywords import return_of, success_of
+from rosoclingo.reasoning.mending import Change
+from rosoclingo.reasoning.observations import Observation, Observations, Untaken
+
+#: Why the program cannot take a failure.
+UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
+
+
+class UntakenFailures:
+    """The failures that the program cannot take.
+
+    Attributes:
+        open: those about which nothing was done.
+
+    """
+
+    def __init__(self, program: ReactiveProgram) -> None:
+        self._program = program
+        self.open: List[Untaken] = []
+
+    def note(self, failure: Observation) -> None:
+        """Take note of a failure if the program does not declare such returns, or no rule could see it.
+
+        A rule that asks for the action's return of success knows of failures, too: it misses it.
+        """
+        answer = return_of(failure.atom)
+        atoms = [answer.atom, answer.failure, *map(success_of, failure.actions)]
+        declared = self._program.may_define(failure.atom, self._program.first_step)
+        if not declared or not may_heed(self._program.parts, self._program.values, atoms):
+            self.open.append(Untaken(failure, UNHEARD))
+
+    def note_warnings(self, failures: Iterable[Observation], warnings: Sequence[str]) -> None:
+        """Take note of the ``failures`` of an update that the solver ignored, by its ``warnings``."""
+        known = [one.failure.atom for one in self.open]
+        for one in failures:
+            if one.atom not in known and any(f"Head {one.atom} has not been declared" in text for text in warnings):
+                self.open.append(Untaken(one, UNHEARD))
+
+    def change(self, changes: Sequence[Change], failures: Iterable[Observation], seen: Observations) -> None:
+        """Take what is ``seen`` otherwise, and note which ``failures`` of the last update or before are withheld."""
+        actions = {one.atom: one.actions for one in (*failures, *seen.newest_first) if one.actions}
+        seen.drop(frozenset(one.observation.atom for one in changes))
+        for one, taken_as, *_ in changes:
+            if taken_as is not None:
+                seen.add_fact(one._replace(atom=taken_as))
+            elif one.atom in actions:
+                failure = one._replace(actions=actions[one.atom], cycle=return_of(one.atom).cycle)
+                self.open.append(Untaken(failure, CONTRADICTS, undone=bool(one.actions)))
+
+    def settle(self, failures: Iterable[Untaken], problem: Callable[[str], None]) -> None:
+        """Forget them; report what became of those that no rule has heard of."""
+        self.open.clear()
+        for one in failures:
+            if one.why == UNHEARD:
+                problem(f"{one.failure}, {UNHEARD}: it counts as {'not ' if one.undone else ''}done")
+
+    def record(self) -> List[Any]:
+        """Return them as plain values."""
+        return [one.record() for one in self.open]
+
+    def restore(self, record: Iterable[Any]) -> None:
+        """Go on from a record."""
+        self.open = [Untaken.of_record(one) for one in record]
