@@ -5,11 +5,14 @@ from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalProgress, Outcom
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.input_feeder import InputFeeder
 
+#: A program that hears every request.
+HEARING = "#external _request/2. #program cumulative(t). asked(G,t) :- _request(G,t)."
+
 
 class Clients:
     """A goal manager with its feeder, and what was told. Goal ``go(N)`` has the key ``gN``."""
 
-    def __init__(self, text="#external _request/2.", at_once=0, overtaking_limit=0, search_timeout=0.0):
+    def __init__(self, text=HEARING, at_once=0, overtaking_limit=0, search_timeout=0.0):
         self.feeder, self.told, self.step = InputFeeder(), [], 0
         program = ReactiveProgram.from_text(text)
         settings = CoreSettings(goals_at_once=at_once, overtaking_limit=overtaking_limit, search_timeout=search_timeout)

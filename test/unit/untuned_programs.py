@@ -88,7 +88,7 @@ class Disinfection(World):
 
     def __init__(self, ways: Sequence[Deed], doors: Sequence[Deed]) -> None:
         super().__init__()
-        self._near = {(a, b): None for a, b in ways}
+        self._near = dict.fromkeys(ways)
         self._near.update({(a, b): f"d({a},{b})" for a, b in doors})
         self._near.update({(b, a): door for (a, b), door in list(self._near.items())})
         self.place, self.battery, self.shut = "home", self.FULL, {f"d({a},{b})" for a, b in doors}

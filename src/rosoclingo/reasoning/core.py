@@ -29,6 +29,7 @@ from rosoclingo.reasoning.stream_planner import (
     SearchWatch,
     SolverFactory,
     feed_less,
+    in_turns,
     steps_for,
     unwatched,
 )
@@ -41,7 +42,6 @@ class Core:
     ``observer`` hears of everything, in order. Time (``now``) is in seconds of whatever clock the caller keeps. The
     caller passes on what arrives (``add_goal``, ``cancel_goal``, ``receive``), calls ``poll`` as time passes and
     ``advance`` until it returns False. Nothing here blocks except the search in ``start`` and ``advance``.
-
     ``watch`` may end each search, ``watch_recovery`` the one for the goals to give up and the reasons why.
     """
 
@@ -203,6 +203,7 @@ class Core:
         try:
             try:
                 result = self._planner.update(batch.update)
+                self._planner, batch, result = in_turns(self._planner, batch, result)
             except SolverError as error:
                 refused = not isinstance(error, DroppedError)
                 result = feed_less(self._planner, batch, error, self._goals.end, self._problem, bool(self._goals.fed))
@@ -238,6 +239,7 @@ class Core:
 
     def _taken(self, batch: Batch, refused: bool = False) -> None:
         """Remember the facts of an update that is in force; others come later unless it was ``refused`` for them."""
+        self._step = batch.step
         present = self._planner.in_force.heads
         for fact in self._feeder.taken(batch, present, refused):
             self._problem(f"{fact.told} is dropped: the solver takes no update with it", fact.origin)
@@ -274,8 +276,7 @@ class Core:
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         """Go on with an answer: what is due does not wait until all that follows from it is told."""
-        since = self._latest[0] + 1
-        plan = self._follow(result)
+        since, plan = self._latest[0] + 1, self._follow(result)
         actions = plan.at(self._step)
         if actions:
             self._execution.begin(self._step, actions, now)
@@ -341,11 +342,10 @@ class Core:
         cycle, plan = self._latest
         actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
         result = self._planner.still(actions) if actions else None
-        if result is None:
-            return False
-        self._announce.update(self._step, self._planner.in_force)
-        self._use(result, now)
-        return True
+        if result is not None:
+            self._announce.update(self._step, self._planner.in_force)
+            self._use(result, now)
+        return result is not None
 
     def _mend(self, question: Question, batch: Batch, now: float) -> bool:
         """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""

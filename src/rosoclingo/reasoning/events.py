@@ -128,12 +128,14 @@ class GoalProgress(Event):
     """A live goal after an answer: its status, and the plan after the last few actions that are done.
 
     ``waits`` tells why a goal that the program has not been told of has to wait; it is told once, without a plan.
+    ``remark`` is the program's text about a goal that it has accepted.
     """
 
     key: str
     state: GoalState
     actions: Tuple[Action, ...]
     waits: str = ""
+    remark: str = ""
 
     @property
     def position(self) -> int:
@@ -200,7 +202,7 @@ class Announcer:
     def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
         """Tell how each of the goals stands."""
         for goal in goals:
-            self._tell(GoalProgress(step, goal.key, goal.state, shown))
+            self._tell(GoalProgress(step, goal.key, goal.state, shown, remark=goal.remark))
 
     def problem(self, message: str, origin: str = "") -> None:
         """Tell of something that should not be."""

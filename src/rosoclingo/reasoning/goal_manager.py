@@ -5,11 +5,13 @@ from typing import Callable, Container, Iterable, List, Optional, Sequence
 from clingo import Symbol
 
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.hearing import Hearing
+from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
-from rosoclingo.reasoning.keywords import REQUEST, request
+from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import Record, group, symbol_of
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.waiting_queue import GoalQueue
@@ -37,7 +39,8 @@ class GoalManager:
         cycle: Callable[[], int],
         settings: CoreSettings,
     ) -> None:
-        self._program = program
+        self._program, self._hearing = program, Hearing.of(program)
+        self._hearing.prepare(Signature(REQUEST, 2))
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
@@ -70,6 +73,7 @@ class GoalManager:
             goal = Goal(key, read_goal(text), self._changed)
             if not self._program.declares_external(REQUEST, 2):
                 raise GoalError("the program takes no requests: it declares no external _request/2")
+            self._check_heard(goal)
             self._book.add(goal)
         except GoalError as error:
             self._tell(GoalRefused(self._cycle(), key, text, str(error)))
@@ -80,6 +84,13 @@ class GoalManager:
             before, size = self.queue.first or self.queue.tried, self.queue.window.size
             why = "others join first" if self.queue.closed else f"{size} goals at a time are planned for"
             self._tell_wait(goal, why if before is None else f"first comes {before}")
+
+    def _check_heard(self, goal: Goal) -> None:
+        """Raise GoalError for a goal that no rule can see: without a plan for it, it would count as met."""
+        requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # the first update may come yet
+        if not any(map(self._hearing.hears, requests)):
+            advice = shortened(self._hearing.advice(requests[0]), 2 * SHOWN)
+            raise GoalError(f"no rule of the program can see {goal}: {advice}")
 
     def cancel(self, key: str) -> None:
         """Cancel a goal; without effect on one that has ended or is being cancelled."""

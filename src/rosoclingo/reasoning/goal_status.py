@@ -1,7 +1,7 @@
 """What has become of goals: what a program says of them, the ``_status(Id,S,C)`` atoms of an answer, and what it means.
 
-``S`` is accepted, rejected, succeeded, canceled or aborted, or one of these words around a reason,
-``rejected(unknown_office)``, ``aborted(("package ",3," is not at ",office2))``.
+``S`` is accepted, rejected, succeeded, canceled or aborted, or one of these words around a text,
+``accepted("waits for the lift")``, ``aborted(("package ",3," is not at ",office2))``.
 """
 
 from functools import lru_cache
@@ -47,9 +47,9 @@ class GoalStatuses:
         self.faults = [text for cycle, text in faults if cycle is None or cycle >= since]
 
     def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
-        """The goal's status in a cycle; of several the worst. None when the program says nothing."""
+        """The goal's status in a cycle; of several the worst, with a reason. None when the program says nothing."""
         found = map(_status_of, self._table.get((identifier, cycle), []))
-        return min(found, key=lambda status: (list(WORDS).index(status.word), status.reason), default=None)
+        return min(found, key=lambda one: (list(WORDS).index(one.word), not one.reason, one.reason), default=None)
 
 
 @lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
@@ -140,11 +140,13 @@ def _update_early(goal: Goal, status: Optional[Status], seen: bool) -> None:
     elif status.outcome is Outcome.REJECTED:
         _obey(goal, status)
     elif status.outcome in (None, Outcome.SUCCEEDED):
+        goal.remark = status.reason if status.outcome is None else ""
         goal.accept()
 
 
 def _obey(goal: Goal, status: Status) -> None:
     if status.outcome is None:
+        goal.remark = status.reason
         goal.accept()
     else:
         goal.refused = status.outcome is Outcome.REJECTED

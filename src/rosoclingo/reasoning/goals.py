@@ -96,6 +96,7 @@ class Goal:
     the program has said something of it, ``refused`` whether that was that it rejects the goal. ``overtaken`` counts
     the goals that came later and have ended before it, ``together`` is how many goals a plan with it was for, at most;
     ``tries`` counts how often no plan was found in time for it alone; it is not fed before the time ``rests_until``.
+    ``remark`` is the program's latest text about the accepted goal, empty for none.
     ``observer`` is called with the goal and the event after each transition.
     """
 
@@ -111,7 +112,7 @@ class Goal:
         self.overtaken = self.together = 0
         self.tries = 0
         self.rests_until = float("-inf")
-        self.message = ""
+        self.message = self.remark = ""
         self._observer = observer
 
     def __str__(self) -> str:

@@ -9,9 +9,11 @@ from typing import (
     Iterable,
     Iterator,
     List,
+    Mapping,
     NamedTuple,
     Optional,
     Sequence,
+    Set,
     Tuple,
     Union,
 )
@@ -26,6 +28,9 @@ from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, su
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
 
+#: So many messages of one origin take effect in cycles of their own where they come in one; older ones in the first.
+MOST_TURNS = 16
+
 #: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
 PAUSE = 10.0
 
@@ -37,12 +42,16 @@ FACT_REST = 10.0
 
 
 class Batch(NamedTuple):
-    """A stream update and what it carries: ``requests`` (an identifier is to be cancelled), and ``facts``, in order."""
+    """A stream update and what it carries: ``requests`` (an identifier is to be cancelled), and ``facts``, in order.
+
+    Where facts take effect in several cycles, ``first`` is the update that carries those of the first one alone.
+    """
 
     update: StreamUpdate
     requests: Tuple[Union[Goal, Symbol], ...] = ()
     facts: Tuple[Observation, ...] = ()
     executed: Tuple[Action, ...] = ()
+    first: Optional["Batch"] = None
 
     @property
     def goals(self) -> Tuple[Goal, ...]:
@@ -55,9 +64,14 @@ class Batch(NamedTuple):
         return [goal for goal in self.goals if goal.live and goal.fed]
 
     @property
+    def step(self) -> int:
+        """The cycle that the update starts."""
+        return self.update.step or 0
+
+    @property
     def request_cycle(self) -> int:
         """The cycle that the goals' requests carry."""
-        return (self.update.step or 0) + 1
+        return self.step + 1
 
     @property
     def without_goals(self) -> StreamUpdate:
@@ -73,6 +87,11 @@ class Batch(NamedTuple):
     def is_predicted(self) -> bool:
         """Whether all that was done has succeeded, and nothing else has come than new goals: the plan can go on."""
         return len(self.goals) == len(self.requests) and all(one.is_return and not one.actions for one in self.facts)
+
+    @property
+    def without_present_facts(self) -> StreamUpdate:
+        """The same update without the facts that were stated for now."""
+        return self.update.less(frozenset(one.atom for one in self.facts if one.told and _is_of_now(one.told)))
 
     @property
     def indispensable(self) -> StreamUpdate:
@@ -187,7 +206,9 @@ class InputFeeder:
     Within an update commitments come first, then requests and cancellations, then returns and other facts, those of
     several actions that were a success in the order of the actions; a new goal
     in update n carries cycle n+1, a cancellation n (as in the paper's printed updates). ``clock`` knows the cycle of
-    facts that are stated for ``now``. Facts of an update that was taken without them come again, in ever smaller parts.
+    facts that are stated for ``now``. Those of several messages of one origin take effect in as many cycles, so that
+    the program knows which came last: the update starts the last of these cycles, nothing is done in the others. Facts
+    of an update that was taken without them come again, in ever smaller parts.
 
     Attributes:
         arrivals: how many things have arrived so far.
@@ -245,10 +266,15 @@ class InputFeeder:
         """Take a goal rejected by the program: the next update, if any, cancels it, lest a late fact revive it."""
         self._rejected.append(identifier)
 
-    def add_fact(self, atom: Symbol, origin: str = "", cycle: int = 0) -> None:
-        """Take a return or another fact that arrived in ``cycle``; the same fact twice in an update is one."""
+    def add_fact(self, atom: Symbol, origin: str = "", cycle: int = 0, message: int = 0) -> None:
+        """Take a return or another fact that arrived in ``cycle``; the same fact twice in an update is one, the last.
+
+        ``message`` is greater for a later message.
+        """
         self.arrivals += 1
-        self._facts.setdefault(atom, Observation(atom, cycle, origin=origin, told=atom))
+        known = self._facts.pop(atom, None) if _is_of_now(atom) else self._facts.get(atom)
+        fact = known or Observation(atom, cycle, origin=origin, told=atom)
+        self._facts[atom] = fact._replace(message=message)
 
     def add_executed(self, actions: Iterable[Action]) -> None:
         """Take the actions of a cycle that has ended: the next update commits to them."""
@@ -265,7 +291,7 @@ class InputFeeder:
             self._facts[answer] = self._facts[answer]._replace(actions=actions)
 
     def next_update(self, step: int, over: int = 0) -> Batch:
-        """Return the update that starts cycle ``step``; what it carries waits until it is ``taken``.
+        """Return the update that starts cycle ``step``, or a later one; what it carries waits until it is ``taken``.
 
         Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
         where a fact of now takes effect only then; so does one whose identifier is that of a goal that was given up and
@@ -273,8 +299,12 @@ class InputFeeder:
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         requests = [one for one in self._requests if not (too_early and isinstance(one, Goal))]
-        facts = self._left.due(self._facts).values()
-        return self._batch(step, self._executed, self._after_rejected(requests), facts, over)
+        due = self._left.due(self._facts)
+        batch = self._batch(step, self._executed, self._after_rejected(requests), due.values(), over)
+        turns = _turns(due.values())
+        most = max(turns.values(), default=0)
+        facts = [fact for atom, fact in due.items() if turns.get(atom, most) == most]
+        return batch._replace(first=self._batch(step, self._executed, batch.requests, facts, over) if most else None)
 
     def taken(
         self, batch: Batch, present: Optional[Container[Optional[Symbol]]] = None, refused: bool = False
@@ -362,14 +392,23 @@ class InputFeeder:
         facts: Iterable[Observation],
         over: int = 0,
     ) -> Batch:
-        done = tuple(executed)
-        seen = tuple(_in_order([self._dated(fact, step, over) for fact in facts], done))
+        done, facts = tuple(executed), tuple(facts)
+        turns = _turns(facts)
+        step += self._further_cycles(turns, step)
+        dated = (self._dated(fact, step - turns.get(fact.atom, 0), over) for fact in facts)
+        seen = tuple(_in_order(sorted(dated, key=lambda fact: -turns.get(fact.told or fact.atom, 0)), done))
         items: List[Item] = [Over(over)] if over > 0 else []
         items += [Withdraw(one) for one in sorted(self._withdrawn)]
         items += [commitment(action.atom) for action in done]
         items += [Statement(self._request(item, step)) for item in requests]
         items += [Statement(atom) for atom in dict.fromkeys(one.atom for one in seen)]
         return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen, done)
+
+    def _further_cycles(self, turns: Mapping[Symbol, int], step: int) -> int:
+        """Return how many cycles after ``step`` the last facts take effect in; see :func:`_turns`."""
+        most = max(turns.values(), default=0)
+        first_ones = (fact for fact, turn in turns.items() if turn == most)
+        return most + (most > 0 and any(self._clock.is_too_early(fact, step) for fact in first_ones))
 
     def _dated(self, fact: Observation, step: int, over: int) -> Observation:
         cycle = None if fact.is_return else self._clock.cycle_of(fact.atom)
@@ -393,6 +432,16 @@ def _in_order(facts: Sequence[Observation], done: Iterable[Action]) -> Iterator[
     returns = iter(sorted((fact for fact in facts if fact.atom in places), key=lambda fact: places[fact.atom]))
     for fact in facts:
         yield next(returns) if fact.atom in places else fact
+
+
+def _turns(facts: Iterable[Observation]) -> Dict[Symbol, int]:
+    """Return, for each fact of now, how many later messages of its origin there are, of those with such facts."""
+    messages: Dict[str, Set[int]] = {}
+    timed = [fact for fact in facts if _is_of_now(fact.atom)]
+    for fact in timed:
+        messages.setdefault(fact.origin, set()).add(fact.message)
+    later = {fact.atom: sum(one > fact.message for one in messages[fact.origin]) for fact in timed}
+    return {atom: min(number, MOST_TURNS - 1) for atom, number in later.items()}
 
 
 def _is_of_now(fact: Symbol) -> bool:

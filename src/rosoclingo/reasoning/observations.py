@@ -16,7 +16,7 @@ class Observation(NamedTuple):
     """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it may be about.
 
     ``origin`` is the interface that told it, ``told`` the fact as it came, where that may be another;
-    ``outdated`` if it came too late, and was taken for the present.
+    ``outdated`` if it came too late, and was taken for the present. ``message`` is greater for a later message.
     """
 
     atom: Symbol
@@ -25,6 +25,7 @@ class Observation(NamedTuple):
     origin: str = ""
     told: Optional[Symbol] = None
     outdated: bool = False
+    message: int = 0
 
     @property
     def facts(self) -> FrozenSet[Symbol]:
@@ -39,14 +40,22 @@ class Observation(NamedTuple):
     def record(self) -> List[Any]:
         """Return the observation as a plain value."""
         told = None if self.told is None else text_of(self.told)
-        return [text_of(self.atom), self.cycle, actions_to_text(self.actions), self.origin, told, self.outdated]
+        return [
+            text_of(self.atom),
+            self.cycle,
+            actions_to_text(self.actions),
+            self.origin,
+            told,
+            self.outdated,
+            self.message,
+        ]
 
     @classmethod
     def of_record(cls, record: Sequence[Any]) -> "Observation":
         """Return the observation of :meth:`record`."""
-        atom, cycle, actions, origin, told, outdated = record
+        atom, cycle, actions, origin, told, outdated, *message = record
         told = None if told is None else symbol_of(told)
-        return cls(symbol_of(atom), cycle, actions_of(actions), origin, told, outdated)
+        return cls(symbol_of(atom), cycle, actions_of(actions), origin, told, outdated, *message)
 
     def __str__(self) -> str:
         """The observation in words, for want of the program's own."""

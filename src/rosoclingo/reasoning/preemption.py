@@ -71,8 +71,8 @@ class Preemption:
             unheard = any(str(atom) in warning for atom in returns for warning in result.warnings)
             if unheard or result.outcome is not SolveOutcome.SATISFIABLE:
                 return ()
-            again = {action: action._replace(cycle=cycle + 1).atom for action in running}
-            steps = result.horizon - cycle - 1
+            again = {action: action._replace(cycle=beside.log.step).atom for action in running}
+            steps = result.horizon - beside.log.step
             return tuple(
                 action
                 for action, atom in again.items()

@@ -5,6 +5,7 @@ sent stays a true record. What would be without a goal or an observation is foun
 """
 
 from dataclasses import replace
+from itertools import combinations
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
@@ -335,11 +336,25 @@ def _unmet(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tup
 def _observed(
     attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[Observation, ...]
 ) -> Conflict[Observation]:
-    """The observations without which the goals could be met together."""
+    """The observations without which the goals could be met together, though they may need others."""
     try:
-        if not observations or not attempts.met(goals, ()):
-            return Conflict(())
+        omissions = ((some, [one for one in observations if one not in some]) for some in _omissions(observations))
+        hindering, needed = next(((some, rest) for some, rest in omissions if attempts.met(goals, rest)), ((), []))
     except UndecidedError:
         return Conflict((), minimal=False)
-    found = find_conflict(observations, lambda seen: attempts.met(goals, seen))
+    if not hindering:
+        return Conflict(())
+    found = find_conflict(hindering, lambda seen: attempts.met(goals, (*needed, *seen)))
     return found if found.minimal or len(found.things) <= FEW else Conflict((), minimal=False)
+
+
+def _omissions(observations: Tuple[Observation, ...]) -> Iterator[Tuple[Observation, ...]]:
+    """Yield which observations to leave out: all, each, the newest ones, the oldest ones, then a few of any age."""
+    numbers = range(2, len(observations))
+    if observations:
+        yield observations
+    yield from combinations(observations, 1)
+    yield from (observations[:number] for number in numbers)
+    yield from (observations[-number:] for number in numbers)
+    for number in numbers[: FEW - 1]:
+        yield from combinations(observations, number)

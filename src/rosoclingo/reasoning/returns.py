@@ -275,9 +275,10 @@ class ExecutionMonitor:
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""
+        message = self._feeder.arrivals + 1
         for text in facts[:MOST_FACTS]:
             with self._guarded(origin, text):
-                self._take(origin, _read(text), len(text))
+                self._take(origin, _read(text), len(text), message)
         if len(facts) > MOST_FACTS:
             self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
@@ -345,7 +346,7 @@ class ExecutionMonitor:
             message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
             self._tell(Problem(self._cycle(), message, origin, times))
 
-    def _take(self, origin: str, atom: Symbol, size: int) -> None:
+    def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
         """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
@@ -361,7 +362,7 @@ class ExecutionMonitor:
             if size > SHORT or not self._is_known(atom):
                 self._text += size
                 self._tell(FactTaken(self._cycle(), atom))
-                self._feeder.add_fact(atom, origin, self._cycle())
+                self._feeder.add_fact(atom, origin, self._cycle(), message)
 
     def taken(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
         """Remember the ``facts`` of an update that are ``present`` in it; others are new when they come again."""

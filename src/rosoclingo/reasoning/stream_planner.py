@@ -315,6 +315,28 @@ def _whole(log: StreamLog, update: StreamUpdate, lookahead: int) -> StreamUpdate
     return replace(update, bound=lookahead, items=items)
 
 
+def in_turns(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Planner, Batch, SolveResult]:
+    """Return the planner that goes on from the ``result`` of a batch, the batch that it was fed, and the result.
+
+    The messages of one origin take effect in cycles of one update, in all but the last of which nothing is done. A
+    program that demands an action in each cycle has no answer then: it gets the first messages now, and the others in
+    later updates.
+    """
+    if batch.first is None or result.outcome is not SolveOutcome.UNSATISFIABLE:
+        return planner, batch, result
+    try:
+        _, idle = planner.instead(batch.without_present_facts)
+        if idle.outcome is not SolveOutcome.UNSATISFIABLE:
+            return planner, batch, result
+        beside, found = planner.instead(batch.first.update)
+    except DisturbedError as disturbance:
+        disturbance.kept = True
+        raise
+    except SolverError:
+        return planner, batch, result
+    return beside, batch.first, found
+
+
 def feed_less(
     planner: Planner,
     batch: Batch,

@@ -32,8 +32,10 @@ class Sentences:
         """What is done in a cycle of a plan for a goal in this state (its feedback), in one line."""
         if state.startswith("waiting"):
             return state
-        doing = ", ".join(map(self.of, actions_now(cycle, plan))) or "nothing to do now"
-        return f"is cancelled: {doing}" if state in _CANCELLING else doing
+        word, _, remark = state.partition(": ")
+        doing = ", ".join(map(self.of, actions_now(cycle, plan)))
+        said = f"{doing} ({remark})" if doing and remark else doing or remark or "nothing to do now"
+        return f"is cancelled: {said}" if word in _CANCELLING else said
 
 
 def actions_now(cycle: int, plan: Iterable[str]) -> List[Action]:

@@ -186,7 +186,7 @@ def test_a_plan_of_which_something_is_done_now_and_then_is_not_given_up():
 def test_goal_that_needs_no_action_is_judged_in_its_requests_cycle():
     driver = Driver(WORDS_ONLY).goal("a", "told(1)").goal("b", "asked(2)")
     assert driver.states("a") == ["active", "succeeded"]
-    assert driver.states("b") == ["rejected"]
+    assert driver.message("b") == "no rule of the program can see asked(2): rules look at told(I)"
 
 
 def test_goal_that_goes_on_without_any_action_is_waited_for():

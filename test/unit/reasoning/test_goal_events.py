@@ -13,7 +13,7 @@ from rosoclingo.reasoning.goals import TERMINAL
 from rosoclingo.reasoning.input_feeder import InputFeeder
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "statuses.md").read_text()
-PROGRAM = ReactiveProgram.from_text("#external _request/2.\n#program cumulative(t).\n")
+PROGRAM = ReactiveProgram.from_text("#external _request/2.\n#program cumulative(t).\nasked(G,t) :- _request(G,t).\n")
 STATES = ("pending", "recalling", "active", "preempting", "ended")
 
 

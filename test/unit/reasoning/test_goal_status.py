@@ -2,6 +2,7 @@ from itertools import combinations
 
 import clingo
 import pytest
+from core_driver import Driver
 
 from rosoclingo.oclingo import parse_term
 from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
@@ -164,3 +165,44 @@ def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of
     assert judged(speaks=True, known=True).state.value == "succeeded"
     assert judged(speaks=False).state.value == "succeeded"
     assert judged("_status(1,accepted,5)", speaks=True).known
+
+
+def test_text_of_an_accepted_goal_is_its_remark():
+    goal = judged('_status(1,accepted(("waits for the lift at ",3)),5)')
+    assert (goal.state.value, goal.remark) == ("active", "waits for the lift at 3")
+    assert judged("_status(1,accepted,5)", "_status(1,accepted(tired),5)").remark == "tired"
+    assert judged("_status(1,accepted(soon),6)", cycle=5, request_cycle=6).remark == "soon"
+    assert judged("_status(1,accepted,5)").remark == ""
+
+
+LIFT = """
+#external _request/2. #external _return/3. #external _lift/2.
+#program cumulative(t).
+lift(F,t) :- _lift(F,t).
+lift(F,t) :- lift(F,t-1), not moved(t).
+moved(t) :- _lift(F,t).
+open(I,t) :- _request(ride(I),t+1), not _request(cancel(I),t).
+open(I,t) :- open(I,t-1), not _action_lib(ride,I,t-1), not _request(cancel(I),t).
+{ _action_lib(ride,I,t) : open(I,t) } 1 :- lift(0,t).
+:- open(I,t), lift(0,t), not _action_lib(ride,_,t).
+_status(I,succeeded,t) :- _action_lib(ride,I,t-1).
+_status(I,accepted(("waits for the lift at ",F)),t) :- open(I,t), lift(F,t), F > 0.
+_status(I,accepted("waits for the lift"),t) :- open(I,t), not lift(F,t) : F = 0..9.
+_status(I,accepted,t) :- open(I,t), lift(0,t).
+#show _action_lib/3. #show _status/3.
+"""
+
+
+def test_remark_of_a_goal_that_waits_changes_with_the_programs_text():
+    driver = Driver(LIFT).goal("a", "ride(1)")
+    for floor in (3, 2, 2, 0):
+        driver.facts(f"_lift({floor},now)")
+    driver.succeed()
+    told = [(one.state.value, one.remark) for one in driver.feedback("a")]
+    assert list(dict.fromkeys(told)) == [
+        ("active", "waits for the lift"),
+        ("active", "waits for the lift at 3"),
+        ("active", "waits for the lift at 2"),
+        ("active", ""),
+    ]
+    assert driver.states("a") == ["active", "succeeded"]

@@ -13,6 +13,7 @@ from rosoclingo.reasoning import (
     GoalState,
     Outcome,
     TransitionError,
+    UpdateSent,
     read_goal,
 )
 from rosoclingo.reasoning.goals import CANCELLING, UNDECIDED, GoalBook
@@ -178,3 +179,60 @@ def test_identity_may_be_used_again_after_the_end():
     """
     driver = Driver(text).goal("a", "go(1)").finish().goal("b", "go(1)").finish()
     assert driver.states("a") == driver.states("b") == ["active", "succeeded"]
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("gaol(office3,office2,1)", "did you mean goal(office3,office2,1)?"),
+        ("goal(office3,office2)", "rules look at goal(From,To,Id)"),
+        ("gOAL(office3,office2,1)", "did you mean goal(office3,office2,1)?"),
+        ("goal(goal(office3,office2,1))", "rules look at goal(From,To,Id)"),
+        ("fetch(cup)", "rules look at goal(From,To,Id)"),
+    ],
+)
+def test_unheard_goals_are_rejected_though_nothing_is_said_of_goals(text, advice):
+    driver = Driver.of_shipped("paper.lp").goal("key", text)
+    assert driver.message("key") == f"no rule of the program can see {text}: {advice}"
+    assert driver.states("key") == []
+    assert driver.journal.of(UpdateSent) == []
+
+
+def test_unheard_goals_of_any_length_are_rejected_soon():
+    text = f"{'g' * 30000}({'a' * 30000})"
+    message = Driver.of_shipped("paper.lp").goal("key", text).message("key")
+    assert message.startswith("no rule of the program can see ggg")
+    assert len(message) < 1000
+
+
+def test_heard_goals_of_the_papers_program_are_planned_for():
+    driver = Driver.of_shipped("paper.lp").goal("a", "goal(office3,office2,1)").goal("b", 'goal(office1,office2,"b")')
+    assert driver.finish().states("a") == driver.states("b") == ["active", "succeeded"]
+
+
+VISITS = """
+#external _request/2. #external _return/3.
+#program base.
+room(hall). room(study).
+#program cumulative(t).
+asked(R,t) :- _request(visit(R),t+1).
+wanted(R,t) :- asked(R,t), room(R).
+{ _action_lib(go,R,t) : wanted(R,t) } 1.
+:- wanted(R,t), not _action_lib(go,R,t).
+#show _action_lib/3.
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("visit(attic)", "attic is none of hall, study"),
+        ('visit("hall")', "did you mean visit(hall)?"),
+        ("visit(studi)", "did you mean visit(study)?"),
+        ("visti(hall)", "did you mean visit(hall)?"),
+    ],
+)
+def test_unheard_goals_about_what_there_is_not_are_rejected(text, advice):
+    driver = Driver(VISITS).goal("key", text)
+    assert driver.message("key") == f"no rule of the program can see {text}: {advice}"
+    assert driver.goal("good", "visit(hall)").finish().states("good") == ["active", "succeeded"]

@@ -1,5 +1,7 @@
 """What a core tells of goals that it gives up: the stream that has no plan, from which the reasons follow."""
 
+import re
+
 import pytest
 from core_driver import Driver
 
@@ -49,3 +51,55 @@ def test_a_goal_that_is_met_has_no_reasons():
     driver.core.add_goal("a", "go(c,1)")
     driver.run()
     assert not [one for one in driver.journal.events if isinstance(one, GoalUnmet)]
+
+
+#: Goals ``fetch(Thing)``: things are known once they are seen, and taken off by ``_gone``; rooms may be shut.
+FETCH = """
+#external _request/2. #external _return/3. #external _thing/2. #external _gone/2. #external _shut/2.
+#program cumulative(t).
+thing(X,t) :- _thing(X,t).
+thing(X,t) :- thing(X,t-1).
+gone(X,t)  :- _gone(X,t).
+gone(X,t)  :- gone(X,t-1).
+shut(R,t)  :- _shut(R,t).
+shut(R,t)  :- shut(R,t-1).
+wanted(X,t) :- _request(fetch(X),t+1).
+wanted(X,t) :- wanted(X,t-1), not fetched(X,t-1), not _request(cancel(X),t).
+{ _action_lib(fetch,X,t) : thing(X,t), not gone(X,t) } 1 :- wanted(_,t), not shut(kitchen,t), not shut(hall,t).
+fetched(X,t) :- _action_lib(fetch,X,t), not _return(fetch,failed,t).
+#show _action_lib/3.
+#program volatile(t).
+:- wanted(X,t), not fetched(X,t).
+"""
+
+NOISE = [f"_thing(t{number},now)" for number in range(6)]
+
+
+@pytest.mark.parametrize(
+    ("facts", "named"),
+    [
+        (["_thing(mug,now)", "_gone(mug,now)"], ["_gone(mug,"]),
+        ([*NOISE, "_thing(mug,now)", *NOISE, "_gone(mug,now)", *NOISE], ["_gone(mug,"]),
+        (["_gone(mug,now)", *NOISE, "_thing(mug,now)"], ["_gone(mug,"]),
+        (["_shut(kitchen,now)", "_thing(mug,now)"], ["_shut(kitchen,"]),
+        (["_shut(kitchen,now)", "_gone(mug,now)", "_thing(mug,now)"], None),
+        (["_thing(mug,now)", "_shut(hall,now)", "_shut(kitchen,now)", "_gone(mug,now)"], None),
+        (["_gone(mug,now)", "_thing(cup,now)"], []),
+        (NOISE, []),
+        ([], []),
+    ],
+)
+def test_unmet_goal_names_the_fact_though_it_needs_others(facts, named):
+    driver = Driver(FETCH)
+    for one in facts:
+        driver.facts(one)
+    message = driver.goal("a", "fetch(mug)").message("a")
+    if named is None:  # of several that are each enough any one may be told
+        assert re.match(
+            r"fetch\(mug\) cannot be met since _(gone|shut)\(\w+,[0-9]+\) was told in cycle [0-9]+$", message
+        )
+    elif named:
+        assert message.startswith(f"fetch(mug) cannot be met since {named[0]}"), message
+        assert " and " not in message
+    else:
+        assert message == "fetch(mug) cannot be met: there is no plan of at most 8 steps"

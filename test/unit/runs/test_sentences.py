@@ -53,6 +53,8 @@ def test_the_shipped_rules_of_delivery(files):
     [
         ("active", "goes to x, wave y"),
         ("preempting", "is cancelled: goes to x, wave y"),
+        ("active: has a lift", "goes to x, wave y (has a lift)"),
+        ("preempting: has a lift", "is cancelled: goes to x, wave y (has a lift)"),
         ("waiting: 8 goals at a time are planned for", "waiting: 8 goals at a time are planned for"),
     ],
 )
@@ -61,3 +63,4 @@ def test_what_is_done_now(state, expected):
     plan = ["_action_lib(go,x,3)", "_action_lib(wave,y,3)", "_action_lib(go,z,4)", "((", "_seen(3)"]
     assert sentences.now(3, state, plan) == expected
     assert sentences.now(5, "active", plan) == "nothing to do now"
+    assert sentences.now(5, "active: waits for the lift", plan) == "waits for the lift"

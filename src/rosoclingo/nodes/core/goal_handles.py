@@ -24,6 +24,8 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
     GoalEvent.ABORT: ServerGoalHandle.set_aborted,
 }
 
+_ACCEPTED = (GoalState.ACTIVE, GoalState.PREEMPTING)
+
 #: Seconds of wall time for which a core that goes on sends results to whoever connects.
 RESENT = 60.0
 
@@ -38,6 +40,7 @@ class GoalHandles:
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
         self._open: Dict[str, int] = Counter()  # by the node that has sent them
+        self._remarks: Dict[str, str] = {}  # the program's text about an accepted goal
         self._board = GoalBoard()
         self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
 
@@ -71,14 +74,28 @@ class GoalHandles:
         self._board.look(event.key, handle)
 
     def progress(self, event: GoalProgress) -> None:
-        """Give the client feedback."""
+        """Give the client feedback, and have the status say what the program remarks on the goal."""
         if event.actions is not self._told[0]:
             self._told = event.actions, [str(action.atom) for action in event.actions]
-        status = f"waiting: {event.waits}" if event.waits else event.state.value
+        state = event.state.value
+        status = f"waiting: {event.waits}" if event.waits else f"{state}: {event.remark}" if event.remark else state
         feedback = ROSoClingoFeedback(event.cycle, self._told[1], event.position, status)
         handle = self._handles[event.key]
         handle.publish_feedback(feedback)
+        if not event.waits and event.state in _ACCEPTED:
+            self._remark(event.key, handle, event.remark)
         self._board.waits(event.key, handle, event.waits)
+
+    def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
+        """Change the text of an accepted goal's status where the remark is another; actionlib has no call for that."""
+        accepted = f"{shortened(handle.get_goal().request)} is accepted"
+        text = f"{accepted}: {remark}" if remark else accepted
+        if remark != self._remarks.get(key, ""):
+            self._remarks[key] = remark
+            with handle.action_server.lock:
+                handle.status_tracker.status.text = text
+                handle.action_server.publish_status()
+            self._board.look(key, handle)
 
     def tick(self) -> None:
         """Publish how the goals stand, if that has changed; to be called often."""
@@ -91,6 +108,7 @@ class GoalHandles:
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
         self._open[_node_of(handle)] -= 1
+        self._remarks.pop(key, None)
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
         rospy.loginfo("goal '%s' %s: %s", shortened(handle.get_goal().request), outcome.name.lower(), message)
 

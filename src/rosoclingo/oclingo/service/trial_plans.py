@@ -11,6 +11,7 @@ from rosoclingo.oclingo.explaining.explainer import Stream, explain
 from rosoclingo.oclingo.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.oclingo.explaining.why_not import WhyNot
 from rosoclingo.oclingo.program.action_rules import is_action
+from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.terms import signature_of
@@ -72,6 +73,7 @@ class Trials:
     def __init__(self, program: ReactiveProgram, steps: int = TRIAL_STEPS, seconds: float = TRIAL_SECONDS) -> None:
         self._program, self._steps, self._seconds = program, steps, seconds
         self._solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
+        self._hearing = Hearing.of(program)
         self._played = False
 
     def play(self, updates: Iterable[StreamUpdate]) -> List[Trial]:
@@ -90,9 +92,12 @@ class Trials:
         log = self._solver.log
         step = log.step + 1 if self._played else log.step
         past: Tuple[Item, ...] = (Closed(log.step, log.step),) if self._played else ()
-        facts = (Statement(fact) for fact in self._facts(text, step))
+        facts = self._facts(text, step)
+        unheard = next((one for one in facts if one.match("_request", 2) and not self._hearing.hears(one)), None)
+        if unheard is not None:
+            return Trial(text, fault=f"no rule of the program can see it: {self._hearing.advice(unheard)}")
         try:
-            return self._try(StreamUpdate(step, self._steps, (*past, *facts)), text)
+            return self._try(StreamUpdate(step, self._steps, (*past, *map(Statement, facts))), text)
         finally:
             self._solver.restore(log)
 

@@ -394,6 +394,6 @@ def build_grounding(
             grounding.add(statement, FOREVER)
     for entry in state.lapsing:
         grounding.add(entry.statement, entry.lifetime)
-    for cycle in sorted(state.closed_cycles)[:-1]:
+    for cycle in sorted(state.closed_cycles.keys() - state.returning):
         grounding.close_returns(cycle)
     return grounding

@@ -22,7 +22,8 @@ from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.reordered_plans import ReorderedPlans
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
-from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING, Given, moved, trimmed
+from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING
+from rosoclingo.oclingo.solving.trimming import Given, moved, trimmed
 
 SIZE = 16
 """Steps of a window, at first; half as many more in each further round."""

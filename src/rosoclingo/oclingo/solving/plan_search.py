@@ -18,7 +18,8 @@ from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horiz
 from rosoclingo.oclingo.solving.improvement import FEW_STEPS
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
-from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING, Given, trimmed
+from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING
+from rosoclingo.oclingo.solving.trimming import Given, trimmed
 
 Clock = Callable[[], float]
 """Seconds of processor time that this process has used: a loaded machine leaves the plans as they are."""

@@ -25,7 +25,6 @@ from rosoclingo.oclingo.solving.state_text import (
 )
 from rosoclingo.oclingo.solving.stream_state import StreamState
 
-
 _dated_actions = DatedActions()
 
 

@@ -160,6 +160,13 @@ class StreamState:
             if statement.head is not None and statement.body:
                 yield statement
 
+    @property
+    def returning(self) -> FrozenSet[int]:
+        """The closed cycles whose returns may still come: the last one, and the last one in which anything was done."""
+        closed = self.closed_cycles
+        done = (cycle for cycle, executed in closed.items() if executed)
+        return frozenset({max(closed), max(done, default=max(closed))}) if closed else frozenset()
+
     def closed_until(self, first: int) -> int:
         """Return the last step from ``first`` on up to which all cycles are closed, the one before where none is.
 

@@ -159,13 +159,13 @@ class Transaction:
             self.state.keep_from = max(self.state.keep_from, step)
 
     def close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to ``executed``; returns of the cycle closed before it are complete by now."""
-        before = max(self.state.closed_cycles, default=None)
+        """Fix the actions of ``cycle`` to ``executed``; returns of those done before are complete by now."""
+        before = self.state.returning
         self.state.closed_cycles[cycle] = executed
         if self.grounding is not None:
             self.grounding.close_cycle(cycle, executed)
-            if before is not None:
-                self.grounding.close_returns(before)
+            for one in before - self.state.returning:
+                self.grounding.close_returns(one)
 
     def ready(self) -> Grounding:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""

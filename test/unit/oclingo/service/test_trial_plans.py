@@ -150,3 +150,10 @@ def test_no_time_is_told(run):
     code, out, _ = run("--plan", "go(c)", "--seconds", "0.000000001")
     assert code == 1
     assert out.endswith("go(c): no plan was found in 1e-09 s\n")
+
+
+def test_request_that_no_rule_can_see_has_no_plan(run):
+    code, told, _ = run("--plan", "og(c)", "--plan", "go(c)")
+    assert code == 1
+    assert "og(c): no rule of the program can see it: did you mean go(c)?" in told
+    assert told.replace(" ", "").endswith(TABLE.replace(" ", ""))

@@ -107,3 +107,29 @@ def test_answers_are_those_of_what_is_ground_together(moves, told, block, over):
                 grounding.ground_to(last)
             found.append(set(grounding.search(0, lambda: False, last, last).answers))
     assert found[:2] == found[2:]
+
+
+RETURNS = """
+#external _request/2. #external _return/3.
+#program cumulative(t).
+wanted(A,t) :- _request(A,t+1).
+wanted(A,t) :- wanted(A,t-1), not done(A,t-1).
+{ _action_lib(go,A,t) : wanted(A,t) } 1.
+failed(t) :- _action_lib(go,A,t), _return(go,V,t), V != A.
+done(A,t) :- _action_lib(go,A,t), not failed(t).
+#program volatile(t).
+:- wanted(A,t), not done(A,t).
+"""
+
+
+@pytest.mark.parametrize("built", [False, True])
+@pytest.mark.parametrize(("value", "again"), [("failed", True), ("a", False)])
+def test_return_is_taken_with_an_update_that_closes_several_cycles(value, again, built):
+    solver = ReactiveSolver(ReactiveProgram.from_text(RETURNS), shortest=True)
+    play(solver, "#step 1 : 9. _request(a,2).")
+    if built:
+        solver.restore(solver.log)
+    result = play(solver, f"#step 4 : 9. #closed 1..3. :- not _action_lib(go,a,1). _return(go,{value},1).")
+    assert result.warnings == ()
+    assert ("_action_lib(go,a,4)" in map(str, result.answers[0])) == again
+    assert play(solver, "#step 5 : 9. #closed 4..4.").warnings == ()

@@ -6,6 +6,7 @@ from typing import Iterator, List, Sequence, Set, Tuple
 import clingo
 
 from rosoclingo.oclingo.errors import Fault, ProgressionError
+from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_external, likely_value
 from rosoclingo.oclingo.program.lint.survey import Place, written
@@ -15,7 +16,6 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 
 _END = re.compile(r"#(end|stop)[^.]*\.")
-_FAR = 2**31 - 1
 _MANY = 4  # atoms of rules that a message lists
 
 
@@ -64,7 +64,7 @@ class _Judge:
 
     def __init__(self, program: ReactiveProgram, name: str, updates: Sequence[PlacedUpdate]) -> None:
         self._program, self._survey, self._name = program, program.survey, name
-        self._values = ArgumentValues.of_survey(program.survey)
+        self._values, self._hearing = ArgumentValues.of_survey(program.survey), Hearing.of(program)
         statements = [item for one in updates for item in one.update.items if isinstance(item, Statement)]
         self._stated = {signature_of(one.head) for one in statements if one.head is not None}
         self._asked = {signature_of(literal.atom) for one in statements for literal in one.body}
@@ -80,7 +80,7 @@ class _Judge:
     def _of_head(self, atom: clingo.Symbol, is_rule: bool) -> Iterator[Tuple[str, str]]:
         signature, program = signature_of(atom), self._program
         if signature in program.open_signatures:
-            if not program.may_see([atom], program.first_step, _FAR):
+            if not self._hearing.hears(atom):
                 yield f"no rule can ever see {atom}", self._seen_instead(signature)
         elif signature in program.external_signatures:
             yield from self._strange_value(atom, "external")

@@ -1,0 +1,351 @@
+"""Which atoms from outside a program hears: some rule can see the atom, and something follows from it.
+
+The analysis errs on one side: an atom counts as heard unless the rules exclude it. It grounds the predicates of base
+that restrict a rule's atoms, as ``room`` in ``wanted(R,t) :- _request(visit(R),t+1), room(R).`` A rule that only hands
+an atom on, ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived atom.
+"""
+
+from functools import cached_property
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+import clingo
+from clingo.ast import ASTType, ComparisonOperator, ProgramBuilder, Sign
+
+from rosoclingo.oclingo.program.domains import fixed_signatures, names_in
+from rosoclingo.oclingo.program.likely_terms import Misfit, bindings, fitted, likeness, listed, name_of, replaced
+from rosoclingo.oclingo.program.nodes import Node, parse
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
+
+_FAR = 2**31 - 1
+_STATED, _HEARD = "__oclingo_stated", "__oclingo_heard"
+_DEAF = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
+_MOST = 10000  # atoms of a predicate that restricts others; of a larger one nothing is asked
+_MOST_TRIED = 100  # atoms that a rule hands on, and rules that do not take one, after which nothing more is asked
+
+
+class _Sight(NamedTuple):
+    """An atom in a statement.
+
+    ``kept`` are the literals that restrict its instances. ``rule`` is a program that derives their consequences, None
+    if that is undecided. ``relay`` is the predicate of the sole atom in the rule's head. ``counts`` is true for
+    positive atoms, and for negative ones with a constant in their first argument.
+    """
+
+    pattern: Pattern
+    term: Node
+    kept: List[Node]
+    rule: Optional[str]
+    relay: Optional[Signature]
+    counts: bool
+    statement: Node
+
+
+_Trail = List[Tuple[_Sight, clingo.Symbol]]
+
+
+class Hearing:
+    """The atoms from outside that a program hears; computed at the first question."""
+
+    def __init__(self, program: ReactiveProgram) -> None:
+        self._program = program
+        self._sights: Dict[Signature, List[_Sight]] = {}
+        self._tables: Dict[Signature, Optional[List[Tuple[clingo.Symbol, bool]]]] = {}
+
+    @classmethod
+    def of(cls, program: ReactiveProgram) -> "Hearing":
+        """Return the hearing of a program, the same one for all callers."""
+        if not isinstance(program.survey.hearing, cls):
+            program.survey.hearing = cls(program)
+        return program.survey.hearing
+
+    def prepare(self, signature: Signature) -> None:
+        """Analyse now which atoms of a predicate are heard."""
+        waiting = [signature]
+        while waiting:
+            one = waiting.pop()
+            if one not in self._sights:
+                waiting += [sight.relay for sight in self._sights_of(one) if sight.relay is not None]
+
+    def hears(self, atom: clingo.Symbol) -> bool:
+        """Tell whether the program hears an atom; never wrongly False."""
+        return self._deaf(atom) is None
+
+    def advice(self, atom: clingo.Symbol) -> str:
+        """Return a likely first argument for an ``atom`` that is not heard, else the reason or the forms that are."""
+        term = atom.arguments[0]
+        forms = self._forms(signature_of(atom), term)
+        alike = [one for one in (fitted(form, term) for form in forms) if one is not None]
+        alike.sort(key=lambda one: likeness(str(one), str(term)), reverse=True)
+        failed = self._deaf(atom) or []
+        misfits = [misfit for sight, seen in failed for misfit in self._misfits(sight, seen)]
+        for form in dict.fromkeys((term, *alike)):
+            meant = self._corrected(clingo.Function(atom.name, [form, *atom.arguments[1:]], atom.positive))
+            if meant is not None:
+                return f"did you mean {meant}?"
+        if misfits:
+            return "; ".join(dict.fromkeys(f"{one.value} is none of {listed(map(str, one.known))}" for one in misfits))
+        if failed:
+            places = (sight.statement.location.begin for sight, _ in failed)
+            return f"the conditions of {listed(f'{one.filename}:{one.line}' for one in places)} exclude it"
+        return f"rules look at {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
+
+    def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
+        """Return the first argument of an atom, with likely values, if it is heard then; else None."""
+        failed = self._deaf(atom)
+        if failed is None:
+            return atom.arguments[0]
+        misfits = [misfit for sight, seen in failed for misfit in self._misfits(sight, seen)]
+        meant = replaced(atom.arguments[0], misfits)
+        heard = meant is not None and self.hears(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
+        return meant if heard else None
+
+    def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
+        """Return the first arguments that rules look at, those whose names are like that of ``term`` first."""
+        sights = self._sights_of(signature)
+        forms = list(dict.fromkeys(one.term.arguments[0] for one in sights if one.counts))
+        named = [one for one in forms if one.ast_type != ASTType.Variable and getattr(one, "name", "") != "cancel"]
+        return sorted(named, key=lambda one: likeness(name_of(str(one)), name_of(str(term))), reverse=True)
+
+    # -- rules that see an atom
+
+    def _deaf(self, atom: clingo.Symbol) -> Optional[_Trail]:
+        """Return the rules that look at such atoms but do not take this one; None for an atom that is heard."""
+        failed: _Trail = []
+        waiting: List[Tuple[clingo.Symbol, FrozenSet[Signature]]] = [(atom, frozenset())]
+        while waiting:
+            one, handed_on = waiting.pop()
+            for sight in self._looking_at(one):
+                if sight.relay is not None and sight.relay in handed_on:
+                    continue
+                found = self._instances(sight, one)
+                if found is None or (found and sight.relay is None) or max(len(found), len(failed)) > _MOST_TRIED:
+                    return None
+                failed += [] if found else [(sight, one)]
+                waiting += [(head, handed_on | {signature_of(head)}) for head in found]
+        return failed
+
+    def _looking_at(self, atom: clingo.Symbol) -> List[_Sight]:
+        """Return where statements look at an atom; where some count, no others."""
+        first = self._program.first_step
+        sights = self._sights_of(signature_of(atom))
+        seen = [one for one in sights if one.pattern.may_match(atom, first, _FAR)]
+        return [one for one in seen if one.counts] or seen
+
+    def _sights_of(self, signature: Signature) -> List[_Sight]:
+        """Return where the program's statements look at atoms of a predicate."""
+        if signature not in self._sights:
+            self._sights[signature] = [
+                sight
+                for part in self._program.parts
+                for statement, atoms in part.found
+                if any(one.signature == signature and not one.head for one in atoms)
+                if statement.ast_type not in _DEAF
+                for sight in self._look(part, statement, signature)
+            ]
+        return self._sights[signature]
+
+    def _look(self, part: Part, statement: Node, signature: Signature) -> Iterator[_Sight]:
+        relay = self._relay(statement)
+        handed_to = None if relay is None else term_signature(relay)
+        for first, row in _rows(statement):
+            for literal in filter(_is_atom, first):
+                for term in atom_terms(literal.atom.symbol):
+                    if term_signature(term) != signature:
+                        continue
+                    pattern = Pattern(term, part.parameter, statement, dict(self._program.values))
+                    pattern.prepare()
+                    kept = self._kept(term, [one for one in row if one is not literal], part.parameter)
+                    rule = self._rule(pattern, term, kept, relay)
+                    counts = literal.sign == Sign.NoSign or _names_a_constant(term)
+                    yield _Sight(pattern, term, kept, rule, handed_to, counts, statement)
+
+    def _rule(self, pattern: Pattern, term: Node, kept: List[Node], relay: Optional[Node]) -> Optional[str]:
+        """Return a program that derives the rule's head, or 0 for any other head; None if that depends on the step."""
+        if pattern.parameter and not pattern.offsets and _mentions(term, pattern.parameter):
+            return None
+        body = [_stated(arguments_of(term)), *map(str, kept)]
+        facts = [
+            f"{one}." if certain else f"{{{one}}}."
+            for signature in {term_signature(one.atom.symbol) for one in kept if _is_atom(one)}
+            for one, certain in self._table(signature) or ()
+        ]
+        head = f"{_HEARD}({0 if relay is None else relay})"
+        return "\n".join([*facts, f"#program heard({pattern.parameter or 't'}).", f"{head} :- {'; '.join(body)}."])
+
+    def _relay(self, statement: Node) -> Optional[Node]:
+        """Return the head of a rule that only derives an atom for other rules to see; None for any other statement."""
+        head = statement.head if statement.ast_type == ASTType.Rule else None
+        if head is None or head.ast_type != ASTType.Literal or head.atom.ast_type != ASTType.SymbolicAtom:
+            return None
+        term = head.atom.symbol
+        plain = head.sign == Sign.NoSign and term.ast_type == ASTType.Function and not term.name.startswith("_")
+        return term if plain and term_signature(term) in self._used else None
+
+    @cached_property
+    def _used(self) -> Set[Signature]:
+        """The predicates that some statement looks at, and not only to hand them on from step to step."""
+        statements = [one for part in self._program.parts for one in part.found if one[0].ast_type not in _DEAF]
+        heads = [{one.signature for one in atoms if one.head} for _, atoms in statements]
+        pairs = zip(heads, (atoms for _, atoms in statements))
+        return {one.signature for own, atoms in pairs for one in atoms if not one.head and one.signature not in own}
+
+    # -- what a rule makes of an atom
+
+    def _instances(self, sight: _Sight, atom: clingo.Symbol) -> Optional[List[clingo.Symbol]]:
+        """Return the heads that a rule derives from an atom, 0 for any other head; None if that is undecided."""
+        if sight.rule is None:
+            return None
+        step = sight.pattern.first_match(atom, -_FAR, _FAR) if sight.pattern.offsets else None
+        if step is None:
+            step = next((one.number for one in atom.arguments[-1:] if one.type is clingo.SymbolType.Number), 1)
+        try:
+            control = self._control()
+            control.add("base", [], f"{_stated(atom.arguments)}.\n{sight.rule}")
+            control.ground([("base", []), ("heard", [clingo.Number(step)])])
+        except RuntimeError:
+            return None
+        return [one.symbol.arguments[0] for one in control.symbolic_atoms.by_signature(_HEARD, 1)]
+
+    def _control(self) -> clingo.Control:
+        constants = [f"-c{name}={value}" for name, value in self._program.values.items()]
+        return clingo.Control([*constants, "-Wnone"], logger=lambda code, message: None)
+
+    def _kept(self, term: Node, row: List[Node], parameter: str) -> List[Node]:
+        """Return the literals that restrict a rule at every step, whatever else has happened."""
+        bound = set(names_in(term))
+        timeless = [one for one in row if not (parameter and _mentions(one, parameter))]
+        atoms = [one for one in timeless if _is_atom(one) and self._restricts(one.atom.symbol)]
+        kept = [one for one in atoms if one.sign == Sign.NoSign]
+        bound.update(name for one in kept for name in names_in(one))
+        compared = [one for one in timeless if _is_comparison(one)]
+        for _ in compared:  # one may bind what another one needs
+            for one in compared:
+                bound.update(_binds(one, bound))
+        return kept + [one for one in (*atoms, *compared) if one not in kept and set(names_in(one)) - {"_"} <= bound]
+
+    def _restricts(self, term: Node) -> bool:
+        """Tell whether the atoms of a predicate are all known before anything happens."""
+        if term.ast_type == ASTType.Pool:
+            return False
+        signature, program = term_signature(term), self._program
+        undefined = signature not in program.head_signatures | program.external_signatures
+        return (undefined or signature in self._known) and self._table(signature) is not None
+
+    @cached_property
+    def _known(self) -> Set[Signature]:
+        """The predicates that follow from base alone, whatever is stated from outside."""
+        program = self._program
+        found = fixed_signatures(program.parts) - program.external_signatures
+        edges = [
+            (one.signature, {other.signature for other in atoms if not other.head})
+            for part in program.parts
+            for statement, atoms in part.found
+            if statement.ast_type == ASTType.Rule
+            for one in atoms
+            if one.head
+        ]
+        open_ones = (program.head_signatures | program.external_signatures) - found
+        while True:
+            more = {head for head, body in edges if body & open_ones} - open_ones
+            if not more:
+                return found - open_ones
+            open_ones |= more
+
+    def _table(self, signature: Signature) -> Optional[List[Tuple[clingo.Symbol, bool]]]:
+        """Return the atoms of a predicate of base, each with whether it is certain; None for too many of them."""
+        if signature not in self._tables:
+            self._tables[signature] = self._ground(signature)
+        return self._tables[signature]
+
+    def _ground(self, signature: Signature) -> Optional[List[Tuple[clingo.Symbol, bool]]]:
+        control = self._control()
+        try:
+            with ProgramBuilder(control) as builder:
+                builder.add(parse("")[0].ast)
+                for statement in self._cone(signature):
+                    builder.add(statement.ast)
+            control.ground([("base", [])])
+        except RuntimeError:
+            return None
+        atoms = [(one.symbol, one.is_fact) for one in control.symbolic_atoms.by_signature(*signature)]
+        return None if len(atoms) > _MOST else atoms
+
+    def _cone(self, signature: Signature) -> List[Node]:
+        """Return the rules on which a predicate depends."""
+        rules = [one for part in self._program.parts for one in part.found if one[0].ast_type == ASTType.Rule]
+        wanted, found = {signature}, []  # type: Set[Signature], List[Node]
+        while True:
+            more = [one for one in rules if any(atom.head and atom.signature in wanted for atom in one[1])]
+            if len(more) == len(found):
+                return found
+            found = [statement for statement, _ in more]
+            wanted |= {atom.signature for _, atoms in more for atom in atoms}
+
+    def _misfits(self, sight: _Sight, atom: clingo.Symbol) -> Iterator[Misfit]:
+        """Yield the values in an atom that a rule does not take."""
+        for name, value in bindings(sight.term, atom):
+            for literal in sight.kept:
+                if not _is_atom(literal) or literal.sign != Sign.NoSign:
+                    continue
+                for position, one in enumerate(arguments_of(literal.atom.symbol)):
+                    table = self._table(term_signature(literal.atom.symbol)) or ()
+                    known = frozenset(known.arguments[position] for known, _ in table)
+                    if one.ast_type == ASTType.Variable and one.name == name and value not in known:
+                        yield Misfit(value, known)
+
+
+# -- literals
+
+
+def _rows(statement: Node) -> Iterator[Tuple[List[Node], List[Node]]]:
+    """Yield the literals of a statement that stand together, each time with all that hold with them."""
+    body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
+    yield body, body
+    atoms = [one.atom for one in body if one.ast_type == ASTType.Literal]
+    heads = [statement.head] if statement.ast_type == ASTType.Rule else []
+    elements = [element for one in (*atoms, *heads) for element in getattr(one, "elements", ())]
+    for element in [*elements, *(one for one in body if one.ast_type == ASTType.ConditionalLiteral)]:
+        inner = getattr(element, "condition", ())
+        in_head = bool(heads) and element in getattr(heads[0], "elements", ())
+        if isinstance(inner, Node):  # of an aggregate in a head
+            inner = inner.condition
+        elif element.ast_type == ASTType.ConditionalLiteral and not in_head:
+            inner = [element.literal, *inner]
+        yield list(inner), [*inner, *body]
+
+
+def _is_atom(literal: Node) -> bool:
+    return bool(literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom)
+
+
+def _is_comparison(literal: Node) -> bool:
+    return bool(literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.Comparison)
+
+
+def _binds(comparison: Node, bound: Set[str]) -> Iterator[str]:
+    """Yield the variable that an equation gives a value."""
+    atom = comparison.atom
+    guards = atom.guards
+    if comparison.sign != Sign.NoSign or len(guards) != 1 or guards[0].comparison != ComparisonOperator.Equal:
+        return
+    for one, other in ((atom.term, guards[0].term), (guards[0].term, atom.term)):
+        if one.ast_type == ASTType.Variable and set(names_in(other)) <= bound:
+            yield one.name
+
+
+def _names_a_constant(term: Node) -> bool:
+    """Tell whether the first argument of an atom is a constant, or has one."""
+    goal = next(iter(arguments_of(term)), term)
+    return not names_in(goal) or any(not names_in(one) for one in arguments_of(goal))
+
+
+def _mentions(node: Node, name: str) -> bool:
+    return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in node.nodes)
+
+
+def _stated(arguments: Sequence[object]) -> str:
+    return f"{_STATED}({','.join(map(str, arguments))})" if arguments else _STATED

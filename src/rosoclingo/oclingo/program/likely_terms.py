@@ -1,0 +1,82 @@
+"""Which term may be meant by one that does not fit a rule: the rule's own words, and values that it knows."""
+
+from difflib import SequenceMatcher, get_close_matches
+from itertools import islice
+from typing import FrozenSet, Iterable, Iterator, NamedTuple, Optional, Tuple
+
+import clingo
+from clingo.ast import ASTType
+
+from rosoclingo.oclingo.program.nodes import Node
+
+_ALIKE = 0.6  # so alike, of 1, are names of which one may be meant for the other
+_LONGEST, _COMPARED = 100, 1000  # letters of a text, and values, that are compared
+_SHOWN = 6  # values or forms that a message lists
+
+
+class Misfit(NamedTuple):
+    """A value in an atom that a rule does not take there, and the values that it does."""
+
+    value: clingo.Symbol
+    known: FrozenSet[clingo.Symbol]
+
+
+def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Symbol]]:
+    """Yield the variables of a term with what stands for them in a symbol."""
+    if term.ast_type == ASTType.Variable:
+        yield term.name, symbol
+    elif term.ast_type == ASTType.Function and symbol.type is clingo.SymbolType.Function:
+        for one, value in zip(term.arguments, symbol.arguments):
+            yield from bindings(one, value)
+
+
+def replaced(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.Symbol]:
+    """Return a term with the most similar known value in place of each that does not fit; None where none is alike."""
+    meant = {one.value: most_similar(one.value, one.known) for one in misfits}
+    if term in meant:
+        return meant[term]
+    if term.type is not clingo.SymbolType.Function:
+        return term
+    arguments = [replaced(one, misfits) for one in term.arguments]
+    return None if None in arguments else clingo.Function(term.name, arguments, term.positive)  # type: ignore[arg-type]
+
+
+def most_similar(value: clingo.Symbol, known: Iterable[clingo.Symbol]) -> Optional[clingo.Symbol]:
+    """Return the one of the values ``known`` that is most like ``value``; None where none is like it."""
+    words = {_word(one): one for one in islice(sorted(known), _COMPARED)}
+    return next((words[one] for one in get_close_matches(_word(value), words, 1)), None)
+
+
+def _word(value: clingo.Symbol) -> str:
+    return (value.string if value.type is clingo.SymbolType.String else str(value)).casefold()[:_LONGEST]
+
+
+def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
+    """Return a term of a rule's form, its name and constants, with the arguments of ``term``; None for no like one."""
+    if form.ast_type == ASTType.Variable:
+        return term
+    if form.ast_type == ASTType.SymbolicTerm:
+        return form.symbol if likeness(_word(form.symbol), _word(term)) >= _ALIKE else None
+    if form.ast_type != ASTType.Function or term.type is not clingo.SymbolType.Function:
+        return None
+    if len(form.arguments) != len(term.arguments) or likeness(form.name, term.name) < _ALIKE:
+        return None
+    arguments = [fitted(one, value) for one, value in zip(form.arguments, term.arguments)]
+    return None if None in arguments else clingo.Function(form.name, arguments)  # type: ignore[arg-type]
+
+
+def likeness(one: str, other: str) -> float:
+    """Return how alike two texts are, from 0 to 1, by their first letters, whatever case or order these have."""
+    one, other = one.casefold()[:_LONGEST], other.casefold()[:_LONGEST]
+    return 1.0 if sorted(one) == sorted(other) else SequenceMatcher(None, one, other).ratio()
+
+
+def name_of(text: str) -> str:
+    """Return the name with which a term begins."""
+    return text.partition("(")[0]
+
+
+def listed(texts: Iterable[str], in_order: bool = False) -> str:
+    """Return the first ones of some texts, each once, sorted unless they are ``in_order``."""
+    found = list(dict.fromkeys(texts if in_order else sorted(texts)))
+    return ", ".join(found[:_SHOWN]) + (" ..." if len(found) > _SHOWN else "")

@@ -1,0 +1,176 @@
+"""What a program hears of what it is asked, and what may be meant by what it does not."""
+
+import pytest
+from shipped import shipped
+
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.oclingo.program.hearing import Hearing
+from rosoclingo.oclingo.program.lint.stream_lint import lint_stream
+
+VISITS = """
+#const depth = 3.
+#program base.
+room(hall). room(kitchen). room(R) :- cell(R,N), N < depth.
+cell(pantry,1). cell(attic,5). number(1..9).
+{ spare(den) }.
+seen(R) :- _map(R).
+#program cumulative(t).
+#external _request/2. #external _map/1.
+asked(R,t)    :- _request(visit(R),t+1).
+wanted(R,t)   :- asked(R,t), room(R).
+wanted(R,t)   :- wanted(R,t-1), not at(R,t-1).
+both(A,B,t)   :- _request(both(A,B),t+1), room(A), room(B), A != B.
+lots(N,t)     :- _request(lots(N),t+1), number(N), M = N-2, M > 3.
+far(R,t)      :- _request(far(R),t+1), not room(R).
+use(R,t)      :- _request(use(R),t+1), spare(R).
+map(R,t)      :- _request(map(R),t+1), seen(R).
+near(R,t)     :- _request(near(R),t+1), at(R,t-1).
+early(t)      :- _request(early(X),2).
+ever(X,t)     :- _request(ever(X),T), T <= t, 0 < t-T, t-T < 3.
+twice(X,t)    :- _request(twice(X),2*t).
+{ go(t)       :  _request(run((x;y;z)),t+1) }.
+{ at(R,t) : room(R), _request(dash(R),t+1) } 1 :- wanted(_,t).
+full(t)       :- 2 < #count { R : _request(count(R),t), room(R) }.
+none(t)       :- one(t) : _request(cond(R),t), room(R).
+stopped(t)    :- not _request(halt(home),t+1).
+forgotten(R,t) :- forgotten(R,t-1), not _request(both(_,R),t+1).
+_status(I,rejected,t) :- _request(text("abc",I),t).
+:- _request(range(1..3),t).
+:- _request(sum(X+1,X),t).
+:- at(R,t), wanted(R,t), both(A,B,t), lots(N,t), far(R,t), stopped(t).
+#show shown(R) : _request(shown(R),t).
+#program volatile(t).
+:- wanted(R,t), not at(R,t).
+"""
+
+
+@pytest.fixture(scope="module")
+def visits():
+    return Hearing(ReactiveProgram.from_text(VISITS, "visits.lp"))
+
+
+def heard(hearing, goal, cycle=2):
+    return hearing.hears(parse_atom(f"_request({goal},{cycle})"))
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [
+        *("visit(hall)", "visit(pantry)", "both(hall,kitchen)", "lots(7)", "far(mars)", "use(den)", "map(mars)"),
+        *("near(mars)", "early(1)", "ever(a)", "twice(1)", "run(x)", "run(z)", "dash(hall)", "count(hall)"),
+        *("cond(kitchen)", "halt(home)", 'text("abc",1)', "range(2)", "sum(3,2)"),
+    ],
+)
+def test_hearing_of_what_some_rule_can_see(visits, goal):
+    assert heard(visits, goal)
+
+
+@pytest.mark.parametrize(
+    ("goal", "advice"),
+    [
+        ("visti(hall)", "did you mean visit(hall)?"),
+        ("vISIT(hALL)", "did you mean visit(hall)?"),
+        ("visit(attic)", "attic is none of hall, kitchen, pantry"),
+        ('visit("kitchen")', "did you mean visit(kitchen)?"),
+        ("visit(kichen)", "did you mean visit(kitchen)?"),
+        ("visit(hall,1)", None),
+        ("visit", None),
+        ("both(hall)", None),
+        ("both(hall,hall)", "the conditions of visits.lp:13 exclude it"),
+        ("both(hall,mars)", "mars is none of hall, kitchen, pantry"),
+        ("lots(3)", "the conditions of visits.lp:14 exclude it"),
+        ("lots(12)", None),
+        ("far(hall)", "the conditions of visits.lp:15 exclude it"),
+        ("use(hut)", "hut is none of den"),
+        ("run(w)", None),
+        ("dash(mars)", None),
+        ("count(mars)", None),
+        ("cond(mars)", None),
+        ("halt(away)", None),
+        ("text(abc,1)", 'did you mean text("abc",1)?'),
+        ("range(7)", None),
+        ("sum(3,3)", None),
+        ("shown(hall)", None),
+        ("hall", None),
+        ("17", None),
+    ],
+)
+def test_hearing_not_of_what_no_rule_can_see(visits, goal, advice):
+    assert not heard(visits, goal)
+    told = visits.advice(parse_atom(f"_request({goal},2)"))
+    assert told == advice if advice else told
+
+
+def test_hearing_of_a_cycle_that_a_rule_names(visits):
+    assert heard(visits, "early(1)", 2)
+    assert not heard(visits, "early(1)", 3)
+
+
+def test_advice_names_the_form_where_an_argument_is_missing():
+    hearing = Hearing(shipped("paper.lp"))
+    assert hearing.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules look at goal(From,To,Id)"
+    assert hearing.advice(parse_atom("_request(gaol(office3,office2,1),2)")) == "did you mean goal(office3,office2,1)?"
+
+
+@pytest.mark.parametrize(
+    ("files", "goals", "others"),
+    [
+        (["paper.lp"], ["goal(office3,office2,1)", 'goal(office3,office2,"mail")', "cancel(1)"], ["goal(1)"]),
+        (["mailbot.lp", "office.lp"], ["goal(office3,office2,1)", "goal(office9,office2,1)"], ["gaol(a,b,1)"]),
+        (["house.lp", "home.lp"], ["bring(bedroom,cup)", "bring(attic,cup)", 'bring(bedroom,"cup")'], ["bring(cup)"]),
+        (
+            ["golog.lp", "mailbot.lp", "office.lp", "golog/delivery.lp", "golog/mailbot_day.golog"],
+            ["run(day,1)", "run(day)", "run(nothing)", "goal(office1,office2,1)"],
+            ["rnu(day)", "day"],
+        ),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else None,
+)
+def test_hearing_of_the_shipped_programs(files, goals, others):
+    hearing = Hearing(shipped(*files))
+    assert [goal for goal in goals if not heard(hearing, goal)] == []
+    assert [goal for goal in others if heard(hearing, goal)] == []
+
+
+STEPS = "#external _request/2.\n#program cumulative(t).\n"
+
+
+@pytest.mark.parametrize(
+    ("rules", "goal"),
+    [
+        ("wanted(G,t) :- _request(G,t).", "anything(1)"),  # seen, whatever comes of it
+        ("wanted(G,t) :- _request(G,t). wanted(G,t) :- wanted(G,t-1).", "anything(1)"),
+        ("wanted(G,t) :- _request(G,C), C <= t. :- wanted(G,t), not p(G,t). p(G,t) :- wanted(G,t).", "anything(1)"),
+        ("p(X,t) :- _request(do(X),t), known(X,t). known(X,t) :- _told(X,t). #external _told/2.", "do(it)"),
+        ("#defined room/1. p(X,t) :- _request(do(X),t), not room(X).", "do(it)"),
+        ("#external ready(X,t) : _request(do(X),t). q(t) :- ready(X,t).", "do(it)"),
+        ("#minimize { 1,X : _request(do(X),t) }.", "do(it)"),
+        ("p(X,Y,t) :- _request(do(X),t), pair(X,Y). pair(1..4,1..4). :- p(1,2,t).", "do(1)"),
+        ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(f(X),t). :- q(7,t).", "do(7)"),
+        ("p(t) :- _request(do(-1),t).", "do(-1)"),
+    ],
+)
+def test_hearing_of_unusual_rules(rules, goal):
+    assert heard(Hearing(ReactiveProgram.from_text(STEPS + rules)), goal)
+
+
+@pytest.mark.parametrize(
+    ("rules", "goal"),
+    [
+        ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(g(X),t).", "do(7)"),
+        ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(f(X),t). :- q(7,t).", "do(8)"),
+        ("p(X,Y,t) :- _request(do(X,Y),t), pair(X,Y).\n#program base.\npair(1,2). pair(3,4).", "do(1,4)"),
+        ("#show p(X) : _request(do(X),t). p(t) :- _request(cancel(X),t).", "do(7)"),
+        ("p(X,t) :- _request(do(X),t), room(X). r(X,t) :- r(X,t-1), not _request(do(_,X),t).", "do(7)"),
+        ("", "do(7)"),
+    ],
+)
+def test_hearing_of_nothing_where_rules_hand_on_in_vain(rules, goal):
+    assert not heard(Hearing(ReactiveProgram.from_text(STEPS + rules)), goal)
+
+
+def test_stream_is_checked_for_what_base_excludes():
+    program = ReactiveProgram.from_text(VISITS, "visits.lp")
+    stream = "#step 1.\n_request(visit(hall),2).\n_request(visit(attic),2).\n#end step.\n"
+    found = [(one.line, one.message) for one in lint_stream(program, stream, "day.txt")]
+    assert found == [(3, "no rule can ever see _request(visit(attic),2)")]
