@@ -99,6 +99,8 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no
         rule = statement_at(*place) or rule.replace(":- 0=0;", ":- ")
         message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
         mend = "bind each variable by a positive body literal, for instance a domain like office(X)"
+        if rule.startswith("#external"):
+            mend = "bind each variable by a condition, for instance #external e(X) : office(X)."
     elif message.startswith("operation undefined:"):
         kind = "undefined-operation"
         message = (

@@ -281,10 +281,9 @@ class Transaction:
         if (isinstance(lifetime, int) and lifetime < self.state.horizon) or statement.is_tautology:
             return  # its window has passed, or it says nothing, and does not define its head
         grounding, head = self._standing(), statement.head
-        if head in self._given and not statement.body and lifetime == FOREVER:
-            self.state.permanent.append(statement)
-        elif head in self._given:
-            return  # a fact of this update says more
+        if head in self._given:
+            if not statement.body and lifetime == FOREVER:  # it says more than the others with this head
+                self.state.permanent.append(statement)
         elif head is None or grounding.atoms.is_open(head):
             self._put(statement, lifetime)
         elif self._is_new(head, grounding):
@@ -293,9 +292,8 @@ class Transaction:
         elif not statement.body and grounding.atoms.is_true(head):
             return  # said before
         elif grounding.conflicting and signature_of(head) in self.program.external_signatures:
-            self.state.waiting.append(
-                Lapsing(statement, lifetime)
-            )  # clingo grounds no further; a grounding made anew will tell
+            # clingo grounds no further; a grounding made anew will tell
+            self.state.waiting.append(Lapsing(statement, lifetime))
         elif self._setting.is_too_late(self.state, head):
             self.warnings.append(_TOO_LATE.format(head, self._setting.first_step(self.state)))
         elif head not in self.state.forgotten and not grounding.atoms.knows(head) and self._may_come(head):

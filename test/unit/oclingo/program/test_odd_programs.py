@@ -100,6 +100,7 @@ def test_unsafe_variables_of_old_programs_are_told_in_their_words():
         "unsafe variable X in #external e(X,t).",
         "unsafe variable Y in #external f(X;Y,t) : d(X) : d(X).",
     ]
+    assert "condition" in caught.value.faults[0].mend
 
 
 def test_constants_that_the_program_does_not_know():
