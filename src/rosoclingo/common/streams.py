@@ -18,7 +18,7 @@ def tolerate_any_locale() -> None:
     """Have this process print any text, and read standard input as UTF-8, whatever the locale is.
 
     What the encoding of standard output lacks is printed as ``?``. In a locale that knows ASCII alone the process
-    starts again in Python's UTF-8 mode: else it could open no file with another name. Call it before anything else.
+    starts again in Python's UTF-8 mode, as it could open no file with another name. Call it before anything else.
     """
     _leave_ascii()
     for stream in (sys.stdout, sys.stderr):

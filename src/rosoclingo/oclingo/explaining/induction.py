@@ -13,7 +13,7 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.explaining.named_rules import RuleKind
 from rosoclingo.oclingo.explaining.reach import Reach
 from rosoclingo.oclingo.explaining.relaxed_program import BROKEN, WHOLE, RelaxedProgram
-from rosoclingo.oclingo.program.lint.argument_values import parted
+from rosoclingo.oclingo.program.lint.rule_shapes import parted
 from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node

@@ -18,7 +18,7 @@ from rosoclingo.oclingo.explaining.atom_patterns import (
 from rosoclingo.oclingo.explaining.named_rules import NamedRule, RuleTexts
 from rosoclingo.oclingo.explaining.reach import HeadRule, Reach, UncertainError
 from rosoclingo.oclingo.program.domains import plain_literals
-from rosoclingo.oclingo.program.lint.argument_values import head_literals, parted
+from rosoclingo.oclingo.program.lint.rule_shapes import head_literals, parted
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram

@@ -13,7 +13,7 @@ from clingo.ast import ASTType, Sign
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.program.domains import names_in
-from rosoclingo.oclingo.program.lint.argument_values import head_literals, parted
+from rosoclingo.oclingo.program.lint.rule_shapes import head_literals, parted
 from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part

@@ -54,6 +54,7 @@ class ReactiveProgram:
         faults: why it cannot be used; there are some where it is ``lenient`` alone.
         remarks: what is odd but usable.
         survey: its statements by predicates.
+        trial: its first steps, once they have been ground.
 
     """
 
@@ -73,7 +74,7 @@ class ReactiveProgram:
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants or {})
         self._directives = Directives()
         self.remarks: List[Fault] = []
-        self._trial: Optional[Trial] = None
+        self.trial: Optional[Trial] = None
         self._said: Optional[List[Fault]] = None  # what clingo says of the first steps, once they have been ground
         parsed = read_sources(sources, self._directives, self.remarks, whole)
         self.texts = tuple(one.source for one in parsed)
@@ -383,20 +384,12 @@ class ReactiveProgram:
             self._try(self._control(messages), messages)
         return self._said or []
 
-    def demands(self, signature: Signature) -> Optional[bool]:
-        """Tell whether each step has an atom of a predicate though nothing is asserted, as the first steps show.
-
-        None where these have no answer.
-        """
-        self.said_of_steps()
-        return self._trial is not None and not self.faults and self._trial.demands(signature)
-
     def _try(self, control: clingo.Control, messages: Messages) -> List[Fault]:
         """Ground the first steps; return the faults that show, and note what clingo says of them."""
         self._said = []
         try:
-            self._trial = Trial(control, self.first_step)
-            faults = self._trial.redefinitions(self.parts)
+            self.trial = Trial(control, self.first_step)
+            faults = self.trial.redefinitions(self.parts)
         except RuntimeError as error:
             return messages.faults(error, self.parameter_at)
         self._said = [one for one in messages.new_remarks(self.parameter_at) if one not in self.remarks]

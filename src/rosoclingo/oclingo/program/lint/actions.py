@@ -21,9 +21,10 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.lint.mixed_values import MixedValues
+from rosoclingo.oclingo.program.lint.rule_shapes import Rule, parted
 from rosoclingo.oclingo.program.lint.survey import LABELS, Survey, fault_at
 from rosoclingo.oclingo.program.lint.term_shapes import Bindings, is_open
 from rosoclingo.oclingo.program.nodes import Node

@@ -3,16 +3,17 @@
 Each argument of a predicate has a set of ground terms, or any. They are found by going through the rules until nothing
 changes: a head has the values that the positive atoms, equations and inequations of the body leave to its variables.
 What is open (``#external p/n.``), undefined, or a number that counts steps may be anything. A predicate is split by its
-first argument where a head has a constant there, as in ``_action_lib(pickup,Id,t)``, or a variable with few values: the
-other arguments have a set for each of these.
+first argument where a head has a constant there, as in ``_action_lib(pickup,Id,t)``, or, if it tells rules which action
+has which parameter, a variable with few values: the other arguments have a set for each of these.
 """
 
 from heapq import heappop, heappush
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
-from clingo.ast import ASTType, ComparisonOperator, Sign
 
+from rosoclingo.oclingo.program.action_rules import ACTION
+from rosoclingo.oclingo.program.lint.rule_shapes import Condition, Equation, Rule, parted, rules_of
 from rosoclingo.oclingo.program.lint.survey import Survey
 from rosoclingo.oclingo.program.lint.term_shapes import (
     MOST,
@@ -30,51 +31,12 @@ from rosoclingo.oclingo.program.lint.term_shapes import (
     value_of,
 )
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 Row = List[Values]
 """What the arguments of a predicate may be."""
 
 _FEW = 8  # values of a variable by which a predicate is split
-
-
-class Condition(NamedTuple):
-    """A positive atom on which a rule depends."""
-
-    term: Node
-    signature: Signature
-    arguments: Tuple[Shape, ...]
-
-    @property
-    def names(self) -> Set[str]:
-        """Its variables."""
-        return {name for argument in self.arguments for name in argument.names}
-
-
-class Equation(NamedTuple):
-    """A comparison of a variable with a term: they are equal, or they differ."""
-
-    variable: str
-    other: Shape
-    equal: bool
-
-
-class Rule(NamedTuple):
-    """What a statement makes true, or says of, where its conditions hold.
-
-    Attributes:
-        parameter: the step's name in the statement, empty in base.
-        head: an atom, as those of the body.
-        atoms: the positive atoms on which it depends.
-        equations: the comparisons on which it depends.
-
-    """
-
-    parameter: str
-    head: Condition
-    atoms: List[Condition]
-    equations: List[Equation]
 
 
 class Disjoint(NamedTuple):
@@ -87,22 +49,18 @@ class Disjoint(NamedTuple):
     others: FrozenSet[clingo.Symbol]
 
 
-def parted(term: Node) -> Tuple[Signature, Sequence[Node]]:
-    """Return an atom's predicate and its arguments."""
-    return term_signature(term), arguments_of(term)
-
-
 class ArgumentValues:
     """The values of all arguments of a program's predicates."""
 
     def __init__(self, survey: Survey) -> None:
         self._constants = {**survey.constants, **dict.fromkeys(survey.unvalued, WILD)}
         parts = [(statement, part.parameter) for part, statement, _ in survey.statements]
-        self.rules = [rule for statement, step in parts for rule in _rules(statement, step, self._constants)]
+        self.rules = [rule for statement, step in parts for rule in rules_of(statement, step, self._constants)]
         known = {*survey.defining, *survey.declaring}
         used = {atom.signature for rule in self.rules for atom in rule.atoms}
         #: the predicates of which nothing is known: they may be true of anything
         self.free: Set[Signature] = {*survey.opened, *((used | set(survey.using)) - known)}
+        self._telling = _telling(self.rules)
         self._found: Dict[Signature, Dict[Optional[clingo.Symbol], Row]] = {}
         self._spread()
 
@@ -211,12 +169,15 @@ class ArgumentValues:
 
     def _split(self, rule: Rule, bound: Bindings) -> Iterator[Tuple[Optional[clingo.Symbol], Bindings]]:
         """Yield what the variables of a rule may be for each first argument of its head; None for any of these."""
-        first = rule.head.arguments[0] if len(rule.head.arguments) > 1 else None
-        values = None if first is None else value_of(first, bound)
-        few = first is not None and values is not None and len(values) <= _FEW and not any(map(is_open, values))
-        if values is not None and first is not None and not first.names and (few or first.is_constant):
+        if len(rule.head.arguments) < 2:
+            yield None, bound
+            return
+        first = rule.head.arguments[0]
+        values = value_of(first, bound) if not first.names or rule.head.signature in self._telling else None
+        few = values is not None and len(values) <= _FEW and not any(map(is_open, values))
+        if values is not None and not first.names and (few or first.is_constant):
             yield from ((value, bound) for value in values)
-        elif values is not None and first is not None and few and first.variable:
+        elif values is not None and few and first.variable:
             for value in values:
                 inside = self.bindings(rule, {first.variable: frozenset({value})})
                 if inside is not None:
@@ -254,6 +215,29 @@ class ArgumentValues:
         return row is not None and all(
             known is None or _narrow(argument, known, found) for argument, known in zip(atom.arguments, row)
         )
+
+
+def _telling(rules: Sequence[Rule]) -> Set[Signature]:
+    """Return the predicates that tell rules, by their first argument, which action has which parameter."""
+    found: Set[Signature] = set()
+    waiting = [ACTION]
+    while waiting:
+        signature = waiting.pop()
+        for rule in rules:
+            for atom in rule.atoms if rule.head.signature == signature else ():
+                if (
+                    atom.signature not in found
+                    and atom.arguments
+                    and is_same(atom.arguments[0], rule.head.arguments[0])
+                ):
+                    found.add(atom.signature)
+                    waiting.append(atom.signature)
+    return found
+
+
+def is_same(argument: Shape, first: Shape) -> bool:
+    """Tell whether an argument is the variable, or the constant, that another one is."""
+    return argument.variable == first.variable if first.variable else argument.is_constant and argument == first
 
 
 def _fits(first: Shape, tag: clingo.Symbol, among: Optional[FrozenSet[clingo.Symbol]]) -> bool:
@@ -296,56 +280,6 @@ def _compare(one: Equation, found: Bindings) -> bool:
 
 
 # ---- rules ----------------------------------------------------------------------------------------------------------
-
-_Constants = Mapping[str, clingo.Symbol]
-
-
-def _rules(statement: Node, step: str, constants: _Constants) -> Iterator[Rule]:
-    """Yield what a statement defines or declares."""
-    body = list(statement.body) if hasattr(statement, "body") else []
-    if statement.ast_type == ASTType.External:
-        for term in atom_terms(statement.atom.symbol):
-            yield _rule(step, term, body, constants)
-    elif statement.ast_type == ASTType.Rule:
-        for literal, condition in head_literals(statement.head):
-            if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
-                for term in atom_terms(literal.atom.symbol):
-                    yield _rule(step, term, [*condition, *body], constants)
-
-
-def _rule(step: str, head: Node, literals: Sequence[Node], constants: _Constants) -> Rule:
-    """Return the rule of a head with what its body and condition say for certain."""
-    plain = [one.atom for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
-    symbols = [one.symbol for one in plain if one.ast_type == ASTType.SymbolicAtom]
-    atoms = [_condition(one, step, constants) for one in symbols if one.ast_type != ASTType.Pool]
-    comparisons = [one for one in plain if one.ast_type == ASTType.Comparison and len(one.guards) == 1]
-    equations = [found for one in comparisons for found in _equations(one, step, constants)]
-    return Rule(step, _condition(head, step, constants), atoms, equations)
-
-
-def _condition(term: Node, step: str, constants: _Constants) -> Condition:
-    signature, arguments = parted(term)
-    return Condition(term, signature, tuple(shape_of(one, step, constants) for one in arguments))
-
-
-def _equations(comparison: Node, step: str, constants: _Constants) -> Iterator[Equation]:
-    guard = comparison.guards[0]
-    if guard.comparison in (ComparisonOperator.Equal, ComparisonOperator.NotEqual):
-        left, right = (shape_of(one, step, constants) for one in (comparison.term, guard.term))
-        for one, other in ((left, right), (right, left)):
-            if one.variable:
-                yield Equation(one.variable, other, guard.comparison == ComparisonOperator.Equal)
-
-
-def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
-    """Yield the literals of a head, each with its condition."""
-    if head.ast_type == ASTType.Literal:
-        yield head, ()
-    elif head.ast_type in (ASTType.Disjunction, ASTType.Aggregate, ASTType.HeadAggregate):
-        for element in head.elements:
-            one = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
-            if one.ast_type == ASTType.ConditionalLiteral:
-                yield one.literal, list(one.condition)
 
 
 def _sources_first(rules: Sequence[Rule]) -> List[Rule]:

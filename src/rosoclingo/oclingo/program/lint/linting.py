@@ -49,13 +49,13 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     found += [*unfounded(survey, values), *contradictions(survey)]
     found += [*stepless(survey), *slips(survey, program.first_step), *words_for_numbers(survey)]
     found += [*exchanged(survey), *odd_choices(survey)]
-    found += [*of_other_systems(survey), *gone(survey, program.first_step)]
+    found += gone(survey, program.first_step)
     texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
-    found += [*odd_marks(texts), *libraries(texts)]
+    found += [*odd_marks(texts), *of_other_systems(survey, texts), *libraries(texts)]
     if checks.uses_keywords(program.parts) if core is None else core:
         found += [
             *missing_words(survey),
-            *demanded_actions(survey, program.demands),
+            *demanded_actions(survey, None if program.faults else program.trial),
             *statuses(survey, values),
             *told_at_the_end(survey),
             *histories(survey),

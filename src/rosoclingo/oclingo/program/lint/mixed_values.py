@@ -2,8 +2,8 @@
 
 from typing import Dict, Sequence
 
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Condition, Rule
-from rosoclingo.oclingo.program.lint.term_shapes import Shape
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, is_same
+from rosoclingo.oclingo.program.lint.rule_shapes import Condition, Rule
 from rosoclingo.oclingo.progression.terms import Signature
 
 
@@ -17,9 +17,9 @@ class MixedValues:
     def mixes(self, rule: Rule) -> bool:
         """Tell whether other arguments of a head can have values here that belong to another first argument."""
         first = rule.head.arguments[0]
-        told = [one for one in rule.atoms if any(_is_same(argument, first) for argument in one.arguments)]
+        told = [one for one in rule.atoms if any(is_same(argument, first) for argument in one.arguments)]
         known = {first.variable} if first.variable else set()
-        fresh = [one for one in told if _is_same(one.arguments[0], first) and self._is_apart(one.signature)]
+        fresh = [one for one in told if is_same(one.arguments[0], first) and self._is_apart(one.signature)]
         while fresh:
             known.update(name for one in fresh for name in one.names)
             fresh = [
@@ -38,11 +38,6 @@ class MixedValues:
             rules = [one for one in self._values.rules if one.head.signature == signature]
             self._known[signature] = self._values.is_split(signature) and not any(map(self.mixes, rules))
         return self._known[signature]
-
-
-def _is_same(argument: Shape, first: Shape) -> bool:
-    """Tell whether an argument is the variable, or the constant, that another one is."""
-    return argument.variable == first.variable if first.variable else argument.is_constant and argument == first
 
 
 def _reaches(rule: Rule, name: str, atoms: Sequence[Condition], but: str) -> bool:

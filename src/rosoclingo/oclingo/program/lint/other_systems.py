@@ -1,5 +1,6 @@
 """Statements of clingo's incmode, telingo and other drivers that mean nothing here, or something else."""
 
+import re
 from typing import Collection, Iterable, Iterator, List, Tuple
 
 from clingo.ast import ASTType
@@ -20,17 +21,19 @@ _BOUNDS = {
     "istop": "steps are added until there is an answer",
 }
 _PRIME = "'"
+_DRIVEN = re.compile(r"[@&]\s*_*[a-z]")
 _STATES = ("initial", "final", "tel", "del")
 
 
-def of_other_systems(survey: Survey) -> Iterator[Fault]:
-    """Yield the statements that only another system than rosoclingo interprets."""
+def of_other_systems(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+    """Yield the statements that only another system interprets; ``texts`` are the files, names and texts."""
     yield from _queries(survey)
+    suspicious = any(_DRIVEN.search(text) for _, text in texts)
     for _, statement, _ in survey.statements:
         if statement.ast_type == ASTType.Definition and statement.name in _BOUNDS and not _is_used(statement, survey):
             message = f"#const {statement.name} has no effect: clingo's incmode alone reads it"
             yield fault_at(statement, _INCMODE, message, f"leave it out: {_BOUNDS[statement.name]}")
-        for node in statement.nodes:
+        for node in statement.nodes if suspicious else ():
             if node.ast_type == ASTType.TheoryAtom:
                 yield _theory_atom(node)
             elif node.ast_type == ASTType.Function and node.external:

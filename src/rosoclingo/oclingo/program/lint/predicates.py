@@ -7,9 +7,10 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_value, slip_of
 from rosoclingo.oclingo.program.lint.other_systems import primed_mend, query_mend
+from rosoclingo.oclingo.program.lint.rule_shapes import Rule, parted
 from rosoclingo.oclingo.program.lint.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.lint.term_shapes import WILD
 from rosoclingo.oclingo.program.nodes import Node

@@ -7,7 +7,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.lint.argument_values import parted
+from rosoclingo.oclingo.program.lint.rule_shapes import parted
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, written
 from rosoclingo.oclingo.program.look_back import longest_look_back, shortest_look_back, time_offset
 from rosoclingo.oclingo.program.times import time_positions

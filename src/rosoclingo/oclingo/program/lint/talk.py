@@ -9,9 +9,11 @@ from clingo.ast import ASTType, ComparisonOperator
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues, Rule, parted
+from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.program.lint.likeness import likely_value
+from rosoclingo.oclingo.program.lint.rule_shapes import Rule, parted
 from rosoclingo.oclingo.program.lint.survey import Survey, written
+from rosoclingo.oclingo.program.lint.trial import Trial
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
@@ -47,13 +49,10 @@ def missing_words(survey: Survey) -> List[Fault]:
     return found
 
 
-def demanded_actions(survey: Survey, demands: Callable[[Signature], Optional[bool]]) -> List[Fault]:
-    """Return that each step demands an action, in a program without statuses.
-
-    ``demands`` tells whether each step has an atom of a predicate though nothing is asserted; None for no answer.
-    """
+def demanded_actions(survey: Survey, trial: Optional[Trial]) -> List[Fault]:
+    """Return that each step demands an action, as the first ones show, in a program without statuses."""
     places = survey.defining.get(ACTION, ())
-    demanded = demands(ACTION) if places and STATUS not in survey.defining else False
+    demanded = trial.demands(ACTION) if trial is not None and places and STATUS not in survey.defining else False
     demanding = [one for one in places if not _admits_none(one.statement.head, survey)]
     mend = "let a rule plan actions for open goals alone, or write rules for _status(Id,succeeded,C)"
     if demanded:
