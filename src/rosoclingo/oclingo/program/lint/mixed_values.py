@@ -17,9 +17,9 @@ class MixedValues:
     def mixes(self, rule: Rule) -> bool:
         """Tell whether other arguments of a head can have values here that belong to another first argument."""
         first = rule.head.arguments[0]
-        told = [one for one in rule.atoms if any(is_same(argument, first) for argument in one.arguments)]
+        naming = [one for one in rule.atoms if any(is_same(argument, first) for argument in one.arguments)]
         known = {first.variable} if first.variable else set()
-        fresh = [one for one in told if is_same(one.arguments[0], first) and self._is_apart(one.signature)]
+        fresh = [one for one in naming if is_same(one.arguments[0], first) and self._is_apart(one.signature)]
         while fresh:
             known.update(name for one in fresh for name in one.names)
             fresh = [
@@ -29,7 +29,7 @@ class MixedValues:
                 if not one.names <= known and self._is_apart(one.signature)
             ]
         others = {name for argument in rule.head.arguments[1:] for name in argument.names} - known
-        return any(_reaches(rule, name, told, first.variable) for name in others)
+        return any(_reaches(rule, name, naming, first.variable) for name in others)
 
     def _is_apart(self, signature: Signature) -> bool:
         """Tell whether the arguments of a predicate are known for each value of its first one."""
