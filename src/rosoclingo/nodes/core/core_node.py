@@ -109,7 +109,7 @@ class CoreNode:
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
         ~state (rosoclingo/State, latched): what the latest answer shows of the present: what the program believes.
         ~goals (rosoclingo/GoalStates, latched): the goals with actionlib's statuses and texts: those that are open, and
-            the last 100 that have ended. Changes within a tenth of a second are told together.
+            the last 100 that have ended, long texts shortened. Changes within a tenth of a second are told together.
         ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
             of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
             ``~plan`` is ``shortest``, else with plans that may be shorter.

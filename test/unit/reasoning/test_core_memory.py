@@ -1,0 +1,60 @@
+"""What a core keeps does not grow with the number of goals, nor with the length of their texts."""
+
+import gc
+
+import pytest
+from core_driver import FORGETFUL, Driver
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo.solving.stream_log import Plan
+from rosoclingo.reasoning.records import CACHED, text_of
+
+#: Goals after which all that is bounded in number is full; the solver retires steps more often than that.
+GOALS = 60
+
+
+def objects(driver, first, last):
+    """Let goals come one after the other, each of which is met; return how few objects there were meanwhile."""
+    found = []
+    for number in range(first, last):
+        driver.goal(f"key{number}", f"do({number})")
+        driver.succeed()
+        if number % 10 == 0:
+            gc.collect()
+            found.append(len(gc.get_objects()))
+    return min(found)
+
+
+@pytest.mark.slow
+def test_core_keeps_as_much_after_many_goals_as_after_some():
+    driver = Driver(FORGETFUL, events=10)
+    objects(driver, 0, GOALS)
+    before = objects(driver, GOALS, 2 * GOALS)
+    assert objects(driver, 2 * GOALS, 3 * GOALS) - before < GOALS, "an object or more is kept for each goal"
+
+
+def test_plans_of_many_answers_keep_no_symbols():
+    gc.collect()
+    before = len(gc.get_objects())
+    for number in range(300):
+        answer = frozenset(parse_atom(f"seen({number},{place})") for place in range(20))
+        assert not Plan.of(answer, 1).actions
+    gc.collect()
+    assert len(gc.get_objects()) - before < 1000
+
+
+def test_plan_of_an_answer_has_its_dated_actions():
+    steps = [parse_atom(text) for text in ("_action_lib(a,b,1)", "_action_lib(a,b,2)", "_action_lib(a,b,c)", "seen(1)")]
+    assert Plan.of(steps, 2).actions == frozenset(steps[:2])
+    assert Plan.of(steps, 2).actions == frozenset(steps[:2]), "also the next time"
+    assert Plan.of(steps[1:], 2).actions == frozenset(steps[1:2])
+
+
+def test_texts_of_long_symbols_are_not_cached():
+    long = [parse_atom("seen({}{})".format("x" * 50000, number)) for number in range(10)]
+    gc.collect()
+    assert [text_of(one) is text_of(one) for one in long] == [False] * 10
+    short = parse_atom("seen(1)")
+    assert text_of(short) is text_of(short)
+    for number in range(CACHED + 1):
+        assert text_of(parse_atom(f"seen({number})")) == f"seen({number})"
