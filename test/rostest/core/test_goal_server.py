@@ -4,14 +4,17 @@
 import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
-from rosoclingo.msg import ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoGoal, ROSoClingoResult
+from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoGoal, ROSoClingoResult
 
 from rosoclingo.common.action_servers import start_server
+from rosoclingo.nodes.core import goal_handles
 from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, MOST_UNKNOWN, GoalServer
+from rosoclingo.reasoning import GoalRefused
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -159,6 +162,34 @@ class GoalServerTest(unittest.TestCase):
         """How many arrivals were dropped so far."""
         core.dropped = getattr(core, "dropped", 0) + sum(core.server.take_dropped().values())
         return core.dropped
+
+    def test_one_node_has_a_bounded_number_of_open_goals_and_long_texts_are_shortened(self):
+        core, client, _ = self.start("crowds")
+        board = []
+        rospy.Subscriber("~goals", GoalStates, board.append)
+        with mock.patch.object(goal_handles, "MOST_OPEN", 2):
+            handles = goal_handles.GoalHandles()
+            texts = ["do(walk,1)", "do({},2)".format("x" * 50000), "do(walk,3)"]
+            goals = [self.admit(core, client, handles, text) for text in texts]
+            self.assertIn("2 goals of ", goals[2].ends_as(GoalStatus.REJECTED))
+            handles.refused(GoalRefused(1, core.handles[0].get_goal_id().id, texts[0], "y" * 50000))
+            self.assertEqual(len(goals[0].ends_as(GoalStatus.REJECTED)), 50000)
+            self.admit(core, client, handles, "do(walk,4)")
+        handles.flush()
+        wait_until(lambda: board and len(board[-1].goals) == 3, "the goals that were admitted")
+        for one in board[-1].goals:
+            self.assertLess(len(one.request) + len(one.reason), 1200)
+        self.assertIn("(50006 characters)", board[-1].goals[1].request)
+
+    def admit(self, core, client, handles, text):
+        """Send a goal, and take it as the core's node does if there is room."""
+        goal = client.send(text)
+        wait_until(lambda: core.server.arrivals, "the goal")
+        core.take()
+        handle = core.handles[-1]
+        if handles.has_room(handle):
+            handles.add(handle.get_goal_id().id, handle)
+        return goal
 
     def test_a_restored_goal_is_in_the_first_status(self):
         core = Core.__new__(Core)

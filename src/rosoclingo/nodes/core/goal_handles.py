@@ -11,7 +11,7 @@ from actionlib_msgs.msg import GoalStatus
 from rosoclingo.common.greeting import Greeting
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
-from rosoclingo.nodes.core.board import GoalBoard
+from rosoclingo.nodes.core.board import SHOWN, GoalBoard
 from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
 from rosoclingo.reasoning.goals import TRANSITIONS
 from rosoclingo.reasoning.journal.keeper import Client
@@ -110,7 +110,8 @@ class GoalHandles:
         self._open[_node_of(handle)] -= 1
         self._remarks.pop(key, None)
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
-        rospy.loginfo("goal '%s' %s: %s", shortened(handle.get_goal().request), outcome.name.lower(), message)
+        request, why = shortened(handle.get_goal().request), shortened(message, SHOWN)
+        rospy.loginfo("goal '%s' %s: %s", request, outcome.name.lower(), why)
 
 
 class Results:
