@@ -181,7 +181,7 @@ class Improvement:
             conflicts = TRIMMING if unlike else self._conflicts
             return grounding.search(1, halt, first, last, [*present, *given], conflicts, best=False, unlike=unlike)
 
-        found = trimmed(found, self._step, self._first, grounding.actions, ask)
+        found = trimmed(found, self._step, self._first, grounding, ask)
         self._plan = Plan.of(found.answers[-1], found.horizon)
         self._shortened = True
         return found

@@ -242,8 +242,7 @@ class PlanSearch(HorizonSearch):
             conflicts = TRIMMING if unlike else CONFLICTS
             return self._look(transaction, first, last, conflicts, given, unlike=unlike)
 
-        actions = transaction.ready().actions
-        self._best = trimmed(found, transaction.state.step - 1, self._least, actions, ask)
+        self._best = trimmed(found, transaction.state.step - 1, self._least, transaction.ready(), ask)
 
     def _all(self, transaction: Transaction, best: Search) -> Search:
         """Find all answers of the plan's horizon, or a better one in the time that is left."""

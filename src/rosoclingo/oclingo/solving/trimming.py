@@ -2,7 +2,8 @@
 
 An action is superfluous where the plan remains one without it, and without the actions that only it makes possible
 (Nakhost and Mueller's action elimination, 2010). The solver finds these: it is asked for a plan that holds some of the
-actions, not all of them, and no others, until there is none.
+actions, not all of them, and no others, until there is none. All other actions are assumed false for that, which takes
+long where there are many. A program with ``#heuristic`` statements is trusted to hold no superfluous actions.
 """
 
 from typing import Callable, List, Sequence, Tuple
@@ -10,6 +11,7 @@ from typing import Callable, List, Sequence, Tuple
 import clingo
 
 from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 CONFLICTS = 1000
@@ -21,28 +23,29 @@ Ask = Callable[[int, int, Given, Sequence[clingo.Symbol]], Search]
 """Asks for a plan, given its first and last horizon, assumed actions, and actions of which one at least is left out."""
 
 
-def trimmed(
-    found: Search, step: int, first: int, actions: Callable[[int, int], List[clingo.Symbol]], ask: Ask
-) -> Search:
-    """Return the plan that was ``found``, without what is superfluous after ``step``, its steps moved together.
+def trimmed(found: Search, step: int, first: int, grounding: Grounding, ask: Ask) -> Search:
+    """Return the plan that was ``found``, without superfluous actions after ``step`` and without idle steps.
 
-    No plan has a horizon before ``first``; ``actions`` returns the actions of some cycles that can be in a plan. A
-    question without an answer leaves the plan as it is.
+    No plan has a horizon before ``first``. A question without an answer leaves the plan as it is.
     """
-    plan = plan_after(found, step)
-    fewer = found
-    while fewer.satisfiable and plan.actions:
-        others = [(one, False) for one in actions(step + 1, found.horizon) if one not in plan.actions]
-        fewer = ask(first, found.horizon, others, sorted(plan.actions))
+
+    def others(plan: Plan, last: int) -> Given:
+        """Return the assumption that nothing is done up to ``last`` but what a plan does."""
+        if grounding.program.advises:
+            return []
+        return [(one, False) for one in grounding.actions(step + 1, last) if one not in plan.actions]
+
+    plan, fewer = plan_after(found, step), found
+    while fewer.satisfiable and plan.actions and not grounding.program.advises:
+        fewer = ask(first, found.horizon, others(plan, found.horizon), sorted(plan.actions))
         if fewer.satisfiable:
             found, plan = fewer, plan_after(fewer, step)
     packed = without_idling(plan, step)
     for shorter in (packed, plan) if packed.actions != plan.actions else (plan,):
         end = max(first, step, shorter.last_cycle)
         if end < found.horizon:
-            given = [(one, one in shorter.actions) for one in actions(step + 1, end)]
-            sooner = ask(end, end, given, ())
-            if sooner.satisfiable and shorter.actions <= sooner.answers[-1]:
+            sooner = ask(end, end, [*((one, True) for one in shorter.actions), *others(shorter, end)], ())
+            if sooner.satisfiable:
                 return sooner
     return found
 

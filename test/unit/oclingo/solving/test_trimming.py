@@ -1,5 +1,7 @@
 """Plans lose superfluous actions and idle steps."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from rosoclingo.oclingo import parse_atom
@@ -16,7 +18,18 @@ def found(horizon, *cycles):
     return Search(True, (actions(*cycles),), horizon)
 
 
-def trim(plan, *plans, step=0, first=1):
+class Ground:
+    """What was ground: any cycle has one action."""
+
+    def __init__(self, advises):
+        self.program = SimpleNamespace(advises=advises)
+
+    @staticmethod
+    def actions(first, last):
+        return sorted(actions(*range(first, last + 1)))
+
+
+def trim(plan, *plans, step=0, first=1, advises=False):
     """Trim a plan where there are ``plans``, sets of cycles; return the cycles of the result, its horizon, questions.
 
     Only cycles after ``step`` have actions that can be left out.
@@ -33,7 +46,7 @@ def trim(plan, *plans, step=0, first=1):
                 return found(horizon, *cycles)
         return Search(None)
 
-    result = trimmed(plan, step, first, lambda first, last: sorted(actions(*range(first, last + 1))), ask)
+    result = trimmed(plan, step, first, Ground(advises), ask)
     return sorted(map(cycle_of, result.answers[-1])), result.horizon, asked
 
 
@@ -74,6 +87,11 @@ def test_trimmed_leaves_what_is_done_up_to_the_present():
 
 def test_trimmed_plans_end_no_sooner_than_any_plan_can():
     assert trim(found(5, 1, 2), (1, 2), first=4)[:2] == ([1, 2], 4)
+
+
+def test_trimmed_trusts_programs_that_advise_but_for_idle_steps():
+    assert trim(found(3, 1, 2, 3), (1, 2), advises=True) == ([1, 2, 3], 3, [])
+    assert trim(found(4, 1, 3), (1, 2), advises=True) == ([1, 2], 2, [(2, 2)])
 
 
 def test_trimmed_asks_nothing_more_where_nothing_is_superfluous_or_idle():
