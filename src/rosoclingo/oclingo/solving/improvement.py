@@ -8,8 +8,10 @@ put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large
 the same is done in another *order*, which reordered_plans.py finds, nothing is free: the solver tells whether it is a
 plan. A plan may also be far too long, where it was found among many steps only: each round over a long one begins with
 the question for any plan of a quarter and of half the steps, with what ``#heuristic`` advises and without. Where a
-round brings nothing, the next has larger windows and more conflicts. What is found is pushed together: no step is left
-at which nothing is done, where that is a plan.
+round brings nothing, the next has larger windows and more conflicts. What is found is trimmed, see trimming.py.
+
+Without ``#heuristic`` to put an action off leads nowhere, and orders take more time than they save: windows alone are
+asked for, again and again from small ones to all of the plan, each time with more conflicts.
 """
 
 from itertools import product
