@@ -130,6 +130,7 @@ def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
     assert [one.arguments[2].number for one in actions] == list(range(1, result.horizon + 1)), "no step is idle"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("kind", sorted(TASKS))
 def test_executed_steps_are_few_where_goals_are_cancelled_at_random(kind, seed):
