@@ -14,6 +14,7 @@ import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
 from rosoclingo.msg import InterfaceIO, PackageState, PackageStates, TaskPlan
+from std_msgs.msg import String
 
 from rosoclingo.nodes.account_node import TopicAccount
 from rosoclingo.nodes.scenarios import player as scenario_player
@@ -51,26 +52,31 @@ class ScenarioPlayerTest(unittest.TestCase):
         self.assertRaisesRegex(PlayError, "not done after .* request", self.play, self.tick)
 
     def test_player_counts_cycles_from_the_beginning(self):
-        """In a system that runs already the core is in its cycle 7 when the scenario begins, and in 9 two later."""
-        said, plans = [], rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=10, latch=True)
+        """The core rests in its cycle 7 when the scenario begins; its next update is that of cycle 8."""
+        said, cycles = [], iter([8, 9, 10])
+        plans = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=10, latch=True)
+        updates = rospy.Publisher("rosoclingo/updates", String, queue_size=10)
         facts = rospy.Subscriber("in_rosoclingo", InterfaceIO, lambda message: said.append(message.facts[0]))
         text = "events: [{cycle: 1, facts: [first]}, {cycle: 3, facts: [third]}]"
         plans.publish(cycle=7)
-        cycles = iter([8, 9])
 
         def go_on():
             self.tick()
-            if said and player.before == 6 and (said == ["first"]):
-                plans.publish(cycle=next(cycles, 9))
+            if said == ["first"] and player.cycle < 10 and player.cycle + 1 == peek[0]:
+                updates.publish(f"#step {peek[0]}.\n_seen(ball).\n#end step.\n")
+                plans.publish(cycle=peek[0])
+                peek[0] = next(cycles, 10)
 
+        peek = [next(cycles)]
         player = ScenarioPlayer(Scenario.from_text(text), [], print, go_on)
         wait_until(lambda: player.cycle == 7, "the plan")
         wait_until(lambda: facts.get_num_connections() > 0, "the player's publisher")
+        wait_until(lambda: updates.get_num_connections() > 0, "the player to hear of updates")
         player.play()
         wait_until(lambda: said == ["first", "third"], "the facts")
-        self.assertEqual((player.before, list(cycles)), (6, []))
-        facts.unregister()
-        plans.unregister()
+        self.assertEqual((player.before, player.cycle), (7, 10))
+        for one in (facts, plans, updates):
+            one.unregister()
 
     def test_player_reports_a_cycle_that_does_not_come(self):
         text = "events: [{cycle: 5, facts: [a]}]"

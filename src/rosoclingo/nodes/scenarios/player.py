@@ -2,6 +2,7 @@
 
 import threading
 import time
+from contextlib import suppress
 from typing import Any, Callable, Dict, List, Mapping, Optional
 
 import genpy
@@ -9,9 +10,11 @@ import rospy
 import rosservice
 from actionlib_msgs.msg import GoalStatusArray
 from clingo import Symbol
+from std_msgs.msg import String
 
 from rosoclingo.msg import InterfaceIO, TaskPlan
 from rosoclingo.nodes.goal_client import CoreClient, SentGoal
+from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning import GoalError, read_goal
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
 
@@ -34,10 +37,10 @@ class ScenarioPlayer:
     """Plays one scenario against a running system.
 
     Attributes:
-        before: the core's cycles before the one in which the scenario began, which is its cycle 1.
+        before: the core's cycles before the scenario's first update, which is that of its cycle 1.
 
     Subscribes:
-        rosoclingo/task_plan (rosoclingo/TaskPlan): the cycles that events refer to.
+        rosoclingo/task_plan (rosoclingo/TaskPlan), rosoclingo/updates (std_msgs/String): the cycles of events.
         NAME/status (actionlib_msgs/GoalStatusArray): of the action servers that have to be there, ``wait_for``.
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
@@ -63,13 +66,14 @@ class ScenarioPlayer:
         self._news = threading.Condition()
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
-        self.before = 0
+        self.before: Optional[int] = None  # until an update was heard of
         self._latest_plan = _Pause(0.0)
         self._core = ""  # its node's name, by its plans
         self._missing = set(wait_for)
         self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
         self._facts = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
         rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._on_plan)
+        rospy.Subscriber("rosoclingo/updates", String, self._on_update)
         for name in wait_for:
             rospy.Subscriber(name + "/status", GoalStatusArray, self._on_status, callback_args=name)
         self.goals: List[SentGoal] = []
@@ -100,7 +104,7 @@ class ScenarioPlayer:
         waiting = list(self._scenario.events)
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
-        self.before = max(self.cycle - 1, 0)
+        self.before = None
         self._latest_plan = _Pause(self._start)
         clock = _Clock(self._start)
         while waiting or not all(goal.ended for goal in self.goals):
@@ -120,7 +124,7 @@ class ScenarioPlayer:
 
     def _check_cycles(self, waiting: List[ScenarioEvent]) -> None:
         """Raise PlayError when the cycles that events wait for cannot come: nothing goes on any more."""
-        reached = max(self.cycle, 1) - self.before
+        reached = max(self._elapsed_cycles(), default=1)
         open_ = [goal for goal in self.goals if not goal.ended]
         if open_ or not waiting or any(one.cycle is None or one.cycle <= reached for one in waiting):
             self._latest_plan = _Pause(rospy.get_time())
@@ -142,7 +146,10 @@ class ScenarioPlayer:
 
     def _elapsed_cycles(self) -> Dict[int, float]:
         start = self._start or 0.0
-        return {cycle - self.before: moment - start for cycle, moment in dict(self._begun).items()}
+        found: Dict[int, float] = {}
+        for cycle, moment in sorted(dict(self._begun).items()):
+            found.setdefault(1 if self.before is None else max(1, cycle - self.before), moment - start)
+        return found
 
     def _open(self, waiting: List[ScenarioEvent]) -> str:
         goals = [goal.text for goal in self.goals if not goal.ended]
@@ -184,6 +191,12 @@ class ScenarioPlayer:
         self._core = message._connection_header["callerid"]
         self._begun.setdefault(message.cycle, rospy.get_time())
         self._latest_plan = _Pause(rospy.get_time())
+
+    def _on_update(self, message: String) -> None:
+        if self._start is not None and self.before is None:
+            with suppress(OclingoError):
+                step = parse_update(message.data).step
+                self.before = None if step is None else step - 1
 
     def _on_status(self, _message: GoalStatusArray, name: str) -> None:
         self._missing.discard(name)

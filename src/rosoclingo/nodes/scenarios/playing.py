@@ -65,10 +65,12 @@ def run_scenario(
     except PlayError as error:
         faults.append(str(error))
     summary = account.finish() if account is not None else Summary()
-    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before))
+    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0))
 
 
 def wait_for_news(player: ScenarioPlayer, account: TopicAccount, expect: Mapping[str, Any]) -> None:
     """Wait, at most LATE_NEWS seconds, until the account has what is expected: each topic comes at its own time."""
     with suppress(PlayError):  # then the run did not end as expected
-        player.wait_until(lambda: not account.differences(expect, player.before), LATE_NEWS, lambda: "not as expected")
+        player.wait_until(
+            lambda: not account.differences(expect, player.before or 0), LATE_NEWS, lambda: "not as expected"
+        )
