@@ -15,7 +15,7 @@
 
 An event happens ``time`` seconds (simulated) after the scenario began, or ``delay`` seconds after the plan of ``cycle``
 is out. Cycles count from the scenario's beginning, also those of ``actions`` that are expected: cycle 1 is that of the
-first update then, and of the time before it. An event whose cycle does not come is a fault. ``request`` sends a goal,
+first update then, and the time before it. An event whose cycle does not come is a fault. ``request`` sends a goal,
 ``cancel`` cancels the latest one with this identity, ``facts`` tells the core something as the interface ``origin``.
 ``call`` calls a service with the fields of its request: so doors are closed and packages taken away. ``launch`` names
 the launch file that starts the scenario's world (mailbot), ``timeout`` is how long the whole may take, in simulated
