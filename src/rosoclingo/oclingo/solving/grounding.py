@@ -4,9 +4,10 @@ The grounding knows nothing of streams: the solver tells it what to ground, defi
 away and built anew at any time from the solver's state.
 """
 
+from contextlib import contextmanager
 from functools import cached_property
 from itertools import chain
-from typing import Any, Callable, Container, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Container, Dict, FrozenSet, Iterable, Iterator, List, Optional, Sequence, Set, Tuple
 from weakref import proxy
 
 import clingo
@@ -279,7 +280,6 @@ class Grounding:
         kept: Sequence[clingo.Symbol] = (),
         advised: bool = True,
         claim: Optional[int] = None,
-        unlike: Sequence[clingo.Symbol] = (),
     ) -> Search:
         """Search for up to ``models`` answers (0: all) of a horizon in first..last, until ``stopped`` says so.
 
@@ -288,12 +288,11 @@ class Grounding:
         they are given, for so many ``conflicts`` at most (None: no limit). Where the program optimizes, they are the
         ``best``, or else any; where that need not be ``proven``, the best that is found until the search is stopped.
         Facts in doubt were told but those ``untold``. What is ``kept`` is true. ``#heuristic`` counts if ``advised``.
-        The literal ``claim`` is false. Of the atoms ``unlike``, if there are any, one at least is false.
+        The literal ``claim`` is false.
         """
         self.atoms.end_definitions()
         self._actions.forbid_late()
         assumed, horizon = self._assumed(untold, kept, claim), self._ends.range(first, last)
-        guards = self._unlike(unlike)
         self._session.close()
         answers, horizons, foreseen = [], [last], [Foreseen()]
         this = proxy(self)  # since the control keeps the function, which must not keep the control
@@ -307,28 +306,25 @@ class Grounding:
                 if this._return_rules is not None:
                     foreseen.append(this._foresee(model, this._return_rules))
 
-        literals = assumed.literals if assumed else ()
-        assumptions: List[Any] = [*literals, *horizon, *given]  # clasp blames the first
+        assumptions: List[Any] = [*(assumed.literals if assumed else ()), *horizon, *given]  # clasp blames the first
         limits = Limits(models, conflicts, best, advised)
         result, core = self._clasp.run(limits, assumptions, keep, stopped, blames=assumed is not None)
-        for guard in guards:
-            self._session.release(guard)
         self.satisfied = (satisfied := bool(result.satisfiable or answers)) or self.satisfied
         if (result.interrupted or result.unknown) and (proven or not answers):
             return Search(None)
         kept_answers = tuple(answers if proven else answers[-1:])
         if satisfied:
             return Search(True, kept_answers, horizons[-1], foreseen=foreseen[-1])
-        return assumed.refuted_by(core, horizon, bool(given or guards)) if assumed else Search(False)
+        return assumed.refuted_by(core, horizon, bool(given)) if assumed else Search(False)
 
-    def _unlike(self, atoms: Sequence[clingo.Symbol]) -> List[int]:
-        """Return the literals, at most one, under which not all of the ``atoms`` are true; there is none for none."""
-        if not atoms:
-            return []
+    @contextmanager
+    def lacking(self, atoms: Iterable[clingo.Symbol]) -> Iterator[None]:
+        """Search for answers that lack one at least of the ``atoms``."""
         guard = self._session.new_external(HOLDS)
         known = map(self._control.symbolic_atoms.__getitem__, atoms)
         self._session.backend.add_rule([], [guard, *(one.literal for one in known if one is not None)])
-        return [guard]
+        yield
+        self._session.release(guard)
 
     def _assumed(
         self, untold: FrozenSet[clingo.Symbol], kept: Sequence[clingo.Symbol], claim: Optional[int]

@@ -16,7 +16,7 @@ asked for, again and again from small ones to all of the plan, each time with mo
 
 from itertools import product
 from random import Random
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import clingo
 
@@ -24,7 +24,6 @@ from rosoclingo.oclingo.solving.assumptions import Search
 from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.reordered_plans import ReorderedPlans
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
-from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING
 from rosoclingo.oclingo.solving.trimming import Given, moved, trimmed
 
 SIZE = 16
@@ -176,12 +175,9 @@ class Improvement:
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
         """Take ``found`` for the plan, without what is superfluous and without idle steps, unless a stop came."""
 
-        def ask(first: int, last: int, given: Given, unlike: Sequence[clingo.Symbol]) -> Search:
+        def ask(first: int, last: int, given: Given, conflicts: int) -> Search:
             """Ask for a part of the plan."""
-            if halt():
-                return Search(None)
-            conflicts = TRIMMING if unlike else self._conflicts
-            return grounding.search(1, halt, first, last, [*present, *given], conflicts, best=False, unlike=unlike)
+            return Search(None) if halt() else self._ask(grounding, halt, last, [*present, *given], conflicts)
 
         found = trimmed(found, self._step, self._first, grounding, ask)
         self._plan = Plan.of(found.answers[-1], found.horizon)

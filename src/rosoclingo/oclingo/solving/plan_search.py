@@ -9,7 +9,7 @@ does from below. Where the program claims that so many steps are needed, as many
 
 import math
 import time
-from typing import Callable, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
 import clingo
 
@@ -18,7 +18,6 @@ from rosoclingo.oclingo.solving.horizon_search import HorizonSearch, first_horiz
 from rosoclingo.oclingo.solving.improvement import FEW_STEPS
 from rosoclingo.oclingo.solving.stream_log import Plan
 from rosoclingo.oclingo.solving.transaction import Transaction
-from rosoclingo.oclingo.solving.trimming import CONFLICTS as TRIMMING
 from rosoclingo.oclingo.solving.trimming import Given, trimmed
 
 Clock = Callable[[], float]
@@ -237,12 +236,12 @@ class PlanSearch(HorizonSearch):
     def _take(self, transaction: Transaction, found: Search) -> None:
         """Take ``found``, without what is superfluous and without idle steps, for the best plan."""
 
-        def ask(first: int, last: int, given: Given, unlike: Sequence[clingo.Symbol]) -> Search:
+        def ask(first: int, last: int, given: Given, conflicts: int) -> Search:
             """Ask for a part of the plan."""
-            conflicts = TRIMMING if unlike else CONFLICTS
-            return self._look(transaction, first, last, conflicts, given, unlike=unlike)
+            return self._look(transaction, first, last, conflicts, given)
 
         self._best = trimmed(found, transaction.state.step - 1, self._least, transaction.ready(), ask)
+        self.hopeless = self.permanent = False  # what is asked of a plan's parts says nothing of all plans
 
     def _all(self, transaction: Transaction, best: Search) -> Search:
         """Find all answers of the plan's horizon, or a better one in the time that is left."""
@@ -263,10 +262,9 @@ class PlanSearch(HorizonSearch):
         conflicts: Optional[int],
         given: Optional[List[Tuple[clingo.Symbol, bool]]] = None,
         advised: bool = True,
-        unlike: Sequence[clingo.Symbol] = (),
     ) -> Search:
         """Ask for any answer; what is refuted without anything ``given`` need never be asked again."""
-        limits = {"conflicts": conflicts, "given": given or (), "advised": advised, "unlike": unlike}
+        limits = {"conflicts": conflicts, "given": given or (), "advised": advised}
         found = self._ask(transaction, first, last, models=1, best=False, **limits)
         if found.satisfiable is False and given is None and first <= self._least:
             self._least = max(self._least, last + 1)

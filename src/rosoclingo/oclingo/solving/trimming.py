@@ -6,7 +6,7 @@ actions, not all of them, and no others, until there is none. All other actions 
 long where there are many. A program with ``#heuristic`` statements is trusted to hold no superfluous actions.
 """
 
-from typing import Callable, List, Sequence, Tuple
+from typing import Callable, List, Tuple
 
 import clingo
 
@@ -15,12 +15,15 @@ from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 CONFLICTS = 1000
-"""Conflicts that one question may take; most take a few."""
+"""Conflicts that the question for fewer actions may take; most take a few."""
+
+IDLE_CONFLICTS = 100
+"""Those that the question for the same actions without idle steps may take."""
 
 Given = List[Tuple[clingo.Symbol, bool]]
 
-Ask = Callable[[int, int, Given, Sequence[clingo.Symbol]], Search]
-"""Asks for a plan, given its first and last horizon, assumed actions, and actions of which one at least is left out."""
+Ask = Callable[[int, int, Given, int], Search]
+"""Asks for a plan, given its first and last horizon, assumed actions, and the conflicts that the search may take."""
 
 
 def trimmed(found: Search, step: int, first: int, grounding: Grounding, ask: Ask) -> Search:
@@ -37,14 +40,15 @@ def trimmed(found: Search, step: int, first: int, grounding: Grounding, ask: Ask
 
     plan, fewer = plan_after(found, step), found
     while fewer.satisfiable and plan.actions and not grounding.program.advises:
-        fewer = ask(first, found.horizon, others(plan, found.horizon), sorted(plan.actions))
+        with grounding.lacking(plan.actions):
+            fewer = ask(first, found.horizon, others(plan, found.horizon), CONFLICTS)
         if fewer.satisfiable:
             found, plan = fewer, plan_after(fewer, step)
     packed = without_idling(plan, step)
     for shorter in (packed, plan) if packed.actions != plan.actions else (plan,):
         end = max(first, step, shorter.last_cycle)
         if end < found.horizon:
-            sooner = ask(end, end, [*((one, True) for one in shorter.actions), *others(shorter, end)], ())
+            sooner = ask(end, end, [*((one, True) for one in shorter.actions), *others(shorter, end)], IDLE_CONFLICTS)
             if sooner.satisfiable:
                 return sooner
     return found

@@ -41,8 +41,7 @@ class Asked:
         self.looked.append((first, last))
         return sorted(actions(*(one for one in self.cycles if first <= one <= last)))
 
-    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, advised=True, unlike=()):
-        assert not unlike
+    def search(self, models, halt, first, last, given=(), conflicts=None, best=True, advised=True):
         assert (models, best) == (1, False)
         marks = sorted((cycle_of(one), "-+"[value]) for one, value in given)
         assert len({cycle for cycle, _ in marks}) == len(marks)

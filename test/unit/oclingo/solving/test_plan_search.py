@@ -95,9 +95,7 @@ class World:
         proven=True,
         advised=True,
         claim=None,
-        unlike=(),
     ):
-        assert not unlike
         assert self.state.settled <= first <= last <= self.state.horizon
         assert best or models == 1
         marks = "".join(sorted("-+"[value] + str(cycle_of(one)) for one, value in given))

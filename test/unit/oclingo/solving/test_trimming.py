@@ -1,5 +1,6 @@
 """Plans lose superfluous actions and idle steps."""
 
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
@@ -22,7 +23,13 @@ class Ground:
     """What was ground: any cycle has one action."""
 
     def __init__(self, advises):
-        self.program = SimpleNamespace(advises=advises)
+        self.program, self.lacked = SimpleNamespace(advises=advises), None
+
+    @contextmanager
+    def lacking(self, atoms):
+        self.lacked = {*map(cycle_of, atoms)}
+        yield
+        self.lacked = None
 
     @staticmethod
     def actions(first, last):
@@ -34,19 +41,19 @@ def trim(plan, *plans, step=0, first=1, advises=False):
 
     Only cycles after ``step`` have actions that can be left out.
     """
-    asked = []
+    asked, ground = [], Ground(advises)
 
-    def ask(first, last, given, unlike):
+    def ask(first, last, given, conflicts):
         asked.append((first, last))
         assumed = {cycle_of(one): value for one, value in given}
         for cycles in plans:
             agrees = all((cycle in cycles) == value for cycle, value in assumed.items())
             horizon = max([first, *cycles])
-            if agrees and horizon <= last and not (unlike and {*map(cycle_of, unlike)} <= {*cycles}):
+            if agrees and horizon <= last and not (ground.lacked and ground.lacked <= {*cycles}):
                 return found(horizon, *cycles)
         return Search(None)
 
-    result = trimmed(plan, step, first, Ground(advises), ask)
+    result = trimmed(plan, step, first, ground, ask)
     return sorted(map(cycle_of, result.answers[-1])), result.horizon, asked
 
 
