@@ -93,7 +93,7 @@ class Solver:
     """A grounding that tells by ``reply``, a function of the actions that are given, what it finds; notes horizons."""
 
     def __init__(self, reply):
-        self.program, self.horizon, self.reply, self.asked = SimpleNamespace(advises=False), 99, reply, []
+        self.program, self.horizon, self.reply, self.asked = SimpleNamespace(advises=True), 99, reply, []
 
     @staticmethod
     def actions(first, last):
