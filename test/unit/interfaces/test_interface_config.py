@@ -80,7 +80,7 @@ def test_everything_given():
             {**TYPE, "returns": [{"facts": ["seen", 'heard("${text},now)']}]},
             r"arm.returns\[0\].facts\[1\]: .*no ground atom",
         ),
-        ({**TYPE, "returns": [{"facts": ["heard(${text},Now)"]}]}, r"arm.returns\[0\].facts\[0\]: .*variable Now"),
+        ({**TYPE, "returns": [{"facts": ["heard(${text},Now)"]}]}, r"arm.returns\[0\].facts\[0\]: .*Now is a variable"),
         ({**TYPE, "done": "state"}, "arm.done: must be a mapping with the keys topic, type, when"),
         ({**TYPE, "done": {"topic": "state"}}, "arm.done.type: is missing: give a message type like"),
         ({**TYPE, "done": {"type": "std_msgs/Int32"}}, "arm.done.topic: is missing: give the name of a topic"),

@@ -194,7 +194,7 @@ class Worker:
         for one in (last and last.before, last, log):  # some go back to before the update
             if one is not None:
                 self._known.keep(one)
-        return {**result_to_message(result), "grounded": solver.horizon, "checkpoint": checkpoint}
+        return {**result_to_message(result, solver), "grounded": solver.horizon, "checkpoint": checkpoint}
 
     def _telling(self, solver: ReactiveSolver) -> Callable[[], bool]:
         """Return what tells whether a search is to be ended; now and then it tells the parent how far that is."""
@@ -248,7 +248,7 @@ class Worker:
                 result = self._solvers[number].improve(self._commands.have_come, retires=False)
                 if result is None:
                     break
-                shorter = result_to_message(result)
+                shorter = result_to_message(result, self._solvers[number])
         return shorter
 
     def _improve(self, command: Message) -> Message:
@@ -257,7 +257,7 @@ class Worker:
         solver.restore(self._known.longer(solver.log, command["log"]))
         solver.log.plan = plan_from_message(command["plan"])
         result = solver.improve(self._commands.interrupted)
-        return {} if result is None else result_to_message(result)
+        return {} if result is None else result_to_message(result, solver)
 
     def _inquire(self, command: Message) -> Message:
         """Have a solver read what is new in its log, and tell what would be, had some facts not been told."""

@@ -15,10 +15,13 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.solving.compaction import SHOWN_STEPS
 from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.state_text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.oclingo.solving.stream_log import Plan, StreamLog, entry_from_message, entry_to_message
+
+_FUNCTION = clingo.SymbolType.Function
 
 
 def encode(message: Message) -> bytes:
@@ -55,11 +58,23 @@ def program_from_message(message: Message) -> ReactiveProgram:
     return ReactiveProgram(sources, message["constants"])
 
 
-def result_to_message(result: SolveResult) -> Message:
-    """Return ``result`` for :func:`result_from_message`."""
+def result_to_message(result: SolveResult, solver: ReactiveSolver) -> Message:
+    """Return the ``result`` of ``solver`` for :func:`result_from_message`.
+
+    Of plans, the shown atoms of cycles that ended more than :data:`SHOWN_STEPS` ago are left out, as compaction leaves
+    them out sooner or later: otherwise all that a long run has shown would be sent again with each answer.
+    """
+    program, first = solver.program, result.step - SHOWN_STEPS
+
+    def is_recent(atom: clingo.Symbol) -> bool:
+        """Tell whether an atom has no cycle, or one that is not long over."""
+        position = program.time_position(atom.name, len(atom.arguments)) if atom.type is _FUNCTION else None
+        cycle = None if position is None or not solver.shortest else atom.arguments[position]
+        return cycle is None or cycle.type is not clingo.SymbolType.Number or cycle.number >= first
+
     return {
         "outcome": result.outcome.value,
-        "answers": [symbols_to_text(answer) for answer in result.answers],
+        "answers": [symbols_to_text(filter(is_recent, answer)) for answer in result.answers],
         "horizon": result.horizon,
         "step": result.step,
         "warnings": result.warnings,

@@ -126,7 +126,7 @@ def test_all_faults_at_once():
         ('#include "nowhere.lp".\n' + STEPS, 1, "nowhere.lp"),
         ("a § b.\n" + STEPS, 1, "unexpected characters"),
         ("#begin_lua\n#end_lua.\n" + STEPS, 1, "scripts"),
-        ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "lua support not available"),
+        ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "#script is not run"),
     ],
 )
 def test_faults_name_line_and_mend(text, line, words):

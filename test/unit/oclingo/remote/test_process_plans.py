@@ -2,6 +2,7 @@
 
 import os
 import signal
+from dataclasses import replace
 
 import pytest
 from children import kill
@@ -129,9 +130,15 @@ def test_what_was_foreseen_is_answered_whatever_the_process_is_at(between):
         if between == signal.SIGKILL:
             kill(process)
         failed = told(last, "no")
-        assert solver.update(failed) == here.update(failed)
+        assert from_now_on(solver.update(failed)) == from_now_on(here.update(failed))
         assert here.horizon > first.horizon
         assert solver.log.key == here.log.key
+
+
+def from_now_on(result):
+    """A result less the actions of the past, of which a process sends the latest alone."""
+    answers = [{one for one in answer if one.arguments[-1].number >= result.step} for answer in result.answers]
+    return replace(result, answers=answers, statistics={})
 
 
 @pytest.mark.slow

@@ -453,7 +453,9 @@ def test_the_state_of_a_search_that_was_ended_has_its_update():
         kill(process)
         late = solver.update(parse_update(f"#step {result.horizon} : 0. e({result.horizon}). #endstep."))
         assert late.outcome is SolveOutcome.SATISFIABLE
-        assert parse_atom("e(1)") in late.answers[0]
+        reader = ReactiveSolver(ReactiveProgram.from_text(ENDLESS), shortest=True, oclingo_strings=False)
+        reader.restore(solver.log)
+        assert parse_atom("e(1)") in reader.solve().answers[0]
 
 
 @pytest.mark.slow
@@ -479,3 +481,14 @@ def test_the_memory_of_a_child_is_known():
         assert process._child.memory > 2**20
         child = process._child
     assert child.memory == 0
+
+
+def test_answers_leave_out_cycles_that_are_long_over():
+    """What was shown long ago is not sent again with each answer; the present is, and what has no cycle."""
+    shown = "#program base. named(x). #show named/1. #show c/1. " + ECHO
+    with process_of(shown, shortest=True) as process:
+        solver = process.solver()
+        for step in range(1, 31):
+            result = solver.update(parse_update(f"#step {step} : 0. e({step}). #endstep."))
+    recent = [f"c({step})" for step in range(30 - compaction.SHOWN_STEPS, 31)]
+    assert atoms(result) == [sorted([*recent, "named(x)"])]
