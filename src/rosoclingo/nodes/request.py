@@ -37,7 +37,12 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         SERVER (rosoclingo/ROSoClingoAction): that of ``server``.
     """
     client = CoreClient(server)
-    if not client.wait_for_server(wait):
+    try:
+        there = client.wait_for_server(wait)
+    except KeyboardInterrupt:
+        say(f"not waiting any longer for the action server '{server}'; nothing was sent")
+        return EXIT_CODES["lost"]
+    if not there:
         still = "" if rospy.get_time() else "; ROS time has not begun, and the core tells its status by it"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]

@@ -93,3 +93,13 @@ def test_request_says_nothing_is_done_without_an_interface(names, message, expec
     said = []
     command.request("walk(3)", "rosoclingo", 1.0, said.append, True)
     assert [one for one in said if "walks" in one or "waits" in one] == expected
+
+
+def test_request_interrupted_before_there_is_a_server_sends_nothing(command, monkeypatch):
+    def interrupted(self, seconds):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Client, "wait_for_server", interrupted)
+    said = []
+    assert command.request("goal(a,b,1)", "rosoclingo", 1.0, said.append) == command.EXIT_CODES["lost"]
+    assert said == ["not waiting any longer for the action server 'rosoclingo'; nothing was sent"]

@@ -80,7 +80,7 @@ class CoreNode:
         ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it, or as many as it
             was planned for together with, if that is more; then no newer one is fed until it has ended. 0 for no limit.
         ~search_timeout (float, default 10.0): seconds of the solver's processor time that one search may go on before
-            goals wait, the newest first. 0 for no limit.
+            goals wait, the newest first; of wall time where the plan in force can go on meanwhile. 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time, which here passes no faster than wall time, until
             an action that has not returned counts as failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
         ~recovery_timeout (float, default 5.0): seconds of the solver's processor time in which to look for the fewest
