@@ -16,7 +16,9 @@ import unittest
 from pathlib import Path
 
 import rosbag
+import rospy
 import rostest
+from rosoclingo.msg import GoalStates
 
 from rosoclingo.nodes.recording.recorder import is_recording
 from rosoclingo.oclingo import SolveOutcome
@@ -53,6 +55,12 @@ def command(*words):
     return done.returncode, done.stdout, done.stderr
 
 
+def all_ended(world):
+    """Whether the latest ~goals of a core, which comes after the results, has no open goal."""
+    states = rospy.wait_for_message(f"/{world}/rosoclingo/goals", GoalStates, 10.0)
+    return all(goal.ended.to_sec() for goal in states.goals)
+
+
 class ReplayBag(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -66,6 +74,7 @@ class ReplayBag(unittest.TestCase):
                 one.start()
             for one in threads:
                 one.join()
+            wait_until(lambda: all(map(all_ended, WORLDS)), "the cores to report that all goals have ended")
             record.signal(signal.SIGINT)
             wait_until(lambda: is_recording([]), "the recorder to wait for the others")
             record.signal(signal.SIGINT)
@@ -118,7 +127,7 @@ class ReplayBag(unittest.TestCase):
             )
             goals = [goal for _, goal in run["goals"]]
             self.assertGreaterEqual(len(goals), GOALS)
-            self.assertTrue(all(goal["ended"] is not None for goal in goals))
+            self.assertEqual([goal for goal in goals if goal["ended"] is None], [])
             with rosbag.Bag(str(self.bag)) as bag:
                 told = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
             self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in told))
