@@ -2,7 +2,7 @@
 
 import threading
 from contextlib import suppress
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Collection, Dict, List, Mapping, Optional, Sequence
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
@@ -97,16 +97,17 @@ class TopicAccount:
         with self._lock:
             self.account.pass_time(time)
 
-    def ended(self, goals: int) -> bool:
-        """Whether the account has heard of so many goals, and of the end of each."""
+    def ended(self, keys: Collection[str]) -> bool:
+        """Whether the account has heard of the end of the goals with these keys."""
         with self._lock:
-            heard = [one.status in ENDS for one in self.account.summary.goals]
-            return len(heard) >= goals and all(heard)
+            return {one.key for one in self.account.summary.goals if one.status in ENDS}.issuperset(keys)
 
-    def differences(self, expect: Mapping[str, Any], before: int = 0) -> List[str]:
-        """How what was heard so far differs from a scenario's ``expect``, which began after ``before`` cycles."""
+    def differences(
+        self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
+    ) -> List[str]:
+        """How what was heard so far differs from a scenario's ``expect``, see :meth:`Summary.differences`."""
         with self._lock:
-            return self.account.summary.differences(expect, before)
+            return self.account.summary.differences(expect, before, sent)
 
     def finish(self) -> Summary:
         """End the account: print what was held back, and the summary."""

@@ -1,7 +1,21 @@
 """An account of a run for people: a line for each event, and a summary. Fed from public topics, live or from a bag."""
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import (
+    Any,
+    Callable,
+    Collection,
+    Dict,
+    FrozenSet,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 from clingo import Symbol
 
@@ -52,11 +66,12 @@ Enter = Callable[[float, int, str, str], None]
 
 @dataclass
 class GoalAccount:
-    """What became of one goal."""
+    """What became of one goal, with actionlib's id as its ``key``."""
 
     text: str
     status: str = "pending"
     message: str = ""
+    key: str = ""
 
 
 @dataclass
@@ -75,13 +90,16 @@ class Summary:
     robot: str = ""
     seconds: float = 0.0
 
-    def differences(self, expect: Mapping[str, Any], before: int = 0) -> List[str]:
+    def differences(
+        self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
+    ) -> List[str]:
         """How the run differs from a scenario's ``expect``; empty when it does not.
 
-        ``before`` are the core's cycles before the scenario began, by which those of its actions are greater.
+        ``before`` are the core's cycles before the scenario began, by which those of its actions are greater; ``sent``
+        are the keys of its goals, None for all of the run.
         """
         found: Dict[str, Any] = {
-            "goals": [goal.status for goal in self.goals],
+            "goals": [goal.status for goal in self.goals if sent is None or goal.key in sent],
             "packages": {key: self.packages.get(key) for key in expect.get("packages", {})},
             "robot": self.robot,
             "actions": [_earlier(text, before) for text in self.actions] if before else self.actions,
@@ -155,7 +173,7 @@ class Account:
         """Record a goal that a client sent; once, whoever tells of it."""
         if key in self._goals:
             return
-        self._goals[key] = GoalAccount(text)
+        self._goals[key] = GoalAccount(text, key=key)
         self.summary.goals.append(self._goals[key])
         self._line(time, "request", text, gives=_as_fed(text))
 
@@ -168,7 +186,7 @@ class Account:
             if self._met:
                 self.goal(time, key, text)
             elif key not in self._goals:
-                self._goals[key] = GoalAccount(text)
+                self._goals[key] = GoalAccount(text, key=key)
                 if STATUS_WORDS[number] in ENDED:
                     self._goals[key].status = STATUS_WORDS[number]
                     continue

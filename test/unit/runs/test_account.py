@@ -178,6 +178,16 @@ def test_differences(account):
     assert [difference.split(":")[0] for difference in found] == ["goals", "packages", "actions"]
 
 
+def test_differences_leave_out_an_earlier_goal_whose_end_comes_late():
+    account = Account(lambda line: None)
+    account.goals(0.0, [("old", "g(1)", 1, "")])
+    account.goal(1.0, "new", "g(2)")
+    account.goals(2.0, [("old", "g(1)", 5, ""), ("new", "g(2)", 3, "")])
+    expect = {"goals": ["succeeded"]}
+    assert account.summary.differences(expect, sent=["new"]) == []
+    assert account.summary.differences(expect) != []
+
+
 def test_an_action_that_is_ended_early_is_no_further_action():
     lines = []
     account = Account(lines.append)

@@ -135,6 +135,11 @@ class ScenarioPlayer:
             )
 
     @property
+    def sent(self) -> List[str]:
+        """Actionlib's ids of the goals that were sent; an earlier scenario's can end in the same account."""
+        return [goal.identifier for goal in self.goals]
+
+    @property
     def cycle(self) -> int:
         """The core's cycle as far as was heard of it, 0 before."""
         return max(dict(self._begun), default=0)

@@ -60,17 +60,19 @@ def run_scenario(
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
         # the account hears of an end by the status topic, which may come later than the result
-        player.wait_until(lambda: account.ended(len(player.goals)), timeout, lambda: "no status of every goal")
+        player.wait_until(lambda: account.ended(player.sent), timeout, lambda: "no status of every goal")
         wait_for_news(player, account, scenario.expect)
     except PlayError as error:
         faults.append(str(error))
     summary = account.finish() if account is not None else Summary()
-    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0))
+    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.sent))
 
 
 def wait_for_news(player: ScenarioPlayer, account: TopicAccount, expect: Mapping[str, Any]) -> None:
     """Wait, at most LATE_NEWS seconds, until the account has what is expected: each topic comes at its own time."""
     with suppress(PlayError):  # then the run did not end as expected
         player.wait_until(
-            lambda: not account.differences(expect, player.before or 0), LATE_NEWS, lambda: "not as expected"
+            lambda: not account.differences(expect, player.before or 0, player.sent),
+            LATE_NEWS,
+            lambda: "not as expected",
         )
