@@ -16,6 +16,7 @@ GRACE = 2.0
 REPORTED = GRACE + 3.0
 
 _MISSING = "no interface '{}' for {}: {}"
+_PERHAPS = " may have others"
 _MISSED = re.compile(r"no interface '.*?' for (_action_lib\(.*\)): ")
 
 
@@ -75,7 +76,7 @@ class InterfaceRegister:
 
     def _text(self, action: Action, silent: Sequence[str], heard: bool) -> str:
         wanted, known = shortened(action.interface_name), ", ".join(self.names) or "none"
-        perhaps = f", and {', '.join(silent)} may have others" if silent else ""
+        perhaps = f", and {', '.join(silent)}{_PERHAPS}" if silent else ""
         there = f"the interfaces are {known}{perhaps}" if heard else "nobody listens on out_rosoclingo"
         return _MISSING.format(wanted, shortened(str(action.atom)), there)
 
@@ -100,12 +101,12 @@ class ReportedInterfaces:
     def fault(self, action: Action, now: float) -> Optional[str]:
         """Return why an action that went out is not done, empty where that is not known yet, None where it is done.
 
-        ``now`` is in seconds of a clock that only goes forward. An interface that announces nothing is there unless
-        the core reports after a while that it is not.
+        ``now`` is in seconds of a clock that only goes forward. The action is taken to be done where a node that
+        announces nothing may have the interface, and where the core reports nothing for a while.
         """
         if self._names is None or action.interface_name in self._names:
             return None
         missed = _MISSED.match(self._message)
         if missed is not None and missed.group(1) == shortened(str(action.atom)):
-            return self._message
+            return None if self._message.endswith(_PERHAPS) else self._message
         return "" if now - self._since.setdefault(action, now) < REPORTED else None

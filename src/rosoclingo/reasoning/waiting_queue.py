@@ -279,13 +279,16 @@ class GoalQueue:
         """Return why a search is left, empty if it is not: cancels of goals of these keys, or a ``new`` goal.
 
         It is left for the cancel of a goal that the program has, or is to have, and for a new goal where the one that
-        it is for was in vain alone, and does not come first. After a search that was left the next one has its time.
+        it is for was in vain alone, and does not come first. After a search that was left the next one has its time,
+        unless all its goals are cancelled.
         """
-        if self.left:
+        unwanted = [goal for goal in self.served if goal.cancelling or goal.key in cancelled]
+        if self.left and len(unwanted) < len(self.served):
             return ""
-        if any(goal.key in cancelled for goal in self.served):
+        if any(goal.key in cancelled for goal in unwanted):
             return "a goal was cancelled"
-        yields = not self.stuck and self.first not in self._movable and any(goal.tries for goal in self._movable)
+        hard = any(goal.tries for goal in self._movable) and self.first not in self._movable
+        yields = hard and not (self.left or self.stuck)
         return "a goal has come" if new and yields else ""
 
     @property

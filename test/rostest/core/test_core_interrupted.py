@@ -132,6 +132,16 @@ class CoreInterrupted(unittest.TestCase):
             goal.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
 
+    def test_a_goal_cancelled_while_a_search_goes_on_ends_at_once(self):
+        with core("during", search_timeout=0, horizon_limit=4):
+            client = Client("during/rosoclingo")
+            with kept_busy("/during/rosoclingo"):
+                client.send("do(maze,1)").arrived()
+            for goal in [client.send(f"do(walk,{number})") for number in (2, 3, 4)]:
+                goal.arrived()
+                goal.cancel()
+                self.assertIn("was cancelled before it was planned for", goal.ends_as(GoalStatus.RECALLED))
+
     def test_ctrl_c_ends_grounding(self):
         with core("stopped", search_timeout=0) as process:
             client = Client("stopped/rosoclingo")

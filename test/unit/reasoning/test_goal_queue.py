@@ -464,6 +464,7 @@ def test_after_a_search_that_was_left_the_next_one_has_its_time(end):
     queue = clients.goals.queue
     queue.left = True
     assert queue.why_left({"g2"}, new=True) == ""
+    assert queue.why_left({"g1", "g2", "g3"}, new=True) == "a goal was cancelled", "nobody wants the plan"
     {"plan": clients.plan, "no_plan": clients.no_plan, "nothing taken": queue.give_time}[end]()
     assert queue.why_left({"g1", "g2", "g3"}, new=False) == "a goal was cancelled"
 

@@ -72,14 +72,18 @@ def test_client_knows_what_the_core_reports():
     found = ReportedInterfaces()
     assert (found.known, found.fault(MOVE, 0.0)) == (False, None), "a core that reports nothing is believed"
     register_ = register(a="move_base")
-    (missing,) = looked(register_, [HOLD, MOVE])
+    (missing,) = looked(register_, [HOLD, MOVE], {"/a"}, {"/a"})
     found.report(register_.names, missing[1])
     assert (found.known, found.fault(MOVE, 0.0), found.fault(HOLD, 0.0)) == (True, None, missing[1])
+    (perhaps,) = looked(register(a="move_base"), [HOLD], {"/a", "/b"}, {"/a", "/b"})
+    found.report(register_.names, perhaps[1])
+    assert perhaps[1].endswith("and /b may have others")
+    assert found.fault(HOLD, 0.0) is None, "a node that announces nothing may do it"
     found.report(register_.names, "waits for _action_lib(hold,cup,3)")
     assert found.fault(HOLD, 1.0) == "", "not known yet"
     assert found.fault(HOLD, 1.0 + REPORTED) is None, "its node announces nothing"
     long = action_of(parse_atom(f"_action_lib({'x' * 3000},y,3)"))
-    (missing,) = looked(register(), [long])
+    (missing,) = looked(register(), [long], set(), set())
     found.report([], missing[1])
     assert found.fault(long, 0.0) == missing[1]
 

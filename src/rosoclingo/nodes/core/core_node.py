@@ -2,7 +2,7 @@
 
 import time
 from functools import partial
-from typing import Any, Callable, Dict, Optional, Set, Type
+from typing import Any, Callable, Dict, List, Optional, Set, Type
 
 import rospy
 from actionlib import ServerGoalHandle
@@ -28,7 +28,9 @@ from rosoclingo.reasoning import (
     GoalChanged,
     GoalProgress,
     GoalRefused,
+    GoalState,
     Halt,
+    Outcome,
     PlanMade,
     Problem,
     ReturnTaken,
@@ -37,7 +39,7 @@ from rosoclingo.reasoning import (
 )
 from rosoclingo.reasoning.core_state import Health, Level, Report
 from rosoclingo.reasoning.interface_register import InterfaceRegister
-from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.runs.recorded_run import RunProgram
@@ -56,6 +58,9 @@ SETTLING = 0.04
 
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
 CANCEL_GRACE = 0.05
+
+#: Why a goal has ended whose cancel came while the core was at something else.
+RECALLED = "the goal was cancelled before it was planned for"
 
 
 class CoreNode:
@@ -134,6 +139,7 @@ class CoreNode:
         self._ending = False
         self._arrivals: Set[str] = set()  # keys of goals that wait for the core
         self._cancels: Set[str] = set()  # and of goals whose cancel waits
+        self._recalled: List[str] = []  # and of goals whose cancel came first, until the journal has it
         self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
         self._clock = PacedClock()
         self._handles = GoalHandles()
@@ -219,8 +225,13 @@ class CoreNode:
         self._handles.flush()
 
     def _take_arrivals(self) -> None:
-        """Take goals and cancels, at any time: clients hear that they have come once that is written down."""
+        """Take goals and cancels, at any time: clients hear that they have come once that is written down.
+
+        A goal whose cancel has come before the core heard of it ends at once, also while a search goes on.
+        """
         self._server.take(self._keeper.keep)
+        while self._recalled:
+            self._handles.recall(self._recalled.pop(), RECALLED)
 
     def _goal_arrived(self, handle: ServerGoalHandle) -> None:
         key, text = handle.get_goal_id().id, handle.get_goal().request
@@ -232,11 +243,17 @@ class CoreNode:
         self._worker.put(lambda: self._goal_came(key, text))
 
     def _goal_came(self, key: str, text: str) -> None:
-        self._arrivals.discard(key)
-        self._core.add_goal(key, text)
+        if key in self._arrivals:
+            self._arrivals.discard(key)
+            self._core.add_goal(key, text)
 
     def _cancel_arrived(self, handle: ServerGoalHandle) -> None:
         key = handle.get_goal_id().id
+        if key in self._arrivals:
+            self._arrivals.discard(key)
+            self._recalled.append(key)
+            self._keeper.end(key, Ending(GoalState.RECALLED, Outcome.CANCELED, RECALLED))
+            return
         self._cancels.add(key)
         self._keeper.cancel(key)
         self._worker.put(lambda: self._cancel_came(key))
@@ -271,6 +288,8 @@ class CoreNode:
         while not self._ending and not self._facts.gather() and self._core.advance(self._time()):
             self._send()
             self._last_cycle = time.monotonic()
+            if self._worker.waiting:  # a cancel that has come during the search bears on the next one
+                break
         self._send()
         if time.monotonic() - self._last_cycle >= PREPARING:
             self._core.prepare()

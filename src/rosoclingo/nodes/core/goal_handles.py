@@ -73,6 +73,12 @@ class GoalHandles:
         self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
         self._board.look(event.key, handle)
 
+    def recall(self, key: str, message: str) -> None:
+        """Tell the client that its goal, which the core has not heard of, is cancelled."""
+        handle = self._handles[key]
+        self._end(key, GoalEvent.CANCEL, Outcome.CANCELED, message)
+        self._board.look(key, handle)
+
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback, and have the status say what the program remarks on the goal."""
         if event.actions is not self._told[0]:

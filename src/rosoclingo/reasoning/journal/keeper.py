@@ -111,6 +111,10 @@ class Keeper:
         if key in self.clients:
             self.clients[key] = self.clients[key]._replace(cancelled=True)
 
+    def end(self, key: str, ending: Ending) -> None:
+        """A goal that the core has not heard of ends; :meth:`keep` that before the client hears of it."""
+        self.clients[key] = self.clients[key]._replace(ending=ending)
+
     def keep(self) -> None:
         """Write down what has arrived, while the core may be in the midst of a step."""
         if self._journal is not None:
@@ -182,5 +186,5 @@ class Keeper:
             return None
         if event.key not in self.clients:
             return None
-        self.clients[event.key] = self.clients[event.key]._replace(ending=ending)
+        self.end(event.key, ending)
         return event.key
