@@ -100,7 +100,7 @@ class RunModel {
     return words.map((word) => this.words[word]).filter((action) => action.cycle >= found.cycle.cycle);
   }
 
-  /** The actions that have begun, with how they stand: "now", "done", "failed", or "gone" where the core has ended it. */
+  /** The actions that have begun, each with its state: "now", "done", "failed", or "gone" if the core has cancelled it. */
   actionsAt(time) {
     const begun = this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1);
     return begun

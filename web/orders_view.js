@@ -5,7 +5,7 @@ const MINE = "rosoclingo orders";
 
 const FOLLOWED = 5;
 
-/** What is said of an order by the state of its goal. */
+/** The text about an order, by the state of its goal. */
 const BECAME = {
   succeeded: "Done", rejected: "Rejected", aborted: "Aborted", canceled: "Cancelled", lost: "Lost", waiting: "Ordered, waits its turn",
 };
@@ -52,7 +52,7 @@ class OrdersView {
     show(parent, this.forms, this.said);
   }
 
-  /** Show the forms. What was chosen stays chosen, also while it is not offered. */
+  /** Show the forms. A choice stays chosen, even while it is not offered. */
   draw(forms) {
     const shape = JSON.stringify(forms.map(({ title, fields }) => [title, fields.map(({ name }) => name)]));
     if (shape !== this.shape) {
@@ -83,7 +83,7 @@ class OrdersView {
     return whole;
   }
 
-  /** Bring the options of a form up to date: a place that another field has is left out. */
+  /** Update the options of a form, without places that another field has. */
   offer(number) {
     const selects = this.selects[number];
     const fields = this.offered[number].fields;
@@ -93,7 +93,7 @@ class OrdersView {
     }
   }
 
-  /** Give a select other options, in place, so that nobody's choice is lost. */
+  /** Replace a select's options in place, so that its choice is not lost. */
   renew(select, options) {
     const [chosen, before] = [select.value, [...select.options]];
     const known = new Map(before.map((option) => [option.value, option]));
@@ -122,7 +122,7 @@ class OrdersView {
     });
   }
 
-  /** Follow a goal, or say why there is none. */
+  /** Follow a goal, or show why there is none. */
   note(goal, text, begun) {
     const others = this.followed.filter((one) => one.goal && one.goal !== goal);
     this.followed = [{ goal, text, begun, line: html("p", { class: "caption" }, goal ? `${begun}: ${text}` : text) }, ...others].slice(0, FOLLOWED);
@@ -130,12 +130,12 @@ class OrdersView {
     this.follow();
   }
 
-  /** Say what has become of the latest orders. */
+  /** Show the outcome of the latest orders. */
   follow() {
     const goals = new Map(this.model.goals.map((goal) => [goal.id, goal]));
     for (const { goal, text, begun, line } of this.followed) {
       const found = goals.get(goal);
-      if (!found) continue; // not heard of yet, or long ago
+      if (!found) continue; // not reported yet, or dropped long ago
       const [, word, reason] = found.states[found.states.length - 1];
       const why = reason && !["pending", "active", "canceling", "succeeded", "canceled"].includes(word) ? ` (${reason})` : "";
       say(line, `${BECAME[word] || begun}: ${text}${why}`);

@@ -64,8 +64,8 @@ class LabelTable:
     def read(cls, reader: Reader, frame: str = DEFAULT_FRAME) -> "LabelTable":
         """Read `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map}}` or `{name: [x, y, yaw]}`, as a YAML file holds it.
 
-        `yaw` (0) and `frame` may be left out; a frame's leading slash is dropped, as tf2 refuses it.
-        The reader has the faults; what has none is in the table.
+        `yaw` (0) and `frame` are optional; a frame's leading slash is dropped, as tf2 refuses it.
+        The reader has the faults; the table has the labels without faults.
         """
         found = reader.entries("a mapping of names to {x, y, yaw}")
         return cls(tuple(_label(name, place, bare_frame(frame)) for name, place in found))

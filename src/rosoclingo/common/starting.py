@@ -19,9 +19,9 @@ _ROBOT = ("numba", "Pillow")  # rosoclingo.robot's alone: optional for those wit
 
 @contextlib.contextmanager
 def needed_modules() -> Iterator[None]:
-    """Around a script's imports: ends the script with what is missing and how to install it.
+    """Around a script's imports: end the script with the missing module and how to install it.
 
-    From here on the script prints any text, whatever the locale is.
+    From here on the script prints any text in any locale.
     """
     tolerate_any_locale()
     try:

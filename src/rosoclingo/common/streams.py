@@ -1,4 +1,4 @@
-"""Standard streams that fail for no text, in any locale, and on a full disk, where a launch writes them to a file."""
+"""Standard streams that accept any text in any locale, and survive a full disk if a launch writes them to a file."""
 
 import codecs
 import io
@@ -15,29 +15,29 @@ _MODE = "PYTHONUTF8"
 
 
 def tolerate_any_locale() -> None:
-    """Have this process print any text, and read standard input as UTF-8, whatever the locale is.
+    """Have this process print any text, and read standard input as UTF-8, in any locale.
 
-    What the encoding of standard output lacks is printed as ``?``. In a locale that knows ASCII alone the process
-    starts again in Python's UTF-8 mode, as it could open no file with another name. Call it before anything else.
+    Characters that the encoding of standard output lacks are printed as ``?``. In an ASCII locale the process starts
+    again in Python's UTF-8 mode, as it could not open files with other names. Call it before anything else.
     """
     _leave_ascii()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
             stream.reconfigure(errors="replace")
     if isinstance(sys.stdin, io.TextIOWrapper):
-        with suppress(OSError, ValueError):  # something has been read already
+        with suppress(OSError, ValueError):  # some input has been read already
             sys.stdin.reconfigure(encoding=_UTF8, errors="replace")
     sys.argv = [_encodable(argument) for argument in sys.argv]
 
 
 def print_utf8() -> None:
-    """Have standard output written in UTF-8, for a command that prints a program, which is a UTF-8 text."""
+    """Write standard output in UTF-8, for a command that prints a program, which is a UTF-8 text."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding=_UTF8)
 
 
 def _leave_ascii() -> None:
-    """Start this script again in UTF-8 mode where names of files are in ASCII, once."""
+    """Start this script again in UTF-8 mode, once, if names of files are in ASCII."""
     script = getattr(sys.modules.get("__main__"), "__file__", None)
     ascii_alone = codecs.lookup(sys.getfilesystemencoding()).name == "ascii"
     if ascii_alone and script == sys.argv[0] and sys.executable and os.environ.get(_MODE) != "1":
@@ -46,7 +46,7 @@ def _leave_ascii() -> None:
 
 
 def _encodable(argument: str) -> str:
-    """Return an argument, unless a file has that name, without bytes that are no text."""
+    """Return an argument without bytes that are no text; the name of an existing file stays as it is."""
     return argument if os.path.exists(argument) else argument.encode(_UTF8, "replace").decode(_UTF8)
 
 

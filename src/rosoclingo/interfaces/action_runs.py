@@ -111,8 +111,8 @@ TRANSITIONS: Dict[Phase, Dict[Event, Tuple[Phase, Effect]]] = {
     Phase.DONE: _LATE,
 }
 
-# What a run that ends by itself, without a terminal status from the server, has ended with. `preempted` says that
-# nothing has happened: a run says so of a goal that was never sent, of any other only its server can.
+# The verdicts of runs that end without a terminal status from the server. `preempted` means that nothing has happened:
+# a run has this verdict only for a goal that was never sent; for any other goal only its server can report it.
 _VERDICTS: Dict[Tuple[Phase, Event], str] = {
     (Phase.WAITING, Event.EXPIRED): "server_lost",
     (Phase.WAITING, Event.CANCEL): "preempted",
@@ -168,7 +168,7 @@ class Run:
 
     @property
     def unheeded(self) -> bool:
-        """True if the server has not ended the goal that was cancelled, and may go on with it."""
+        """True if the server has not ended the cancelled goal, and can go on with it."""
         return self._unheeded
 
     def handle(self, event: Event, now: Instant) -> Effect:

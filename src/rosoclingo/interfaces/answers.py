@@ -42,9 +42,9 @@ _PLACEHOLDER = Function("x")
 
 
 class Rule(NamedTuple):
-    """Says what to answer if a goal ended in this way; None and {} match everything.
+    """An answer for goals that ended in a certain way; None and {} match everything.
 
-    ``success`` has the action count as done, whatever the server says.
+    With ``success`` the action counts as done, regardless of the server's status.
     """
 
     returns: Any
@@ -64,9 +64,9 @@ class Rule(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What goes back to the core: the value V of `_return(A,V,C)`, further facts, and what could not be filled.
+    """An answer to the core: the value V of `_return(A,V,C)`, further facts, and warnings about unfilled templates.
 
-    Only a ``success`` can return the action's parameter; by default it is one if the goal has succeeded.
+    Only a ``success`` can return the action's parameter; by default the answer is one if the goal has succeeded.
     """
 
     value: Symbol
@@ -107,13 +107,13 @@ def conclude(verdict: Optional[str], ended: Optional[Ended]) -> Ended:
 
 
 def in_words(ended: Ended, server: str) -> str:
-    """How an action ended, for people."""
+    """Return a text for people about the end of an action."""
     why = ended.text or (f"the action server {server} does not answer" if ended.status == LOST else "")
     return f"{ended.status}: {why}" if why else ended.status
 
 
 def fact_fault(template: str) -> str:
-    """What is wrong with a fact whatever is filled in; empty where nothing is, or where it is one reference."""
+    """Return the fault that a fact's template has for any values; empty for none, and for a single reference."""
     if is_reference(template):
         return ""
     try:
@@ -132,7 +132,7 @@ def _value(rule: Rule, scope: Scope, warnings: List[str]) -> Optional[Symbol]:
 
 
 def _filled(template: Any, scope: Scope) -> Symbol:
-    """The value that a rule returns: of a text that is a term the term, of another an ASP string."""
+    """Return the value of a rule: a term if the filled text is one, else an ASP string."""
     if not _refers(template) or is_reference(template):
         return as_term(evaluate(template, scope))
     try:
@@ -148,7 +148,7 @@ def _filled(template: Any, scope: Scope) -> Symbol:
 
 
 def _refers(template: Any) -> bool:
-    """Whether a template depends on the action or on its end."""
+    """Tell whether a template depends on the action or on its end."""
     return isinstance(template, str) and bool(references(template))
 
 

@@ -34,12 +34,12 @@ class Attempt:
         self.stale_status: Any = None  # the server's last status message before the inquiry
         self.lost: Optional[Ended] = None  # how it ended without a word of its server
         self.unwanted = False  # cancelled, or the interface ends: nothing is sent again
-        self.doubtful = False  # a goal was sent before of which nobody knows whether it was done
-        self.former: Optional[Ended] = None  # how the goal before has ended, None where none was sent
+        self.doubtful = False  # an earlier goal was sent, and its outcome is unknown
+        self.former: Optional[Ended] = None  # the end of the previous goal, None if none was sent
 
     @property
     def conclusion(self) -> Ended:
-        """How it ended. After an earlier goal, which may have been done, nobody can say that nothing has happened."""
+        """The attempt's end. After an earlier goal of unknown outcome it is never that nothing has happened."""
         ended = conclude(self.run.verdict, self.ended)
         if self.run.unheeded:
             return ended._replace(text="its goal was cancelled, and the action server has not ended it")
@@ -49,12 +49,12 @@ class Attempt:
         return self.former if never_sent and self.former is not None else ended
 
     def is_worth_another(self, ended: Ended, value: Symbol, retry_on: Tuple[str, ...]) -> bool:
-        """Whether to send another goal: it failed for one of the reasons, and the server is done with this one."""
+        """Tell whether to send another goal: this one failed for one of the reasons, and the server has ended it."""
         final = self.unwanted or self.run.unheeded or ended.status in (SUCCEEDED, INTERRUPTED, "interface_lost")
         return not final and self.limits.retries > 0 and str(value).partition("(")[0] in retry_on
 
     def again(self, ended: Ended, now: Instant) -> "Attempt":
-        """The next attempt at the same action, after this one has ended so."""
+        """Return the next attempt at the same action, after this one ended as ``ended``."""
         limits = self.limits._replace(retries=self.limits.retries - 1)
         following = Attempt(self.action, self.goal, self.asked_by, limits, now)
         sent = self.ended is not None or self.lost is not None or self.handle is not None

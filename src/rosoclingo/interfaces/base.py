@@ -125,7 +125,7 @@ class Interface(abc.ABC):
         """What tells of an action that may have been done whether it was; None where nothing can.
 
         It is called without arguments until it says True or False, for at most `server_timeout` seconds; None means
-        that it cannot tell yet.  While it is called no server has the action's goal, unless it ignores cancels.
+        that it cannot tell yet.  During these calls no server has the action's goal, unless it ignores cancels.
         """
         return None
 
@@ -152,7 +152,7 @@ class Interface(abc.ABC):
         elif attempt is None:
             rospy.logwarn("%s: nothing to cancel, %s is not under way", self.name, command.action.atom)
         elif not sender.may_cancel(attempt.asked_by):
-            rospy.logwarn("%s: %s goes on: who cancels it has been replaced", self.name, command.action.atom)
+            rospy.logwarn("%s: %s goes on: the core that cancels it has been replaced", self.name, command.action.atom)
         else:
             attempt.unwanted = True
             if attempt.inquiry is None:
@@ -267,7 +267,7 @@ class Interface(abc.ABC):
 
     def _look_for(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
         """Go on with an attempt in doubt as soon as it is known what has become of its action."""
-        held = attempt.run.unheeded  # perhaps for ever: the world alone is asked
+        held = attempt.run.unheeded  # perhaps for ever: only the world is asked
         listed = Listed.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
         finding = inquiry.look(listed, now.wall)
         if finding is Finding.OPEN:

@@ -153,9 +153,7 @@ def _rule(reader: Reader) -> Rule:
         _pattern(pattern_of(value), when.at(field))
     success = reader.at("success").flag(False)
     if success and returns.given:
-        returns.fault(
-            "is left out where `success: true` says that the action counts as done: the parameter is returned"
-        )
+        returns.fault("has to be omitted with `success: true`: the action counts as done and returns its parameter")
     default = DEFAULT_RETURNS[SUCCEEDED] if success else DEFAULT_RETURNS.get(str(named), "failed")
     result = returns.value if returns.given else default
     told = facts.texts((), "a list of atoms as text")

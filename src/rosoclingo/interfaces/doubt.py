@@ -45,7 +45,7 @@ class Inquiry:
         if waits and not expired:
             return Finding.OPEN
         done = self._check() if self._check is not None else None
-        if done or (done is not None and not waits):  # a server that is out of reach may still do it
+        if done or (done is not None and not waits):  # a server that is out of reach can still do it
             return Finding.DONE if done else Finding.NOT_DONE
         return Finding.UNKNOWN if expired or self._check is None else Finding.OPEN
 

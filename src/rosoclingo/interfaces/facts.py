@@ -53,15 +53,15 @@ def parse_command(text: str, interface: str) -> Command:
 
 
 class Sender(NamedTuple):
-    """Who sent a message: the node's name, and the run that it has announced by the same connection, if any."""
+    """A message's sender: the node's name, and the run announced by the same connection, if any."""
 
     node: str
     run: Optional[str]
 
     def may_cancel(self, owner: "Sender") -> bool:
-        """Whether it can cancel what ``owner`` has asked for: unless it is a core that the owner has replaced.
+        """Tell whether it can cancel actions of ``owner``: unless it is a core that the owner has replaced.
 
-        Such a core's run is another one; or it has the owner's name, and another connection.
+        Such a core has another run, or the owner's name and another connection.
         """
         if owner.run is None or self.run == owner.run:
             return True
@@ -69,23 +69,23 @@ class Sender(NamedTuple):
 
 
 class Commanded:
-    """The latest actions that the core has sent, so that no reason of one is taken for the success of another."""
+    """The latest actions that the core has sent; no reason of one must read as the success of another."""
 
     def __init__(self) -> None:
         self._actions: Deque[Action] = deque(maxlen=REMEMBERED)
 
     def add(self, commands: Iterable[Command]) -> None:
-        """Remember the actions that are to be run."""
+        """Remember the actions of the commands to run."""
         self._actions.extend(command.action for command in commands if command.verb is Verb.RUN)
 
     def clear(self) -> None:
-        """Forget all of them: another run begins."""
+        """Forget all actions, since another run begins."""
         self._actions.clear()
 
     def value(self, action: Action, value: Symbol, succeeded: bool, is_known: Callable[[Action], bool]) -> Symbol:
-        """What an action returns for a ``value``: its parameter for a success alone, no other action's at all.
+        """Return an action's value for ``value``: its parameter only for a success, never another action's.
 
-        ``is_known`` tells of further actions that the core has sent in this run.
+        ``is_known`` tells whether the core has sent an action in this run.
         """
         if succeeded and value == action.parameter:
             return value

@@ -11,7 +11,7 @@ A text that is one reference stands for the value itself; other texts may hold r
     box_${1}           text with the value of $1 in it;  $$ is a dollar sign
 
 Where the text is an ASP term or atom (`fill_term`), a reference in braces stands for one term.  Within double quotes it
-stands for characters of an ASP string, whatever they are: `heard("${text}",now)`.
+stands for any characters of an ASP string: `heard("${text}",now)`.
 """
 
 import re
@@ -79,12 +79,12 @@ def evaluate(template: Any, scope: Scope) -> Any:
 
 
 def is_reference(template: Any) -> bool:
-    """Whether a template is one reference, which stands for the value itself."""
+    """Tell whether a template is one reference, which stands for the value itself."""
     return isinstance(template, str) and _WHOLE.match(template) is not None
 
 
 def fill_term(template: str, scope: Scope) -> str:
-    """The text of an ASP term or atom with its references filled.  Raises FillError, UnknownLabelError.
+    """Return the text of an ASP term or atom with its references filled.  Raises FillError, UnknownLabelError.
 
     A reference outside quotes has to be one term, or, next to the characters of a name, a part of that name.
     """
@@ -92,7 +92,7 @@ def fill_term(template: str, scope: Scope) -> str:
 
 
 def term_with(template: str, placeholder: Symbol) -> str:
-    """The text of an ASP term or atom with this in place of each reference."""
+    """Return the text of an ASP term or atom with ``placeholder`` in place of each reference."""
     return _written(template, lambda reference: placeholder)
 
 
@@ -173,7 +173,7 @@ def _written(template: str, value_of: Callable[[str], Any]) -> str:
 
 
 def _one_term(reference: str, value: Any, joined: bool) -> str:
-    """The text of a value that stands outside quotes.  Raises FillError where it is no single term."""
+    """Return the text of a value outside quotes.  Raises FillError if it is no single term."""
     text = str(value) if isinstance(value, Symbol) and not joined else _inner_text(value)
     if joined and not _PART_OF_NAME.match(text):
         raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no part of a name")

@@ -32,7 +32,7 @@ def read_atom(text: str) -> Symbol:
 
 
 def as_string(text: str) -> Symbol:
-    """The ASP string of a text. NUL and half a surrogate pair, which no ASP string can hold, become U+FFFD."""
+    """Return the ASP string of a text. NUL and half a surrogate pair, which it cannot hold, become U+FFFD."""
     return String(_NO_TEXT.sub("\ufffd", text))
 
 

@@ -57,15 +57,15 @@ CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "~updates", "~task_plan")
 class TopicAccount:
     """An Account that takes ROS messages.
 
-    The robot's place is the label of the program within TOLERANCE of its pose, or what the program shows where there is
-    no pose; things are where the topic ``packages`` has them, else where the program shows them. ``with_state`` what
-    the program believes is told as well.
+    The robot's place is the program's label within TOLERANCE of its pose, or the shown place if there is no pose.
+    Places of things come from the topic ``packages``, else from shown atoms. ``with_state`` adds the program's
+    beliefs.
     """
 
     def __init__(self, say: Callable[[str], None], with_state: bool = False) -> None:
         self.account = Account(say, with_state=with_state)
         self._labels = LabelTable()
-        self._drawings: Optional[Drawings] = None  # of a program that was heard of
+        self._drawings: Optional[Drawings] = None  # of the program, once received
         self._atoms: Sequence[str] = ()
         self._pose: Optional[Pose] = None
         self._poses = PoseTopics(self._posed)
@@ -105,7 +105,7 @@ class TopicAccount:
     def differences(
         self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
     ) -> List[str]:
-        """How what was heard so far differs from a scenario's ``expect``, see :meth:`Summary.differences`."""
+        """Return the differences from a scenario's ``expect``, see :meth:`Summary.differences`."""
         with self._lock:
             return self.account.summary.differences(expect, before, sent)
 
@@ -150,7 +150,7 @@ class TopicAccount:
         self._place()
 
     def _place(self) -> None:
-        """Enter where robot and things are by what is known now."""
+        """Enter the places of robot and things from the latest messages."""
         if self._drawings is None:
             return
         labels = {label.name for label in self._labels}

@@ -104,7 +104,7 @@ class CoreClient:
         """Wait until goals and news of them will arrive, at most ``timeout`` s of wall time; whether they will."""
         end = time.monotonic() + timeout
         while time.monotonic() < end and not rospy.is_shutdown():
-            # not by actionlib's own: its time-out is of ROS time, which may stand still or not have begun
+            # not by actionlib's own: its time-out is in ROS time, which can stand still or not have begun
             status = self._client.last_status_msg
             server = "" if status is None else status._connection_header["callerid"]
             if server and self._is_heard(server) and self._hears(server):
@@ -136,8 +136,8 @@ class CoreClient:
         """End goals of which nothing will be heard any more as lost; to be called while waiting for them.
 
         That is so once nothing was heard of a goal for some seconds of wall time, and the server does not answer
-        either, was started anew, or tells of its goals again and again without this one. Takes some seconds where
-        nothing answers.
+        either, has restarted, or repeatedly reports its goals without this one. Takes some seconds if nothing
+        answers.
         """
         before, self._latest = self._latest, self._client.last_status_msg
         fresh = self._latest if self._latest is not before else None

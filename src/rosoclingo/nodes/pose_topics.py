@@ -1,4 +1,4 @@
-"""Where the robot is on the map, from the most exact of the topics that tell it."""
+"""The robot's pose on the map, from the most exact of the topics that have it."""
 
 from typing import Any, Callable, Dict
 
@@ -10,14 +10,14 @@ __all__ = ["EXACT", "PoseTopics"]
 #: Frames of a robot, the usual one first.
 BASES = ("base_link", "base_footprint")
 
-#: Topics that tell where the robot is, the most exact first.
+#: Topics with the robot's pose, the most exact first.
 EXACT = "base_pose_ground_truth"
 POSES = (EXACT, "/tf", "amcl_pose")
 
-#: Seconds between two messages of a pose's topic that need to be read.
+#: Least seconds between two messages of a pose's topic that are read.
 OFTEN = 0.1
 
-#: Seconds after which a less exact topic is taken.
+#: Seconds of silence after which a less exact topic is used.
 SILENT = 2.0
 
 
@@ -40,8 +40,8 @@ class PoseTopics:
         }
 
     def is_too_soon(self, name: str, time: float) -> bool:
-        """Whether a message of a topic need not be read, as one of the same pose has just been."""
-        if name not in POSES or name == "/tf":  # a message of tf has the one or the other frame
+        """Tell whether to skip a message of a topic, as another one of it has just been read."""
+        if name not in POSES or name == "/tf":  # messages of tf differ in their frames
             return False
         if 0.0 <= time - self._read.get(name, -OFTEN) < OFTEN:
             return True
@@ -63,7 +63,7 @@ class PoseTopics:
             self._at("/tf", time, pose)
 
     def _at(self, topic: str, time: float, pose: Pose) -> None:
-        """Take a pose if no topic that is more exact tells of one."""
+        """Report a pose unless a more exact topic has one."""
         exact = POSES.index(topic)
         if exact <= self._exact or not 0.0 <= time - self._heard <= SILENT:
             self._exact, self._heard = exact, time

@@ -25,14 +25,14 @@ _TURN = 0.2
 def request(text: str, server: str, wait: float, say: Callable[[str], None], plain: bool = False) -> int:
     """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES.
 
-    Feedback is the plan, or ``plain`` what is done now in the program's words, or that no interface is there for it.
+    Feedback is the plan. With ``plain`` it is the current actions in the program's words, or a missing interface.
 
-    A server that is not there within ``wait`` seconds of wall time, or gone later, makes it lost; one that waits for
-    ROS time to begin is waited for.
+    The goal is lost if its server does not come within ``wait`` seconds of wall time, or goes away later. A server that
+    waits for ROS time to begin counts as present.
 
     Subscribes:
         CORE/program (std_msgs/String): the program, once, for its words.
-        /diagnostics (diagnostic_msgs/DiagnosticArray): with ``plain``, which interfaces the core has.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): with ``plain``, the interfaces of the core.
     Actions called:
         SERVER (rosoclingo/ROSoClingoAction): that of ``server``.
     """
@@ -82,7 +82,7 @@ def _changes(line: Line, say: Callable[[str], None]) -> Tell:
     shown = ""
 
     def tell(feedback: ROSoClingoFeedback) -> None:
-        """Say its line, if it has one and that is another one."""
+        """Print the line of a feedback if it is a new one."""
         nonlocal shown
         text = line(feedback)
         if text and text != shown:
@@ -93,7 +93,7 @@ def _changes(line: Line, say: Callable[[str], None]) -> Tell:
 
 
 def _plain_line(words: Sentences, interfaces: ReportedInterfaces) -> Line:
-    """What is done now; empty as long as it is not known whether an interface does it."""
+    """Return the line of the current actions; empty until it is known whether an interface does them."""
 
     def line(feedback: ROSoClingoFeedback) -> str:
         """Return the line of a feedback."""

@@ -15,10 +15,10 @@ from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 #: Seconds of wall time without word of a goal after which the server is asked whether it is there.
 SILENCE = 5.0
 
-#: Such silences in a row, in each of which the server's status lacked the goal, until it has never got the goal.
+#: Number of such silences in a row, each with a status without the goal, after which the goal never arrived.
 UNHEARD = 3
 
-#: Seconds of wall time that ROS time may take to begin before that is said.
+#: Seconds of wall time before a missing begin of ROS time is reported.
 BEGINNING = 2.0
 
 
@@ -61,7 +61,7 @@ class Silence:
         self.end()
 
     def end(self, status: Optional[GoalStatusArray] = None) -> None:
-        """Restart the count: the goal was sent or heard of, when ``status`` was the last one of the server."""
+        """Restart the count: the goal was sent or reported; ``status`` is the server's last one."""
         with self._lock:
             self._since = time.monotonic()
             self._turns = self._denials = 0
@@ -92,14 +92,14 @@ class Silence:
 
 
 class Beginning:
-    """Notices that ROS time has not begun: there is no /clock, and the core waits for it."""
+    """Detects that ROS time has not begun: there is no /clock, and the core waits for it."""
 
     def __init__(self) -> None:
         self._since = time.monotonic()
         self._said = False
 
     def line(self) -> str:
-        """Return the words for that, once, after BEGINNING seconds of wall time; else nothing."""
+        """Return a text about that, once, after BEGINNING seconds of wall time; else an empty one."""
         if self._said or time.monotonic() - self._since < BEGINNING or rospy.get_time():
             return ""
         self._said = True

@@ -30,7 +30,7 @@ def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> No
         with opened(path) as bag:
             found = set(bag.get_type_and_topic_info().topics)
             names = {full_name(topic, core_in(found, core)): topic for topic in TOPICS}
-            if full_name(EXACT, core_in(found, core)) in found:  # tf is much to read
+            if full_name(EXACT, core_in(found, core)) in found:  # tf has many messages
                 names = {topic: name for topic, name in names.items() if not name.startswith("/tf")}
             for topic, message, moment in bag.read_messages(sorted(found & names.keys())):
                 account.take(names[topic], message, moment.to_sec())

@@ -1,4 +1,4 @@
-"""The words that a core's program has for actions, and whether anybody does them."""
+"""The words of a core's program for actions, and the interfaces that the core reports."""
 
 import time
 from contextlib import suppress
@@ -12,7 +12,7 @@ from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_names import full_name
 
-#: Seconds of wall time to wait for the core's report, which it publishes once a second, and between two looks.
+#: Seconds of wall time to wait for the core's report, which it publishes once a second; seconds between two checks.
 _REPORT, _TURN = 5.0, 0.02
 
 #: Seconds of wall time to wait for the program where there is a core: it tells it as it starts.
@@ -36,7 +36,7 @@ def words_of(core: str) -> Sentences:
 
 
 def interfaces_of(core: str) -> ReportedInterfaces:
-    """The interfaces that the core of this name reports from now on; waits for its first report, not for long."""
+    """Return the interfaces that a core reports from now on; waits some seconds for its first report."""
     found, name = ReportedInterfaces(), core.strip("/") + ": core"
 
     def take(message: DiagnosticArray) -> None:

@@ -19,7 +19,7 @@ from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Outlook, Preparations
 from rosoclingo.reasoning.present import Present
-from rosoclingo.reasoning.recovery import Question, Recovery, anew, recover, settle
+from rosoclingo.reasoning.recovery import Question, Recovery, forget_history, recover, settle
 from rosoclingo.reasoning.refusals import refusals
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.settings import CoreSettings
@@ -233,21 +233,21 @@ class Core:
         self._plan, self._planner = TaskPlan(), self._planner.restarted()
         self.queue.give_time()
         if now is None:
-            self.abandon("is given up: the solver takes no update any more")
+            self.abandon("is given up: the solver accepts no more updates")
             self._feeder.forget_executed()
         self._feeder.wait(now)
 
     def _taken(self, batch: Batch, refused: bool = False) -> None:
-        """Remember the facts of an update that is in force; others come later unless it was ``refused`` for them."""
+        """Remember the facts of an update in force; the omitted ones come later unless it was ``refused`` for them."""
         self._step = batch.step
         present = self._planner.in_force.heads
         for fact in self._feeder.taken(batch, present, refused):
-            self._problem(f"{fact.told} is dropped: the solver takes no update with it", fact.origin)
+            self._problem(f"{fact.told} is dropped: the solver accepts no update with it", fact.origin)
         self._execution.taken(batch.facts, present)
         self._goals.taken(batch.goals, present)
 
     def _answered(self, result: SolveResult, batch: Batch, now: float, no_plan: Optional[Stream] = None) -> None:
-        """Go on with an answer or without; ``no_plan`` is the stream that had none, if this is the mended one."""
+        """Continue after a search; ``no_plan`` is the stream without an answer if this is the repaired one."""
         self._plan = TaskPlan()
         for warning in result.warnings:
             self._problem(warning)
@@ -367,7 +367,7 @@ class Core:
 
     def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
         """Nothing else helps: the program forgets what was told and done before, if it has an answer then."""
-        found = anew(self._planner, self._step, why, self._problem)
+        found = forget_history(self._planner, self._step, why, self._problem)
         if found is None:
             self._lose(why)
             return

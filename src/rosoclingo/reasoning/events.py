@@ -147,7 +147,7 @@ class GoalProgress(Event):
 class Problem(Event):
     """Something that should not be; ``message`` says what, where and what was done about it.
 
-    ``origin`` names the interface that it is about, empty where it is about none. It stands for ``times`` such things.
+    ``origin`` names its interface, empty for none. It stands for ``times`` such problems.
     """
 
     message: str

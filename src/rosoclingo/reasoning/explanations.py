@@ -47,7 +47,7 @@ class UnmetGoal(NamedTuple):
     """``goal`` and the goals ``together`` cannot be met after ``observations``.
 
     ``sure`` tells that they could be with any of the observations left out; otherwise that was not found out in time.
-    ``note`` is what else there is to say of the observations.
+    ``note`` is a remark on the observations.
     """
 
     goal: Goal

@@ -10,7 +10,7 @@ from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.keywords import identifier_of
 from rosoclingo.reasoning.records import Record, group, symbol_of, text_of
 
-#: So many goals are remembered, and bytes of them.
+#: Limits of the remembered goals: their number, and their bytes.
 KEPT, MEMORY = 20, 16 * 1024 * 1024
 
 #: Bytes that they may take in a record, of which the latest goals come first.
@@ -18,9 +18,9 @@ ROOM = 256 * 1024
 
 
 class GivenUpGoals:
-    """Remembers the last :data:`KEPT` goals that were given up, the last one and others within :data:`MEMORY`.
+    """Remembers the last :data:`KEPT` aborted goals: the last one, and others within :data:`MEMORY`.
 
-    A record has those of them that :data:`ROOM` is for.
+    A record has those of them that fit in :data:`ROOM`.
     """
 
     def __init__(self) -> None:

@@ -86,8 +86,8 @@ class GoalManager:
             self._tell_wait(goal, why if before is None else f"first comes {before}")
 
     def _check_heard(self, goal: Goal) -> None:
-        """Raise GoalError for a goal that no rule can see: without a plan for it, it would count as met."""
-        requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # the first update may come yet
+        """Raise GoalError for a goal that no rule can see; it would count as met without a plan."""
+        requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # the first update can still come
         if not any(map(self._hearing.hears, requests)):
             advice = shortened(self._hearing.advice(requests[0]), 2 * SHOWN)
             raise GoalError(f"no rule of the program can see {goal}: {advice}")
@@ -118,7 +118,7 @@ class GoalManager:
         self.end(goals, Outcome.ABORTED, why)
 
     def read(self, reading: Reading) -> None:
-        """Bring the goals that the program knows to the states that an answer gives them; tell its faults."""
+        """Update the states of the goals that the program knows from an answer; report its faults."""
         for fault in (*reading.plan.faults, *reading.statuses.faults):
             self._tell(Problem(self._cycle(), fault))
         for goal in self.fed:
@@ -127,7 +127,7 @@ class GoalManager:
                 self._feeder.add_rejection(goal.identifier)
 
     def give_up(self, goals: Sequence[Goal], why: str) -> None:
-        """Abort goals; the program hears of their cancellations with the next update, should there be one."""
+        """Abort goals; the next update, if there is one, cancels them in the program."""
         for goal in goals:
             self._feeder.add_rejection(goal.identifier)
         self.end(goals, Outcome.ABORTED, why)
@@ -164,7 +164,7 @@ class GoalManager:
         self._admit()
 
     def take_out(self, goals: Sequence[Goal], told: int) -> None:
-        """End goals that were cancelled and are no longer in the program; updates were told up to that of ``told``."""
+        """End cancelled goals that the program no longer has; updates were published up to cycle ``told``."""
         self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
         for goal in goals:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")

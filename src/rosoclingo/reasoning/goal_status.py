@@ -47,7 +47,7 @@ class GoalStatuses:
         self.faults = [text for cycle, text in faults if cycle is None or cycle >= since]
 
     def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
-        """The goal's status in a cycle; of several the worst, with a reason. None when the program says nothing."""
+        """The goal's status in a cycle; of several the worst, with a reason. None if the program gives none."""
         found = map(_status_of, self._table.get((identifier, cycle), []))
         return min(found, key=lambda one: (list(WORDS).index(one.word), not one.reason, one.reason), default=None)
 

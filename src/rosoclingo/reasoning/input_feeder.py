@@ -28,21 +28,21 @@ from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, su
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
 
-#: So many messages of one origin take effect in cycles of their own where they come in one; older ones in the first.
+#: Limit of cycles for several messages of one origin in one update; older messages take effect in the first cycle.
 MOST_TURNS = 16
 
 #: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
 PAUSE = 10.0
 
-#: So often an update is taken without a fact that was its only one, before the fact is dropped.
+#: Limit of updates that omit a fact though it was their only one, before the fact is dropped.
 MOST_TRIES = 5
 
-#: Seconds that such a fact rests after the second time; then twice as many, and so on.
+#: Seconds for which such a fact rests after the second time; the rest doubles each further time.
 FACT_REST = 10.0
 
 
 class Batch(NamedTuple):
-    """A stream update and what it carries: ``requests`` (an identifier is to be cancelled), and ``facts``, in order.
+    """A stream update with its ``requests`` (an identifier stands for its cancellation) and ``facts``, in order.
 
     Where facts take effect in several cycles, ``first`` is the update that carries those of the first one alone.
     """
@@ -80,24 +80,24 @@ class Batch(NamedTuple):
 
     @property
     def failures(self) -> Tuple[Observation, ...]:
-        """The returns of actions that failed, each with the actions."""
+        """The returns of failed actions, each with its actions."""
         return tuple(one for one in self.facts if one.actions)
 
     @property
     def is_predicted(self) -> bool:
-        """Whether all that was done has succeeded, and nothing else has come than new goals: the plan can go on."""
+        """Whether all actions have succeeded, and only new goals have come besides: the plan can go on."""
         return len(self.goals) == len(self.requests) and all(one.is_return and not one.actions for one in self.facts)
 
     @property
     def without_present_facts(self) -> StreamUpdate:
-        """The same update without the facts that were stated for now."""
+        """The same update without the facts stated for ``now``."""
         return self.update.less(frozenset(one.atom for one in self.facts if one.told and _is_of_now(one.told)))
 
     @property
     def indispensable(self) -> StreamUpdate:
         """The same update without the goals' requests and the facts that are no returns.
 
-        What was done and what came of it are never fed apart; new goals and other facts can come later.
+        Executed actions and their returns are always fed together; new goals and other facts can come later.
         """
         later = {one.atom for one in self.facts if not one.is_return}
         return self.without_goals.less(frozenset(later))
@@ -140,19 +140,19 @@ class Clock:
 
 
 class LeftFacts:
-    """Facts that updates were taken without, as the solver dropped or refused the update with them.
+    """Facts that updates omitted, as the solver dropped or refused the update with them.
 
-    They come again, half as many at a time, until the one that is to blame is alone.
+    They are fed again, half as many at a time, until the faulty one is alone.
     """
 
     def __init__(self) -> None:
-        self._tries: Dict[Symbol, int] = {}  # how often a fact was left out that was alone
+        self._tries: Dict[Symbol, int] = {}  # how often a fact that was alone was omitted
         self._rests: Dict[Symbol, float] = {}  # until when
-        self._room: Optional[int] = None  # for so many of them in an update
+        self._room: Optional[int] = None  # the limit of them in an update
         self._now = -math.inf
 
     def due(self, facts: Dict[Symbol, Observation]) -> Dict[Symbol, Observation]:
-        """Return those of the waiting ``facts``, by what was told, that the next update can carry."""
+        """Return those of the waiting ``facts``, by their atoms as sent, that the next update can carry."""
         if not self._tries:
             return facts
         ready = [one for one in facts if one in self._tries and self._rests.get(one, -math.inf) <= self._now]
@@ -160,7 +160,7 @@ class LeftFacts:
         return {one: seen for one, seen in facts.items() if one not in self._tries or one in fit}
 
     def taken(self, facts: Iterable[Observation], left: Sequence[Observation], refused: bool) -> List[Observation]:
-        """Note that an update was taken without those ``left``; return what was alone too often, once if refused."""
+        """Note that an update omitted the facts ``left``; return those alone too often, once if refused."""
         others = [one for one in facts if not one.is_return]
         for one in frozenset(others).difference(left) if self._tries else ():
             self._drop(one)
@@ -173,14 +173,14 @@ class LeftFacts:
             key = one.told or one.atom
             self._tries[key] = self._tries.get(key, 0) + (len(others) == 1)
             if self._tries[key] > 1:
-                self._rests[key] = math.inf  # the search has taken time: the rest begins when next it is told
+                self._rests[key] = math.inf  # the search has taken time: the rest begins at the next tick
             if self._tries[key] >= (1 if refused else MOST_TRIES):
                 self._drop(one)
                 lost.append(one)
         return lost
 
     def tick(self, now: float) -> None:
-        """Time passes, in seconds of whatever clock; where it has jumped back, a rest begins now."""
+        """Advance the time, in seconds of any clock; where it has jumped back, a rest begins now."""
         self._now = now
         for key, until in self._rests.items():
             self._rests[key] = min(until, now + FACT_REST * 2 ** (self._tries[key] - 2))
@@ -190,7 +190,7 @@ class LeftFacts:
         return {f"left:{text_of(key)}": tries for key, tries in self._tries.items()}
 
     def restore(self, record: Record) -> None:
-        """Go on from a record; the facts come one at a time, and each rest starts again."""
+        """Restore from a record; the facts come one at a time, and each rest starts again."""
         self._tries = {symbol_of(text): tries for text, tries in group(record, "left").items()}
         self._rests = {key: math.inf for key, tries in self._tries.items() if tries > 1}
         self._room = 1 if self._tries else None
@@ -206,9 +206,9 @@ class InputFeeder:
     Within an update commitments come first, then requests and cancellations, then returns and other facts, those of
     several actions that were a success in the order of the actions; a new goal
     in update n carries cycle n+1, a cancellation n (as in the paper's printed updates). ``clock`` knows the cycle of
-    facts that are stated for ``now``. Those of several messages of one origin take effect in as many cycles, so that
-    the program knows which came last: the update starts the last of these cycles, nothing is done in the others. Facts
-    of an update that was taken without them come again, in ever smaller parts.
+    facts that are stated for ``now``. Several messages of one origin take effect in successive cycles, so that the
+    program knows which came last: the update starts the last of these cycles, the others are idle. Facts that an
+    update omitted are fed again, in ever smaller parts.
 
     Attributes:
         arrivals: how many things have arrived so far.
@@ -267,7 +267,7 @@ class InputFeeder:
         self._rejected.append(identifier)
 
     def add_fact(self, atom: Symbol, origin: str = "", cycle: int = 0, message: int = 0) -> None:
-        """Take a return or another fact that arrived in ``cycle``; the same fact twice in an update is one, the last.
+        """Take a return or another fact that arrived in ``cycle``; of equal facts in an update the last one counts.
 
         ``message`` is greater for a later message.
         """
@@ -281,17 +281,17 @@ class InputFeeder:
         self._executed += tuple(actions)
 
     def forget_executed(self) -> None:
-        """Forget what was done together with what came of it: the solver refuses it."""
+        """Forget executed actions and their returns, which the solver refuses."""
         self._facts = {atom: one for atom, one in self._facts.items() if not one.is_return}
         self._executed = ()
 
     def add_failure(self, answer: Symbol, actions: Tuple[Action, ...]) -> None:
-        """Note the actions that a return of failure may be about, if the program takes it."""
+        """Note the actions that a return of failure can be about, if that return waits."""
         if answer in self._facts:
             self._facts[answer] = self._facts[answer]._replace(actions=actions)
 
     def next_update(self, step: int, over: int = 0) -> Batch:
-        """Return the update that starts cycle ``step``, or a later one; what it carries waits until it is ``taken``.
+        """Return the update that starts cycle ``step``, or a later one; its content waits until it is ``taken``.
 
         Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
         where a fact of now takes effect only then; so does one whose identifier is that of a goal that was given up and
@@ -311,8 +311,8 @@ class InputFeeder:
     ) -> List[Observation]:
         """Record that the latest update is in force, with those of its heads that are ``present`` (None: all).
 
-        These no longer wait, and the program knows its goals. Facts and cancellations that were left out, as the whole
-        was dropped or ``refused``, come again; returned are those facts that do not.
+        These no longer wait, and the program knows its goals. Facts and cancellations that were omitted, as the whole
+        update was dropped or ``refused``, are fed again. Returns the facts that are not.
         """
         present = batch.update.heads if present is None else present
         for one in batch.requests:
@@ -405,7 +405,7 @@ class InputFeeder:
         return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen, done)
 
     def _further_cycles(self, turns: Mapping[Symbol, int], step: int) -> int:
-        """Return how many cycles after ``step`` the last facts take effect in; see :func:`_turns`."""
+        """Return the number of cycles from ``step`` to the last facts' effect; see :func:`_turns`."""
         most = max(turns.values(), default=0)
         first_ones = (fact for fact, turn in turns.items() if turn == most)
         return most + (most > 0 and any(self._clock.is_too_early(fact, step) for fact in first_ones))
@@ -435,7 +435,7 @@ def _in_order(facts: Sequence[Observation], done: Iterable[Action]) -> Iterator[
 
 
 def _turns(facts: Iterable[Observation]) -> Dict[Symbol, int]:
-    """Return, for each fact of now, how many later messages of its origin there are, of those with such facts."""
+    """Return, for each fact of now, the number of later messages of its origin with such facts."""
     messages: Dict[str, Set[int]] = {}
     timed = [fact for fact in facts if _is_of_now(fact.atom)]
     for fact in timed:

@@ -12,7 +12,7 @@ MOST_NAMES = 1000
 GRACE = 2.0
 
 
-#: Seconds after which a client may expect the core to have reported an interface that is not there.
+#: Seconds after which a client can expect the core to have reported a missing interface.
 REPORTED = GRACE + 3.0
 
 _MISSING = "no interface '{}' for {}: {}"
@@ -82,7 +82,7 @@ class InterfaceRegister:
 
 
 class ReportedInterfaces:
-    """Which actions are served, as a client knows it by what the core reports on /diagnostics."""
+    """The actions with an interface, as a client knows them from the core's reports on /diagnostics."""
 
     def __init__(self) -> None:
         self._names: Optional[FrozenSet[str]] = None
@@ -95,14 +95,14 @@ class ReportedInterfaces:
         return self._names is not None
 
     def report(self, names: Iterable[str], message: str) -> None:
-        """Take the interfaces that were announced to the core, and the message of its report."""
+        """Take the interfaces announced to the core, and the message of its report."""
         self._names, self._message = frozenset(names), message
 
     def fault(self, action: Action, now: float) -> Optional[str]:
-        """Return why an action that went out is not done, empty where that is not known yet, None where it is done.
+        """Return why no interface serves a sent action, empty if that is not known yet, None if one does.
 
-        ``now`` is in seconds of a clock that only goes forward. The action is taken to be done where a node that
-        announces nothing may have the interface, and where the core reports nothing for a while.
+        ``now`` is in seconds of a monotonic clock. An interface counts as present if a node without announcements may
+        have it, and if the core reports nothing for a while.
         """
         if self._names is None or action.interface_name in self._names:
             return None

@@ -92,7 +92,7 @@ class Return(NamedTuple):
 
     @property
     def failure(self) -> Symbol:
-        """What the solver adds to a return that is no success: ``_failed(A,V,C)``."""
+        """The atom that the solver adds to a return of failure: ``_failed(A,V,C)``."""
         return Function(FAILED, self.atom.arguments)
 
 
@@ -102,7 +102,7 @@ def success_of(action: Action) -> Symbol:
 
 
 def failure_value(reason: Symbol, parameter: Symbol, is_parameter: Callable[[Symbol], bool]) -> Symbol:
-    """Return the value with which the action of ``parameter`` fails: the ``reason``, unless that reads as a success.
+    """Return the failure value of the action of ``parameter``: the ``reason``, unless that reads as a success.
 
     A reason that equals the parameter becomes ``failed(P)``. One that equals the parameter of another action of the
     interface in the same cycle (``is_parameter``), or has it as its last argument, becomes ``failed(Reason,P)``.

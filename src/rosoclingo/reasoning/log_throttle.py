@@ -16,7 +16,7 @@ FEW = 3
 #: So many different problems of one interface, and of the core itself, are said within that time.
 MANY = 10
 
-#: So many interfaces are told apart within that time.
+#: Limit of interfaces that are distinguished within that time.
 MOST_ORIGINS = 100
 
 #: Characters of a problem that are told: its beginning, and its end, where the reason stands.
@@ -82,7 +82,7 @@ class LogThrottle:
         return self.latest + ("; more of the kind are only counted for a minute" if kind.said == FEW else "")
 
     def _origin(self, origin: str) -> str:
-        """The origin under which a problem is remembered: of too many interfaces the rest are one."""
+        """The origin under which a problem is remembered; interfaces beyond the limit share one."""
         origin, known = shortened(origin), {one for one, _ in self._kinds}
         return origin if origin in known or len(known) < MOST_ORIGINS else "other interfaces"
 

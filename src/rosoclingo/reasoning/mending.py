@@ -2,8 +2,8 @@
 
 What was done was done, so an observation that says it can't have been is wrong, or is dated wrong: a sensor that tells
 of a blocked door late speaks of the cycle that it knows. Such a fact is taken for the present where it makes sense
-there, else withheld. What is new is doubted before what is older, and other facts before how actions ended. A failure
-is withheld together with the commitment to its action, which then counts as not done, where that leaves an answer.
+there, else withheld. Newer facts are doubted before older ones, and other facts before returns. A failure
+is withheld together with the commitment to its action, which then counts as not done, if that leaves an answer.
 """
 
 from dataclasses import replace
@@ -42,8 +42,8 @@ class Case(NamedTuple):
 class Change(NamedTuple):
     """An observation that was ``taken_as`` another fact, or withheld; ``against`` tells what was done that it denies.
 
-    ``sure`` tells that it does; otherwise time was over before it was known which observations do. The actions of an
-    observation that is withheld count as not done.
+    ``sure`` tells that it does; otherwise time was over before the observations that do were known. The actions of a
+    withheld observation count as not done.
     """
 
     observation: Observation
@@ -94,7 +94,7 @@ class _Mender:
         return first_found(self._pools(), lambda pool: self._least(pool) if self._answers(pool) else None)
 
     def _pools(self) -> Iterator[Tuple[Observation, ...]]:
-        """Yield what is doubted, newest first: facts that come late, this update's, earlier ones, returns.
+        """Yield the observations to doubt, newest first: late facts, this update's, earlier ones, returns.
 
         Returns of failures come with their actions first, then alone.
         """

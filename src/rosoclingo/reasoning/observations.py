@@ -66,9 +66,9 @@ class Observation(NamedTuple):
 
 
 class Untaken(NamedTuple):
-    """A failure that the program cannot take, for the reason ``why``.
+    """A failure that the program cannot handle, for the reason ``why``.
 
-    ``undone`` tells whether its actions count as not done; None where that has not been tried.
+    ``undone`` tells whether its actions count as not done; None if that has not been tried.
     """
 
     failure: Observation

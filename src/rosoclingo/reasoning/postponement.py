@@ -24,13 +24,12 @@ def put_off(
 ) -> Tuple[Planner, str]:
     """Take those of the ``chosen`` goals that are not in hand out of the program; what was too much: ``why``.
 
-    Goals that were cancelled, and that nothing was done for, are taken out instead, and end. Where the chosen ones are
-    all in hand, it is the others that wait. ``fresh`` goals came with the last update; updates were ``told`` up to that
-    of this cycle. Those of an update that is not in force can always wait, as can those that came after the last of the
-    ``executed`` actions, if these are known: nothing was done for them. Others are looked for until ``look()`` is not
-    None.
+    Cancelled goals without executed actions are withdrawn instead, and end. If all chosen goals are in hand, the
+    others wait. ``fresh`` goals came with the last update; updates were published up to cycle ``told``. Goals of an
+    update that is not in force can always wait. So can those that came after the last of the ``executed`` actions, if
+    these are known: nothing was done for them. The search for further ones ends when ``look()`` is not None.
 
-    Returns the planner that goes on, and in words what was done. May raise DisturbedError, with nothing done.
+    Returns the planner that goes on, and a text about the goals. Raises DisturbedError, with nothing changed.
     """
     last = math.inf if executed is None else max((action.cycle for action in executed), default=0)
     first = max(last + 1, planner.log.over)
@@ -59,7 +58,7 @@ def _postponable(planner: Planner, chosen: Sequence[Goal], fresh: Sequence[Goal]
     A goal is in hand unless it makes no difference whether it is withdrawn, as if it had never been told, or cancelled:
     with all other goals cancelled there is a plan of the same length. What was picked up for a goal has to be
     brought back when that is cancelled; and without its request it could never have been picked up. The trial retracts
-    the success returns, since a program can take them as evidence that the action was possible.
+    the success returns, since a program can use them as evidence that the action was possible.
     """
     new = [goal for goal in chosen if goal in fresh or not goal.fed]
     old = [goal for goal in chosen if goal not in new and (goal.request_cycle or 0) > planner.log.over]
@@ -93,7 +92,7 @@ class _Trial:
         return self._among([], goals)
 
     def _among(self, found: List[Goal], goals: Sequence[Goal]) -> List[Goal]:
-        """Those of the goals that can be withdrawn together with the ones found, as far as there is time."""
+        """Return the goals that can be withdrawn together with those found, as far as time permits."""
         if self._look() is not None:
             return []
         if self._plan([*found, *goals]) is not None:

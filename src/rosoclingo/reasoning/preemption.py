@@ -50,11 +50,11 @@ class Preemption:
         return self._end(self._ask(planner, self._execution.under_way, running) if running else ())
 
     def end_all(self) -> Tuple[Action, ...]:
-        """Return the actions under way that go on: they are ended with the core."""
+        """End the actions under way that go on, as the core ends; return them."""
         return self._end(tuple(action for action in self._execution.awaited if action not in self._found))
 
     def _end(self, actions: Tuple[Action, ...]) -> Tuple[Action, ...]:
-        """Record that actions are ended, also for the program; return them."""
+        """Record actions as ended, also for the program; return them."""
         for action in actions if self._told else ():
             self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals

@@ -15,14 +15,14 @@ from rosoclingo.reasoning.keywords import Action, action_of
 Record = Dict[str, Any]
 
 
-#: Symbols whose texts are cached, and the characters of a text that is.
+#: Limits of the cache of texts: their number, and the characters of each.
 CACHED, SHORT = 4096, 200
 
 _texts: Dict[Symbol, str] = {}
 
 
 def text_of(symbol: Symbol) -> str:
-    """Return a symbol as text for :func:`symbol_of`; short ones are asked for again and again."""
+    """Return a symbol as text for :func:`symbol_of`; short texts are cached."""
     text = _texts.get(symbol)
     if text is None:
         text = symbols_to_text([symbol])
@@ -38,7 +38,7 @@ def symbol_of(text: str) -> Symbol:
     return symbol_list(text)[0]
 
 
-@lru_cache(maxsize=128)  # those that were done last, which are asked for at each step
+@lru_cache(maxsize=128)  # the latest actions, which each step needs
 def action_to_text(action: Action) -> str:
     """Return an action as text for :func:`symbol_of`."""
     return text_of(action.atom)

@@ -94,10 +94,10 @@ def is_answerable(planner: Planner, question: Question) -> bool:
     return first_found(_both_ways(planner, question), answer) is not None
 
 
-def anew(
+def forget_history(
     planner: Planner, step: int, why: str, problem: Callable[[str], None]
 ) -> Optional[Tuple[Planner, List[StreamUpdate], SolveResult]]:
-    """Forget all but that it is ``step``; None where there is no answer even then. Raises UndecidedError."""
+    """Forget everything except the ``step``; None if there is no answer even then. Raises UndecidedError."""
     try:
         found = planner.anew(step)
     except DroppedError:
@@ -107,16 +107,16 @@ def anew(
     if found[2].outcome is SolveOutcome.INTERRUPTED:
         raise UndecidedError
     if found[2].outcome is SolveOutcome.UNSATISFIABLE:
-        problem(f"the program has no answer, whatever is told: {why}")
+        problem(f"the program has no answer, even without goals and facts: {why}")
         return None
     return found
 
 
 class Settled(NamedTuple):
-    """What to do about failures that the program cannot take: go on with ``result`` on ``planner``.
+    """The reaction to failures that the program cannot handle: go on with ``result`` on ``planner``.
 
-    ``failures`` tell whether their actions count as not done now. If there are ``unmet`` goals, they rest on these
-    actions; ``recovery`` is a way on without them, None where there is none, or nothing is left to do.
+    ``failures`` tell whether their actions count as not done now. The ``unmet`` goals rest on these actions;
+    ``recovery`` is a plan without these goals, None if there is none or nothing is left to do.
     """
 
     planner: Planner
@@ -127,16 +127,16 @@ class Settled(NamedTuple):
 
     @property
     def why(self) -> str:
-        """Why the goals are given up, to be written behind each."""
+        """The reason for aborting the goals, a text that follows the goal's name."""
         return f"cannot be met since {self.failures[0].failure}, {self.failures[0].why}"
 
 
 def settle(planner: Planner, result: SolveResult, question: Question, untaken: Sequence[Untaken]) -> Settled:
-    """Find the goals that rest on actions whose failures the program cannot take, lest they be called met.
+    """Find the goals that rest on actions whose failures the program cannot handle: they do not count as met.
 
-    The actions count as not done, if the program has an answer then; those goals rest on them that were with the
-    program before and have no plan but one that tries such an action again. Otherwise it is all that were, as it is
-    where nothing is done instead.
+    The actions count as not done if the program has an answer then. A goal rests on them if the program had it
+    before, and each plan for it tries such an action again. Otherwise, and where the plan has no actions left, all
+    goals that the program had rest on them.
     """
     new = [one for one in untaken if one.undone is None]
     other = _undo(planner, [one.failure for one in new]) if new else None
@@ -158,7 +158,7 @@ def settle(planner: Planner, result: SolveResult, question: Question, untaken: S
 
 
 def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:
-    """Let the failed actions count as not done; None where no answer is found then."""
+    """Let the failed actions count as not done; None if there is no answer then."""
     gone, update = _facts_of(failures), planner.in_force
     old = sorted(gone - update.heads - update.committed)
     try:
@@ -169,7 +169,7 @@ def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[P
 
 
 def _goes_on(result: SolveResult, cycle: int, failed: FrozenSet[Tuple[Symbol, Symbol]]) -> bool:
-    """Whether there is a plan that from ``cycle`` on tries none of the actions again that have failed."""
+    """Tell whether there is a plan that from ``cycle`` on does not repeat failed actions."""
     if result.outcome is not SolveOutcome.SATISFIABLE:
         return False
     return not any((one.interface, one.parameter) in failed for one in extract_plan(result.answers[0]).remaining(cycle))
@@ -178,7 +178,7 @@ def _goes_on(result: SolveResult, cycle: int, failed: FrozenSet[Tuple[Symbol, Sy
 def _without_failed(
     planner: Planner, question: Question, resting: List[Goal], failed: FrozenSet[Tuple[Symbol, Symbol]], keeps: bool
 ) -> Optional[Tuple[Recovery, List[Goal]]]:
-    """Plan without the goals, or those of them that try again what has failed; None where no plan is found."""
+    """Plan without the goals, or without those that repeat failed actions; None if there is no plan."""
     found: Optional[Recovery] = None
     dropped = resting
     for attempts in _both_ways(planner, question):
@@ -336,7 +336,7 @@ def _unmet(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tup
 def _observed(
     attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[Observation, ...]
 ) -> Conflict[Observation]:
-    """The observations without which the goals could be met together, though they may need others."""
+    """Return the observations that prevent the goals from being met together; they can need others."""
     try:
         omissions = ((some, [one for one in observations if one not in some]) for some in _omissions(observations))
         hindering, needed = next(((some, rest) for some, rest in omissions if attempts.met(goals, rest)), ((), []))
@@ -349,7 +349,7 @@ def _observed(
 
 
 def _omissions(observations: Tuple[Observation, ...]) -> Iterator[Tuple[Observation, ...]]:
-    """Yield which observations to leave out: all, each, the newest ones, the oldest ones, then a few of any age."""
+    """Yield the observations to omit: all, each, the newest ones, the oldest ones, then a few of any age."""
     numbers = range(2, len(observations))
     if observations:
         yield observations

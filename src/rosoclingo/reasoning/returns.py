@@ -51,7 +51,7 @@ EXECUTED = 64
 #: Cycles of which the median is taken for how long one takes.
 MEASURED = 10
 
-#: Facts that may wait for the next update, returns not counted, and their characters.
+#: Limits of the facts that wait for the next update, apart from returns: their number, and their characters.
 MOST_WAITING, MOST_TEXT = 10000, 1 << 24
 
 
@@ -107,7 +107,7 @@ class _Group:
         self._failures = list(map(symbol_of, failures))
 
     def expire(self, reason: Symbol) -> List[Tuple[Action, Symbol]]:
-        """Count each action that has not returned as failed for ``reason``; return each with the value that says so."""
+        """Count each action without a return as failed for ``reason``; return each with its failure value."""
         expired = [(one, failure_value(reason, one.parameter, self.actions.__contains__)) for one in self.missing]
         for action, value in expired:
             if value == reason:
@@ -186,11 +186,11 @@ class Dispatch:
         return found
 
     def expire(self, reason: Symbol) -> List[Tuple[Action, Symbol]]:
-        """Count what has not returned as failed for ``reason``; return each action with the value it fails with."""
+        """Count each action without a return as failed for ``reason``; return each with its failure value."""
         return [expired for group in self._groups.values() for expired in group.expire(reason)]
 
     def failure(self, action: Action, reason: Symbol) -> Symbol:
-        """Return the value with which an action fails for ``reason``."""
+        """Return an action's failure value for ``reason``."""
         return failure_value(reason, action.parameter, self._groups[action.interface].actions.__contains__)
 
 
@@ -198,7 +198,7 @@ class FactError(ValueError):
     """A fact is rejected: no interface may state it, or the program does not declare it; the text says why."""
 
 
-#: So many facts that name their cycle are remembered, if they are short: told again they are nothing new.
+#: Limits of the remembered facts that name their cycle, to recognize repeated ones: their number, and characters.
 KNOWN, SHORT = 1000, 1000
 
 
@@ -207,7 +207,7 @@ class ExecutionMonitor:
 
     Attributes:
         observations: the latest actions that failed, and the latest facts.
-        untaken: failures that the program cannot take, until the goals that rest on their actions are given up.
+        untaken: failures that the program cannot handle, until the goals that rest on their actions are aborted.
 
     """
 
@@ -264,7 +264,7 @@ class ExecutionMonitor:
         return median_low([end - begin for begin, end in zip(begun, begun[1:])] or [0.0])
 
     def preempted(self, action: Action) -> Symbol:
-        """Return the return of an action under way that is ended since nobody wants it any more."""
+        """Return the return of an action under way that is preempted as unwanted."""
         assert self._dispatch is not None
         return Return(action.interface, self._dispatch.failure(action, PREEMPTED), action.cycle).atom
 
@@ -283,7 +283,7 @@ class ExecutionMonitor:
             self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
     def ignore(self, origin: str, text: str, why: str, times: int) -> None:
-        """Report ``times`` facts as ignored, the last of which is ``text``; ``why`` is empty if the text tells it."""
+        """Report ``times`` facts as ignored, the last of which is ``text``; an empty ``why`` follows from it."""
         if not text:
             self._tell(Problem(self._cycle(), why, origin, times))
             return
@@ -339,7 +339,7 @@ class ExecutionMonitor:
 
     @contextmanager
     def _guarded(self, origin: str, text: str, times: int = 1) -> Iterator[None]:
-        """Tell as a problem why the fact ``text`` makes no sense, and ``times`` such ones."""
+        """Report a fault of the fact ``text`` as a problem, for ``times`` such facts."""
         try:
             yield
         except (ProgressionError, KeywordError, ReturnError, FactError) as error:
@@ -376,13 +376,13 @@ class ExecutionMonitor:
                 self._tell(Problem(self._cycle(), text))
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
-        """Take observations otherwise or withhold them; ``failures`` are those of the last update."""
+        """Redate or withhold observations; ``failures`` are those of the last update."""
         self.untaken.change(changes, failures, self.observations)
         for one in changes:
             self._tell(Problem(self._cycle(), str(one), one.observation.origin))
 
     def has_untaken(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
-        """Whether there are failures that the program cannot take; those of an update may have led to ``warnings``."""
+        """Tell whether there are failures that the program cannot handle, also by an update's ``warnings``."""
         if failures:
             self.untaken.note_warnings(failures, warnings)
         return bool(self.untaken.open)
@@ -419,7 +419,7 @@ class ExecutionMonitor:
 
 
 def too_many_facts(number: int, origin: str) -> str:
-    """Tell of a message with too many facts."""
+    """Return a text about a message with too many facts."""
     ignored = f"those behind the first {MOST_FACTS} are ignored"
     return f"of {number} facts in one message from '{origin}' {ignored}: send them in several"
 

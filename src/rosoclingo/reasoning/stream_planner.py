@@ -318,7 +318,7 @@ def _whole(log: StreamLog, update: StreamUpdate, lookahead: int) -> StreamUpdate
 def in_turns(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Planner, Batch, SolveResult]:
     """Return the planner that goes on from the ``result`` of a batch, the batch that it was fed, and the result.
 
-    The messages of one origin take effect in cycles of one update, in all but the last of which nothing is done. A
+    The messages of one origin take effect in successive cycles of one update, which are idle except the last. A
     program that demands an action in each cycle has no answer then: it gets the first messages now, and the others in
     later updates.
     """
@@ -347,10 +347,10 @@ def feed_less(
 ) -> SolveResult:
     """Feed what can be taken of a batch that came to an ``error``, and search; raises SolverError where nothing can.
 
-    Of an update that is refused, the new goals are left out, then all but the indispensable part: what was done with
-    its returns, and cancellations. Where one was dropped since it took too long, the new goals are left out as well if
-    there are ``others``, for which there was a plan; else it is first fed without looking ahead: then it is known,
-    whatever the search does. Goals that are refused ``end``; those that are left out since that took too long do not.
+    A refused update is fed without the new goals, then with only the indispensable part: executed actions, their
+    returns, and cancellations. An update that took too long is fed without the new goals if there are ``others`` with
+    a plan. Else it is first fed without lookahead, so that it is in force regardless of the search. Refused goals
+    ``end``; goals omitted because an update took too long do not.
     """
 
     def refused(error: SolverError, goals: Sequence[Goal]) -> None:

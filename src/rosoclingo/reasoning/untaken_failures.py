@@ -1,6 +1,6 @@
-"""Failures that the program cannot take: none of its rules asks for them, or they contradict it.
+"""Failures that the program cannot handle: none of its rules looks at them, or they contradict it.
 
-Such a program would take the action for done. So the goals that rest on it are given up.
+For such a program the action would count as done, so the goals that rest on it are aborted.
 """
 
 from typing import Any, Callable, Iterable, List, Sequence
@@ -11,15 +11,15 @@ from rosoclingo.reasoning.keywords import return_of, success_of
 from rosoclingo.reasoning.mending import Change
 from rosoclingo.reasoning.observations import Observation, Observations, Untaken
 
-#: Why the program cannot take a failure.
+#: Reasons why the program cannot handle a failure.
 UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
 
 
 class UntakenFailures:
-    """The failures that the program cannot take.
+    """The failures that the program cannot handle.
 
     Attributes:
-        open: those about which nothing was done.
+        open: the unsettled ones.
 
     """
 
@@ -28,9 +28,9 @@ class UntakenFailures:
         self.open: List[Untaken] = []
 
     def note(self, failure: Observation) -> None:
-        """Take note of a failure if the program does not declare such returns, or no rule could see it.
+        """Note a failure if the program does not declare such returns, or no rule can see it.
 
-        A rule that asks for the action's return of success knows of failures, too: it misses it.
+        A rule that looks at the action's return of success sees failures as well, by the absence of that return.
         """
         answer = return_of(failure.atom)
         atoms = [answer.atom, answer.failure, *map(success_of, failure.actions)]
@@ -39,14 +39,14 @@ class UntakenFailures:
             self.open.append(Untaken(failure, UNHEARD))
 
     def note_warnings(self, failures: Iterable[Observation], warnings: Sequence[str]) -> None:
-        """Take note of the ``failures`` of an update that the solver ignored, by its ``warnings``."""
+        """Note those ``failures`` of an update that the solver ignored, by its ``warnings``."""
         known = [one.failure.atom for one in self.open]
         for one in failures:
             if one.atom not in known and any(f"Head {one.atom} has not been declared" in text for text in warnings):
                 self.open.append(Untaken(one, UNHEARD))
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation], seen: Observations) -> None:
-        """Take what is ``seen`` otherwise, and note which ``failures`` of the last update or before are withheld."""
+        """Redate or drop observations ``seen``; note which ``failures``, of the last update or before, are withheld."""
         actions = {one.atom: one.actions for one in (*failures, *seen.newest_first) if one.actions}
         seen.drop(frozenset(one.observation.atom for one in changes))
         for one, taken_as, *_ in changes:
@@ -57,16 +57,16 @@ class UntakenFailures:
                 self.open.append(Untaken(failure, CONTRADICTS, undone=bool(one.actions)))
 
     def settle(self, failures: Iterable[Untaken], problem: Callable[[str], None]) -> None:
-        """Forget them; report what became of those that no rule has heard of."""
+        """Forget all failures; report the outcome of those that no rule looks at."""
         self.open.clear()
         for one in failures:
             if one.why == UNHEARD:
                 problem(f"{one.failure}, {UNHEARD}: it counts as {'not ' if one.undone else ''}done")
 
     def record(self) -> List[Any]:
-        """Return them as plain values."""
+        """Return the failures as plain values."""
         return [one.record() for one in self.open]
 
     def restore(self, record: Iterable[Any]) -> None:
-        """Go on from a record."""
+        """Restore the failures of a record."""
         self.open = [Untaken.of_record(one) for one in record]

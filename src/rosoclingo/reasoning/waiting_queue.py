@@ -110,8 +110,8 @@ class GoalQueue:
         now: the time in seconds of whatever clock.
         window: how many goals there is room for.
         stuck: how often in a row no plan was found in time, and no goal could be taken out.
-        left: whether the last search was left for something that came.
-        hurried: whether the plan in force could go on while new goals are searched for: then wall time counts.
+        left: whether an arrival interrupted the last search.
+        hurried: whether the plan in force can go on during a search for new goals; then wall time counts.
 
     """
 
@@ -225,7 +225,7 @@ class GoalQueue:
         """The goals that are to wait since no plan was found in time for all: the newest, at least half of them.
 
         Where ``fresh`` goals, which are new to the program, are less than half, only as many: there was a plan for the
-        others. A single one of these is then tried alone. A single goal is to wait where another one can have its turn.
+        others. A single one of these is then tried alone. A single goal waits if another one can have its turn.
         """
         goals, self.left = self._movable, False
         if len(goals) > 1:
@@ -276,10 +276,10 @@ class GoalQueue:
         return int(max(min(2**tries, MOST_PATIENCE), 2**self.stuck))
 
     def why_left(self, cancelled: Container[str], new: bool) -> str:
-        """Return why a search is left, empty if it is not: cancels of goals of these keys, or a ``new`` goal.
+        """Return why a search is interrupted, empty if it is not: cancels of goals of these keys, or a ``new`` goal.
 
-        It is left for the cancel of a goal that the program has, or is to have, and for a new goal where the one that
-        it is for was in vain alone, and does not come first. After a search that was left the next one has its time,
+        The cancel of a goal that the program has, or is to have, interrupts it. So does a new goal if the search is for
+        a goal that found no plan alone before, and that does not come first. No arrival interrupts the next search,
         unless all its goals are cancelled.
         """
         unwanted = [goal for goal in self.served if goal.cancelling or goal.key in cancelled]

@@ -93,10 +93,10 @@ class Summary:
     def differences(
         self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
     ) -> List[str]:
-        """How the run differs from a scenario's ``expect``; empty when it does not.
+        """Return the differences of the run from a scenario's ``expect``; empty for none.
 
-        ``before`` are the core's cycles before the scenario began, by which those of its actions are greater; ``sent``
-        are the keys of its goals, None for all of the run.
+        ``before`` is the number of the core's cycles before the scenario; it is subtracted from those of actions.
+        ``sent`` are the keys of its goals, None for all of the run.
         """
         found: Dict[str, Any] = {
             "goals": [goal.status for goal in self.goals if sent is None or goal.key in sent],
@@ -136,7 +136,7 @@ class _Line(NamedTuple):
 class Account:
     """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line.
 
-    Lines count seconds since the first thing that anybody asked, told or did, as reports and pages do.
+    Lines count seconds since the first request, fact or action, as reports and pages do.
 
     It may begin in the midst of a run: then with what the latched topics have, in whatever order. ``with_state`` it
     says what the program believes as well.
@@ -289,7 +289,7 @@ class Account:
         cycle: int = 0,
         begins: bool = True,
     ) -> None:
-        """Take a line; what ``begins`` a run is what anybody asks, tells or does."""
+        """Take a line; a request, fact or action ``begins`` a run."""
         if self._start is None and begins:
             self._start = time
         self.summary.seconds = max(self.summary.seconds, self._elapsed(time))

@@ -1,4 +1,4 @@
-"""Records of the actions that went out, and how each returned."""
+"""Records of the dispatched actions, each with its return."""
 
 from typing import Dict, List, Set, Tuple
 
@@ -8,12 +8,12 @@ from rosoclingo.runs.topic_atoms import action_in
 
 __all__ = ["ActionRecords"]
 
-#: Returns that may have overtaken their actions.
+#: Limit of remembered returns that arrived before their actions.
 EARLY = 20
 
 
 class ActionRecords:
-    """Enters actions in ``table`` by their numbers in ``words``, with times in seconds since the run began."""
+    """Adds actions to ``table`` by their numbers in ``words``, with times in seconds since the run began."""
 
     def __init__(self, table: Table, words: ActionWords) -> None:
         self._table, self._words = table, words
@@ -23,10 +23,10 @@ class ActionRecords:
         """Begin another run of the core: nothing is under way."""
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of records, by interface and cycle
         self._unwanted: Set[int] = set()  # those that the core has cancelled
-        self._early: List[Return] = []  # of no action that has been heard of: topics overtake each other
+        self._early: List[Return] = []  # of actions not received yet: topics have no common order
 
     def dispatched(self, now: float, texts: List[str]) -> None:
-        """Enter actions, and which of those under way the core has cancelled."""
+        """Add actions, and mark those that the core has cancelled."""
         for text in texts:
             if text.startswith(CANCEL_ACTION):
                 self._cancel(ACTION_LIB + text[len(CANCEL_ACTION) :])
@@ -38,7 +38,7 @@ class ActionRecords:
         self._early = [answer for answer in self._early if not self._answered(now, answer)]
 
     def returned(self, now: float, answer: Return) -> None:
-        """Give an action its return, also one that is heard of later."""
+        """Add a return to its action, also if the action arrives later."""
         if not self._answered(now, answer):
             self._early = [*self._early, answer][-EARLY:]
 
@@ -49,7 +49,7 @@ class ActionRecords:
             self._unwanted.update(one for one in under_way if self._parameter(one) == name_of(action.parameter))
 
     def _answered(self, now: float, answer: Return) -> bool:
-        """Give an action its return; tell whether there is such an action."""
+        """Add a return to its action; tell whether there is such an action."""
         value = name_of(answer.value)
         under_way = self._open.get((answer.interface_name, answer.cycle), [])
         if not under_way:

@@ -1,7 +1,7 @@
-"""Where the robot and things are by what a program shows: the atoms of the topic ``~state``.
+"""Places of the robot and of things from the shown atoms of a program, the topic ``~state``.
 
-``_draws(Predicate,robot)``, ``thing`` and ``carried`` say which atoms are meant. Where a program has no such
-declaration, atoms with the usual names are: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)``
+``_draws(Predicate,robot)``, ``thing`` and ``carried`` declare these atoms. Without such a declaration, atoms with
+the usual names count: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)``
 and ``thing_at(Thing,Place)`` for things, ``carries(Thing)``, ``carried(Thing)`` and ``holding(Thing)`` for those on
 the robot.
 """
@@ -21,7 +21,7 @@ CARRIED = "carried"
 
 _ROBOTS, _THINGS, _CARRYING = ("at", "robot_at"), ("at", "thing_at"), ("carries", "carried", "holding")
 
-#: What a robot is called that is an argument like a thing.
+#: The robot's name where it is an argument like a thing.
 _ROBOT = "robot"
 
 
@@ -33,7 +33,7 @@ class BelievedPlaces(NamedTuple):
 
 
 def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSet[str]) -> BelievedPlaces:
-    """Return where robot and things are while ``atoms`` hold."""
+    """Return the places of robot and things while ``atoms`` hold."""
     drawn = drawings.of(atoms, labels)
     robots = [one.labels[0] for one in drawn if one.kind is Kind.ROBOT]
     things = {one.text: one.labels[0] for one in drawn if one.kind is Kind.THING}
@@ -45,7 +45,7 @@ def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSe
 
 
 def _usual(atoms: Sequence[str], labels: AbstractSet[str]) -> Iterator[Tuple[str, str]]:
-    """Yield what atoms with the usual names say: a thing, or the robot, and its place."""
+    """Yield a thing, or the robot, and its place for each atom with a usual name."""
     names = {*_ROBOTS, *_THINGS, *_CARRYING}
     found = (atom_in(text) for text in atoms if text.partition("(")[0] in names)
     for atom in (one for one in found if one is not None):

@@ -135,7 +135,7 @@ class _Teller:
         self._clients.update(found)
 
     def _preempted(self, time: float, state: State) -> None:
-        """Tell which of the actions under way the core has cancelled."""
+        """Report the actions under way that the core has cancelled."""
         self._view.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"][1])])
 
     def _answers(self, time: float, state: State) -> None:

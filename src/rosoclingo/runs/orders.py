@@ -6,8 +6,8 @@
         choices: {package: packages, from: place of package, to: labels}
 
 A choice is a list of terms, or ``labels``: all that have a pose, or ``packages``: those that lie somewhere, or
-``place of NAME``: where the package lies that was chosen as NAME; nobody is asked for that. The places of one goal
-differ: a label that is chosen among ``labels`` is no other place of it.
+``place of NAME``: the place of the package that was chosen as NAME, which is no field of the form. The places of one
+goal differ: a label that is chosen among ``labels`` is no other place of it.
 """
 
 import re
@@ -46,8 +46,8 @@ class OrderForm(NamedTuple):
     def shown(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
         """Return the form as a page has it: its title, and the fields that people fill with what they can choose.
 
-        ``packages`` maps each package to the label where it lies, empty where it lies nowhere. A field has to be
-        ``apart`` from others: from what is chosen there, or from the place that it has.
+        ``packages`` maps each package to its label, empty if it lies nowhere. ``apart`` lists the fields whose choice,
+        or whose place, a field has to differ from.
         """
         fields = [
             {"name": one.name, "options": [[term, _described(term, one, packages)] for term in terms], **apart}
@@ -59,7 +59,7 @@ class OrderForm(NamedTuple):
         return {"title": self.title, "fields": fields}
 
     def _apart(self, choice: Choice, packages: Mapping[str, str]) -> Dict[str, Any]:
-        """Return the fields that take a label from the options of a choice among labels."""
+        """Return the fields that exclude labels from the options of a choice among labels."""
         if choice.kind != LABELS:
             return {}
         earlier = self.choices[: self.choices.index(choice)]
@@ -86,7 +86,7 @@ class OrderForm(NamedTuple):
         return _NAME.sub(lambda match: found[match.group(1)], self.goal)
 
     def _check_places(self, found: Mapping[str, str]) -> None:
-        """Raise OrderError where a label was chosen that is another place of the same goal."""
+        """Raise OrderError if a chosen label is another place of the same goal."""
         places = [one for one in self.choices if one.kind in (LABELS, PLACE_OF)]
         for one in (place for place in places if place.kind == LABELS):
             same = next((other for other in places if other != one and found[other.name] == found[one.name]), None)

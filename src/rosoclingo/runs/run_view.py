@@ -72,8 +72,8 @@ class RunView:
         self._track = Track()
         self._account = Account(lambda _line: None, self._log)
         self._goals: Dict[str, int] = {}
-        self._history: Set[str] = set()  # goals that had ended before this view
-        self._met = False  # whether all goals were reported once
+        self._history: Set[str] = set()  # goals that ended before this view
+        self._met = False  # whether ~goals has arrived once
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
         self._actions = ActionRecords(self.tables["actions"], self._words)
@@ -260,7 +260,7 @@ class RunView:
         return self.revision, words, (self._track.thinned, len(self._track.poses))
 
     def has_ended(self, key: str) -> bool:
-        """Whether a goal was heard of and has ended."""
+        """Tell whether a goal is known and has ended."""
         number = self._goals.get(key)
         return key in self._history if number is None else self.tables["goals"][number]["ended"] is not None
 
@@ -317,7 +317,7 @@ class RunView:
     # ---- how it is put together -------------------------------------------------------------------------------------
 
     def _now(self, time: float, begins: bool = False) -> float:
-        """Return the time since the run began, 0 before; what ``begins`` a run is what anybody asks, tells or does."""
+        """Return the time since the run began, 0 before; a request, fact or action ``begins`` it."""
         if self._start is None and not begins:
             return 0.0
         if self._start is None:

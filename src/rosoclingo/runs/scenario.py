@@ -14,15 +14,14 @@
       actions: ["_action_lib(move_base,office2,1)"]
 
 An event happens ``time`` seconds (simulated) after the scenario began, or ``delay`` seconds after the plan of ``cycle``
-is out. Cycles count from the scenario's beginning, also those of ``actions`` that are expected: cycle 1 is that of the
-first update then, and the time before it. An event whose cycle does not come is a fault. ``request`` sends a goal,
-``cancel`` cancels the latest one with this identity, ``facts`` tells the core something as the interface ``origin``.
-``call`` calls a service with the fields of its request: so doors are closed and packages taken away. ``launch`` names
-the launch file that starts the scenario's world (mailbot), ``timeout`` is how long the whole may take, in simulated
-seconds.
+is out. Cycles count from the scenario's beginning, also those of expected ``actions``: cycle 1 is the cycle of the
+scenario's first update, and the time before it. An event whose cycle does not come is a fault. ``request`` sends a
+goal, ``cancel`` cancels the latest one with this identity, ``facts`` sends facts as the interface ``origin``.
+``call`` calls a service with the fields of its request, for instance to close a door. ``launch`` names the launch file
+that starts the scenario's world (mailbot), ``timeout`` limits the whole scenario, in simulated seconds.
 
 ``robot`` is a label of the core's ``~labels``, by ``base_pose_ground_truth``, tf or ``amcl_pose``; without a pose it is
-the place that the program shows. ``packages`` are those of the topic ``packages``, else things that the program shows.
+the place that the program shows. ``packages`` are those of the topic ``packages``, else the shown things.
 """
 
 from dataclasses import dataclass, field

@@ -9,7 +9,7 @@ from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.topic_atoms import action_in
 
-#: ``_says(A,Text)``: what an action A does, with ``{}`` in place of its parameter; a text without it leaves that out.
+#: ``_says(A,Text)``: a text about action A, with ``{}`` in place of its parameter; a text without ``{}`` omits it.
 SAYS = "_says"
 
 _PLACE = "{}"
@@ -18,7 +18,7 @@ _CANCELLING = ("recalling", "preempting")
 
 
 class Sentences:
-    """Says what actions do: by a text for each interface, or by interface and parameter where it has no text."""
+    """Describes actions: by a text for each interface, or by interface and parameter if it has no text."""
 
     def __init__(self, texts: Optional[Mapping[str, str]] = None) -> None:
         self._texts: Dict[str, str] = dict(texts or {})

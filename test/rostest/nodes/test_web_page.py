@@ -98,10 +98,9 @@ class WebPage(unittest.TestCase):
         wait_until(lambda: comes_to("/rosoclingo", "/rosoclingo/goal", ["/web"]), "orders to come to the core")
         self.page.wait_for("document.querySelectorAll('#orders select[name=package] option').length === 2")
         self.order("7", "office2")
-        self.page.wait_for(
-            "document.querySelector('#orders .caption').textContent === 'Ordered: goal(office3,office2,7)'"
-        )
         self.state_of("goal(office3,office2,7)", "succeeded")
+        captions = "[...document.querySelectorAll('#orders .caption')]"
+        self.page.wait_for(f"{captions}.some((one) => one.textContent === 'Done: goal(office3,office2,7)')")
         self.hands.at_once = False
         self.order("8", "office4")
         self.state_of("goal(office1,office4,8)", "active")

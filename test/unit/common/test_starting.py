@@ -16,7 +16,7 @@ PARAMETERS = {
     "core": ["~program_files (list of str, required)", "~horizon_limit (int, default 100)"],
     "interface": ["~interfaces (map, optional)", "~server_timeout"],
     "move_base_interface": ["~interfaces (map, optional)"],
-    "record": ["~topics (list of str, required)"],
+    "record": ["~topics (list of str, optional)"],
     "markers": ["~panel (list"],
     "web": ["~token (str"],
     "office": ["~duration (float, default 3.0)"],

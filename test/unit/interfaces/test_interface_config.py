@@ -72,7 +72,7 @@ def test_everything_given():
         ({**TYPE, "repeatable": 1}, "arm.repeatable: must be true or false, not 1"),
         (
             {**TYPE, "returns": [{"status": "aborted", "success": True, "return": "$1"}]},
-            r"arm.returns\[0\].return: is left out where `success: true` says",
+            r"arm.returns\[0\].return: has to be omitted with `success: true`:",
         ),
         ({**TYPE, "returns": [{"success": "yes"}]}, r"arm.returns\[0\].success: must be true or false, not 'yes'"),
         ({**TYPE, "returns": [{"facts": ["heard($text,now)"]}]}, r"arm.returns\[0\].facts\[0\]: .* inside a text"),

@@ -85,7 +85,7 @@ def test_a_node_has_room_for_so_many_facts(queue):
     queue.put("/b", "b", ["at(1)"])
     assert [one[1:] for one in taken(queue) if one[0] == "/a"][1] == ("at(1)", "at(2)", "_return(a,1,1)")
     (ignored,) = queue.take_ignored()
-    assert ignored == Ignored("a", "at(4)", "too much of /a waits to be looked at", 2)
+    assert ignored == Ignored("a", "at(4)", "too much of /a is queued", 2)
     queue.put("/a", "a", ["at(5)"])
     assert taken(queue) == [("/a", "at(5)")], "there is room again"
 

@@ -105,8 +105,8 @@ def test_the_goals_of_a_solver_that_takes_nothing_any_more_are_over_for_the_prog
     driver.core.add_goal("b", "do(walk,2)")
     driver.solver.refused = lambda _text: True
     driver.succeed()
-    assert driver.message("a") == "do(walk,1) is given up: the solver takes no update any more"
-    assert driver.message("b") == "do(walk,2) is given up: the solver takes no update any more", "though it waited"
+    assert driver.message("a") == "do(walk,1) is given up: the solver accepts no more updates"
+    assert driver.message("b") == "do(walk,2) is given up: the solver accepts no more updates", "though it waited"
     driver.goal("c", "do(run,3)")
     assert "_request(cancel(1),2)." in driver.journal.updates[-1]
 

@@ -134,7 +134,7 @@ def test_each_return_is_in_the_history_whatever_becomes_of_updates(fates, steps)
     for _ in range(20):
         driver.now += 1000.0
         driver.run()
-    dropped = [text.split()[0] for text in driver.problems if "takes no update with it" in text]
+    dropped = [text.split()[0] for text in driver.problems if "accepts no update with it" in text]
     heads = {str(head) for update in parse_updates(driver.journal.stream) for head in update.heads}
     assert heads.issuperset(set(facts) - set(dropped)), "other facts come later, or are told as dropped"
 
@@ -154,7 +154,7 @@ def test_a_failure_is_told_though_a_fact_of_its_message_is_too_costly():
         driver.run()
     heads = {str(head) for update in parse_updates(driver.journal.stream) for head in update.heads}
     assert heads.issuperset({"_seen(dog)", "_seen(cat)"}), "those that cost little come later"
-    assert driver.problems[-1] == "_loud(400,now) is dropped: the solver takes no update with it"
+    assert driver.problems[-1] == "_loud(400,now) is dropped: the solver accepts no update with it"
     assert driver.goal("b", "fetch(mug,2)").finish().states("b")[-1] == "succeeded"
 
 

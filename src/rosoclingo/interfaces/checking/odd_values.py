@@ -1,4 +1,4 @@
-"""Values of a robot's files and programs that can be read, but that say something else than they seem to."""
+"""Valid values of a robot's files and programs that are probably mistakes."""
 
 import math
 from typing import AbstractSet, Any, Iterable, Iterator, Mapping, Sequence
@@ -50,7 +50,7 @@ def _slash(file: YamlFile, path: str, frame: Any) -> Iterator[Fault]:
 
 
 def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
-    """Yield that a heading is more than a turn."""
+    """Yield a fault for a heading of more than a turn."""
     if isinstance(yaw, (int, float)) and not isinstance(yaw, bool) and 2 * math.pi + 0.01 < abs(yaw) < math.inf:
         mend = f"are degrees meant? write {math.radians(yaw):.4g}"
         yield file.fault(f"{path}: {yaw:g} radians is more than a full turn ({mend})", "label-value")
@@ -63,7 +63,7 @@ _REASONS = frozenset(reason for status, reason in DEFAULT_RETURNS.items() if sta
 
 
 def reasons_of(specs: Iterable[InterfaceSpec]) -> AbstractSet[str]:
-    """Return the values, as text, with which actions of these interfaces can return whatever their parameter is."""
+    """Return the values, as text, that actions of these interfaces can return independently of their parameter."""
     rules = [rule for one in specs for rule in one.rules]
     return _REASONS | {str(rule.returns) for rule in rules if "$" not in str(rule.returns)}
 
@@ -81,7 +81,7 @@ def labels_like_reasons(labels: Sequence[Named], reasons: AbstractSet[str]) -> I
 
 
 def idle_drawings(survey: Survey) -> Iterator[Fault]:
-    """Yield the ``_draws`` from which nothing is drawn."""
+    """Yield the ``_draws`` facts that draw nothing."""
     shown = [one.term for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
     names = {one.name for one in (*survey.known, *(one for one in shown if one.ast_type == ASTType.Function))}
     for arity in (2, 3):
@@ -93,13 +93,11 @@ def _idle_drawing(place: Place, names: AbstractSet[str]) -> Iterator[Fault]:
     text = written(place.occurrence.term)
     atom = None if getattr(place.statement, "body", ()) else atom_in(str(place.occurrence.term))
     if atom is None:
-        yield place.fault(
-            "idle-drawing", f"{text} has nothing drawn: {DRAWS} is read from ground facts", "write a fact"
-        )
+        yield place.fault("idle-drawing", f"{text} draws nothing: {DRAWS} is read from ground facts", "write a fact")
         return
     fault, name = drawing_fault(atom), str(atom.arguments[0])
     if fault:
-        yield place.fault("idle-drawing", f"{text} has nothing drawn", fault)
+        yield place.fault("idle-drawing", f"{text} draws nothing", fault)
     elif name not in names:
-        message = f"{text} has nothing drawn: there is no predicate {name}"
+        message = f"{text} draws nothing: there is no predicate {name}"
         yield place.fault("idle-drawing", message, likely_word(name, names) or "name a predicate of the program")

@@ -14,7 +14,7 @@ from rosoclingo.reasoning.keywords import shortened
 #: Goals that are told of after they have ended.
 ENDED = 100
 
-#: Characters of a goal's request and of its reason; what is longer is told without its middle.
+#: Limit of characters of a goal's request and of its reason; longer ones are shortened in the middle.
 SHOWN = 500
 
 #: Seconds of wall time in which changes are told together, as each message has all goals.

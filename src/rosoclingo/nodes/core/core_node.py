@@ -109,12 +109,12 @@ class CoreNode:
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
             but each subscriber is sent first which run of the core this is, ``_run("ID")`` for the interface
-            ``rosoclingo``, and the actions under way. ``_cancel(A,P,C)`` ends an action: with ``~preempt`` one that is
-            not wanted any more, and each one under way when the core shuts down.
+            ``rosoclingo``, and the actions under way. ``_cancel(A,P,C)`` ends an action: an
+            unwanted one with ``~preempt``, and each one under way when the core shuts down.
         ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
         ~state (rosoclingo/State, latched): what the latest answer shows of the present: what the program believes.
         ~goals (rosoclingo/GoalStates, latched): the goals with actionlib's statuses and texts: those that are open, and
-            the last 100 that have ended, long texts shortened. Changes within a tenth of a second are told together.
+            the last 100 that have ended, long texts shortened. Changes within 0.1 s are published together.
         ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
             of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
             ``~plan`` is ``shortest``, else with plans that may be shorter.
@@ -137,9 +137,9 @@ class CoreNode:
     def __init__(self) -> None:
         self._parameters = core_parameters()
         self._ending = False
-        self._arrivals: Set[str] = set()  # keys of goals that wait for the core
-        self._cancels: Set[str] = set()  # and of goals whose cancel waits
-        self._recalled: List[str] = []  # and of goals whose cancel came first, until the journal has it
+        self._arrivals: Set[str] = set()  # keys of queued goals
+        self._cancels: Set[str] = set()  # and of goals with a queued cancel
+        self._recalled: List[str] = []  # and of queued goals that were cancelled, until the journal has it
         self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
         self._clock = PacedClock()
         self._handles = GoalHandles()
@@ -314,7 +314,7 @@ class CoreNode:
         return self._clock.at(rospy.get_time(), time.monotonic())
 
     def _attend(self) -> None:
-        """Do what does not wait for the end of a search."""
+        """Attend to time and arrivals, also during a search."""
         self._keeper.settle()
         self._tick()
         if self._server.arrivals:
@@ -343,7 +343,7 @@ class CoreNode:
         start, too_long = time.monotonic(), self._watch_time(self._parameters.settings.search_timeout)
 
         def look() -> Optional[Halt]:
-            """Return why the search is to end now, None while it may go on."""
+            """Return why the search has to end now, None while it can go on."""
             self._attend()
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
@@ -359,14 +359,14 @@ class CoreNode:
         too_long = self._watch_time(self._parameters.recovery_timeout)
 
         def look() -> Optional[Halt]:
-            """Return why the search is to end now, None while it may go on."""
+            """Return why the search has to end now, None while it can go on."""
             self._attend()
             return too_long()
 
         return look
 
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
-        """End what takes longer than some seconds of processor time, of wall time if a plan could go on; 0: never."""
+        """End a search after some seconds of processor time, of wall time if a plan can go on; 0: never."""
         queue = self._core.queue
         worked, limit, start = self._solvers.stopwatch(), seconds * queue.patience, time.monotonic()
 

@@ -1,4 +1,4 @@
-"""What the core hears on in_rosoclingo, as far as it takes that."""
+"""The core's intake of facts from the topic in_rosoclingo."""
 
 import time
 from typing import Set
@@ -13,10 +13,10 @@ from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import RETURN
 
-#: Seconds of wall time for which the worker takes facts before it looks at anything else.
+#: Seconds of wall time for which the worker takes facts before other work.
 SLICE = 0.05
 
-#: Seconds of wall time for which an update waits for arrivals that are still to be taken.
+#: Seconds of wall time for which an update waits for queued arrivals.
 GATHERING = 0.1
 
 #: Seconds of wall time between two reports of facts that were ignored.
@@ -24,7 +24,7 @@ REPORTING = 0.5
 
 
 class FactIntake:
-    """Has facts wait in a queue until the worker takes them; the callback of the topic only puts them there."""
+    """Queues facts until the worker takes them; the topic's callback only enqueues."""
 
     def __init__(self, program: ReactiveProgram, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
         self._core, self._register, self._worker = core, register, worker
@@ -32,7 +32,7 @@ class FactIntake:
         self._reported, self._gathering = float("-inf"), time.monotonic()
 
     def connect(self) -> None:
-        """Hear facts from now on."""
+        """Subscribe to facts."""
         self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
 
     @property
@@ -41,7 +41,7 @@ class FactIntake:
         return self._queue.waiting
 
     def gather(self) -> bool:
-        """Whether the next update waits for facts, goals or cancels to be taken; not for all of a flood."""
+        """Tell whether the next update waits for queued facts, goals or cancels, for at most GATHERING."""
         now, waiting = time.monotonic(), self._queue.waiting or self._worker.waiting
         if not waiting:
             self._gathering = now
@@ -57,7 +57,7 @@ class FactIntake:
             self._worker.put(_wake)
 
     def take(self) -> None:
-        """Pass on facts for SLICE seconds at most; the worker's part."""
+        """Pass on facts for at most SLICE seconds; called by the worker."""
         end = time.monotonic() + SLICE
         message = self._queue.take()
         while message is not None:

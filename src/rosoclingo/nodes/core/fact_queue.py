@@ -8,13 +8,13 @@ from typing import Container, Deque, Dict, List, NamedTuple, Optional, Sequence,
 from rosoclingo.reasoning.keywords import LONGEST, RETURN, shortened
 from rosoclingo.reasoning.returns import MOST_FACTS, MOST_WAITING, too_many_facts
 
-#: Characters of the facts of one node that can wait.
+#: Limit of characters of one node's queued facts.
 MOST_TEXT = 1 << 24
 
-#: Returns of one node that can wait though as many facts wait as can.
+#: Limit of one node's returns that are queued beyond the limit of facts.
 MOST_RETURNS = 1000
 
-#: Kinds of facts that are counted apart from each other between two reports.
+#: Limit of kinds of ignored facts that are counted separately between two reports.
 MOST_KINDS = 100
 
 _NAME = re.compile(r"\s*-?\s*([_']*[a-z][A-Za-z0-9_']*)")
@@ -29,7 +29,7 @@ class Sent(NamedTuple):
 
 
 class Ignored(NamedTuple):
-    """Facts of one kind that do not wait for the worker: the last one, and why, empty where it says so itself."""
+    """Ignored facts of one kind: the last one, and the reason, empty if it follows from the fact."""
 
     interface: str
     text: str
@@ -45,7 +45,7 @@ class _Line:
         self.number = self.size = self.returns = 0
 
     def add(self, message: Sent, sign: int = 1) -> None:
-        """Count a message as one that waits, or with the other ``sign`` no longer does."""
+        """Count a message as queued; with the ``sign`` -1 no longer."""
         self.number += sign * max(1, len(message.facts))
         self.size += sign * sum(map(len, message.facts))
         self.returns += sign * any(map(_is_return, message.facts))
@@ -54,8 +54,8 @@ class _Line:
 class FactQueue:
     """The facts of all nodes, put by rospy's threads and taken by the worker; ``names`` are of declared externals.
 
-    Facts of one node keep their order. The nodes take turns, and every other turn is for one that has sent a return. A
-    fact whose predicate has another name, and one for which there is no room, is only counted.
+    Facts of one node keep their order. The nodes take turns, and every other turn is for a node with a queued return.
+    Facts whose predicate has another name, or that exceed a limit, are only counted.
     """
 
     def __init__(self, names: Container[str]) -> None:
@@ -71,7 +71,7 @@ class FactQueue:
         return bool(self._lines)
 
     def put(self, node: str, interface: str, facts: Sequence[str]) -> bool:
-        """Take a message from a node; return whether nothing has waited before, so the worker is to be called."""
+        """Queue a message of a node; return True if the queue was empty before, so the worker has to be called."""
         interface, good = shortened(interface), []
         bad: List[Tuple[str, str]] = []
         for text in facts[:MOST_FACTS]:
@@ -90,7 +90,7 @@ class FactQueue:
             return not called and bool(self._lines)
 
     def take(self) -> Optional[Sent]:
-        """Return the next message, None where none waits."""
+        """Return the next message, None if the queue is empty."""
         with self._lock:
             if not self._lines:
                 return None
@@ -106,13 +106,13 @@ class FactQueue:
             return message
 
     def take_ignored(self) -> List[Ignored]:
-        """Return what was ignored since the last call."""
+        """Return the facts that were ignored since the last call."""
         with self._lock:
             ignored, self._ignored = self._ignored, {}
         return list(ignored.values())
 
     def _add(self, node: str, interface: str, facts: Sequence[str]) -> List[Tuple[str, str]]:
-        """Append a message, return the facts that there is no room for, and why."""
+        """Append a message; return the facts that exceed a limit, with the reason."""
         line = self._lines.get(node) or _Line()
         number, size = MOST_WAITING - line.number, MOST_TEXT - line.size
         kept, left = [], []
@@ -122,7 +122,7 @@ class FactQueue:
                 kept.append(text)
             else:
                 number, size = number + 1, size + len(text)
-                left.append((text, f"too much of {node} waits to be looked at"))
+                left.append((text, f"too much of {node} is queued"))
         if kept or (not facts and number > 0):
             message = Sent(node, interface, tuple(kept))
             line.messages.append(message)
@@ -139,7 +139,7 @@ class FactQueue:
         self._ignored[key] = Ignored(interface, text, why, before.times + 1 if before else 1)
 
     def _is_hopeless(self, text: str) -> bool:
-        """Whether the text is no atom that the program declares, by its name; a comment can stand before that."""
+        """Tell, by the name, whether a text is no declared atom; a comment can precede the name."""
         name = _NAME.match(text)
         return "%" not in text if name is None else name.group(1) not in self._names
 

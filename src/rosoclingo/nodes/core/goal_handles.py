@@ -29,8 +29,7 @@ _ACCEPTED = (GoalState.ACTIVE, GoalState.PREEMPTING)
 #: Seconds of wall time for which a core that goes on sends results to whoever connects.
 RESENT = 60.0
 
-
-#: Goals of one node that can be open.
+#: Limit of open goals of one node.
 MOST_OPEN = 1000
 
 
@@ -39,13 +38,13 @@ class GoalHandles:
 
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
-        self._open: Dict[str, int] = Counter()  # by the node that has sent them
+        self._open: Dict[str, int] = Counter()  # by sending node
         self._remarks: Dict[str, str] = {}  # the program's text about an accepted goal
         self._board = GoalBoard()
         self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
 
     def has_room(self, handle: ServerGoalHandle) -> bool:
-        """Whether the goal's node has few enough goals open; else the goal is rejected."""
+        """Tell whether the goal's node is below its limit of open goals; else reject the goal."""
         if self._open[_node_of(handle)] < MOST_OPEN:
             return True
         text = f"{MOST_OPEN} goals of {_node_of(handle)} are open: wait until some of them have ended"
@@ -80,7 +79,7 @@ class GoalHandles:
         self._board.look(key, handle)
 
     def progress(self, event: GoalProgress) -> None:
-        """Give the client feedback, and have the status say what the program remarks on the goal."""
+        """Give the client feedback, and put the program's remark on the goal into its status."""
         if event.actions is not self._told[0]:
             self._told = event.actions, [str(action.atom) for action in event.actions]
         state = event.state.value
@@ -93,7 +92,7 @@ class GoalHandles:
         self._board.waits(event.key, handle, event.waits)
 
     def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
-        """Change the text of an accepted goal's status where the remark is another; actionlib has no call for that."""
+        """Update the text of an accepted goal's status to a new remark; actionlib has no call for that."""
         accepted = f"{shortened(handle.get_goal().request)} is accepted"
         text = f"{accepted}: {remark}" if remark else accepted
         if remark != self._remarks.get(key, ""):
@@ -163,7 +162,7 @@ def _number(state: GoalState) -> int:
 
 
 def _node_of(handle: Any) -> str:
-    """The node that has sent a goal; empty for a goal from before the core was killed."""
+    """Return the node that has sent a goal; empty for a goal from before the core was killed."""
     header = getattr(handle.goal, "_connection_header", None) or {}
     return str(header.get("callerid", ""))
 

@@ -12,21 +12,21 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
 
-#: Goals and cancels of one node that can wait for the worker, and the characters of their texts.
+#: Limits of one node's queued goals and cancels: their number, and the characters of their texts.
 MOST_ARRIVALS, MOST_TEXT = 1000, 1 << 25
 
-#: Characters of a goal's id, which each status message repeats.
+#: Limit of characters of a goal's id, which each status message repeats.
 LONGEST_ID = 1000
 
-#: Goals and cancels that the worker takes together.
+#: Limit of goals and cancels that the worker takes together.
 TURN = 100
 
-#: Cancels for goals that have not arrived which the status lists.
+#: Limit of cancels in the status for goals that have not arrived.
 MOST_UNKNOWN = 100
 
 Taker = Callable[[ServerGoalHandle], None]
 
-#: Each terminal status's outcome, and its words where the server's code gives none.
+#: The outcome of each terminal status, and its default text.
 _ENDS = {
     GoalStatus.SUCCEEDED: (ROSoClingoResult.SUCCEEDED, "the goal is met"),
     GoalStatus.PREEMPTED: (ROSoClingoResult.CANCELED, "the goal was cancelled"),
@@ -37,7 +37,7 @@ _ENDS = {
 
 
 class _Arrival(NamedTuple):
-    """A goal or a cancel that waits, of ``node``: how actionlib takes it, and how many characters its text has."""
+    """A queued goal or cancel of ``node``: actionlib's function to take it, and the size of its text."""
 
     take: Callable[[], None]
     node: str
@@ -48,8 +48,8 @@ class _Arrival(NamedTuple):
 class GoalServer(ActionServer):  # type: ignore[misc]
     """actionlib's server, in which goals and cancels wait until the worker takes them.
 
-    No status goes out while a goal waits, as a client that has cancelled its goal takes a status without the goal for
-    the server's word that the goal is lost. ``arrived`` is called from rospy's threads and is to have the worker call
+    No status goes out while a goal is queued: for a client that has cancelled its goal, a status without that goal
+    means that it is lost. ``arrived`` is called from rospy's threads and is to have the worker call
     :meth:`take`. ``ending`` is called with each result before it goes out.
     """
 
@@ -58,18 +58,18 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     ) -> None:
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
         self._arrived, self._ending = arrived, ending
-        self._owed = self._told = False  # a status that was held back; whether the status is out before its result
-        self._queue_lock = threading.Lock()  # for all below; nothing is called while it is held
+        self._owed = self._told = False  # a deferred status; whether a result's status is out already
+        self._queue_lock = threading.Lock()  # for all below; no calls while it is held
         self._arrivals: Deque[_Arrival] = deque()
-        self._number: Dict[str, int] = Counter()  # arrivals that wait, by node
+        self._number: Dict[str, int] = Counter()  # queued arrivals, by node
         self._text: Dict[str, int] = Counter()  # their characters
         self._dropped: Dict[str, int] = Counter()
-        self._unkept = 0  # goals that wait, and what was taken and is not in the journal yet
+        self._unkept = 0  # queued goals, and arrivals taken but not in the journal yet
         self._called = False
 
     @property
     def arrivals(self) -> int:
-        """How many goals and cancels wait to be taken."""
+        """The number of queued goals and cancels."""
         return len(self._arrivals)
 
     def internal_goal_callback(self, goal: Any) -> None:
@@ -83,7 +83,7 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         self._put(goal_id.id, _Arrival(lambda: take(goal_id), _node_of(goal_id), 0, False))
 
     def _put(self, key: str, arrival: _Arrival) -> None:
-        """Have an arrival wait, or drop it where too much of its node waits."""
+        """Queue an arrival, or drop it if it exceeds a limit of its node."""
         node = arrival.node
         with self._queue_lock:
             too_much = self._text[node] and self._text[node] + arrival.size > MOST_TEXT
@@ -99,7 +99,7 @@ class GoalServer(ActionServer):  # type: ignore[misc]
             self._arrived()
 
     def _next(self) -> List[_Arrival]:
-        """Return the arrivals that are taken now; until they are in the journal no status goes out."""
+        """Return the next arrivals to take; no status goes out until they are in the journal."""
         with self._queue_lock:
             taken = [self._arrivals.popleft() for _ in range(min(TURN, len(self._arrivals)))]
             self._called = bool(self._arrivals)
@@ -128,7 +128,7 @@ class GoalServer(ActionServer):  # type: ignore[misc]
             self._arrived()
 
     def take_dropped(self) -> Dict[str, int]:
-        """Return how many goals and cancels were dropped since the last call, by node."""
+        """Return the number of goals and cancels dropped since the last call, by node."""
         if not self._dropped:
             return {}
         with self._queue_lock:
@@ -144,7 +144,7 @@ class GoalServer(ActionServer):  # type: ignore[misc]
                 self.status_list = [one for one in self.status_list if id(one) not in gone]
 
     def publish_status(self) -> None:
-        """Called by actionlib, at each change and by its timer."""
+        """Publish the status unless goals are queued; actionlib calls this at each change and by its timer."""
         with self.lock:
             if self._told:
                 return
@@ -153,9 +153,9 @@ class GoalServer(ActionServer):  # type: ignore[misc]
                 super().publish_status()
 
     def publish_result(self, status: GoalStatus, result: Any) -> None:
-        """Called by actionlib; each result has the outcome and the words of its status, whoever has set it.
+        """Publish a result with the outcome and the text of its status; called by actionlib.
 
-        The status goes out first: a client that sends its next goal on this result hears no status from before that.
+        The status goes out first: a client that sends its next goal on this result gets no older status after that.
         """
         result.outcome, words = _ENDS[status.status]
         result.message = result.message or status.text or words

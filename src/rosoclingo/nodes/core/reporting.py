@@ -29,7 +29,7 @@ class CoreHealth:
             rospy.logwarn("%s", line)
 
     def dropped(self, cycle: int, numbers: Mapping[str, int]) -> None:
-        """Report goals and cancels that were dropped, by the nodes that have sent them."""
+        """Report the number of dropped goals and cancels of each node."""
         for node, number in numbers.items():
             text = f"{number} goals or cancels of {node} are dropped: too many wait, or an id is too long"
             self.problem(Problem(cycle, text, node, number))

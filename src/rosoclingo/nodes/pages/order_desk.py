@@ -9,7 +9,7 @@ from rosoclingo.runs.run_view import RunView
 
 __all__ = ["OrderDesk"]
 
-#: Goals of pages that may be open at a time, and that are remembered, with all open ones; characters of a key.
+#: Limits of open and of remembered goals of pages (open ones are always remembered), and of characters of a key.
 MOST_OPEN, MOST_KNOWN, LONGEST_KEY = 50, 1000, 100
 
 Answer = Dict[str, Any]
@@ -52,7 +52,7 @@ class OrderDesk:
         if type(number) is not int or not 0 <= number < len(self._forms) or not isinstance(chosen, dict):
             raise OrderError("there is no such order")
         text = self._forms[number].fill(chosen, *_world(view))
-        still = [one for one in self._keys if not view.has_ended(one)]  # one that was just sent is not heard of yet
+        still = [one for one in self._keys if not view.has_ended(one)]  # the view lacks a goal that was just sent
         if len(still) >= MOST_OPEN:
             raise OrderError("too many orders are open: wait until some have ended")
         for one in [one for one in self._keys if view.has_ended(one)][: max(0, len(self._keys) + 1 - MOST_KNOWN)]:
@@ -70,7 +70,7 @@ class OrderDesk:
 
 
 def is_unicode(text: str) -> bool:
-    """Whether a text can be encoded: JSON may escape half of a surrogate pair."""
+    """Tell whether a text can be encoded: JSON can escape half of a surrogate pair."""
     return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 

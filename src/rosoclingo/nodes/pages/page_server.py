@@ -171,7 +171,7 @@ class _Nothing(RequestHandler):
         self.clear_header("Server")
 
     def write_error(self, status_code: int, **_more: Any) -> None:
-        """Say in plain text what is wrong."""
+        """Answer with the fault in plain text."""
         _say_error(self, status_code, self._reason)
 
 
@@ -237,7 +237,7 @@ class _Viewer(WebSocketHandler):
             raise HTTPError(400, reason=fault)
 
     def write_error(self, status_code: int, **_more: Any) -> None:
-        """Say in plain text what is wrong."""
+        """Answer with the fault in plain text."""
         _say_error(self, status_code, self._reason)
 
     def get_compression_options(self) -> Dict[str, Any]:
@@ -249,7 +249,7 @@ class _Viewer(WebSocketHandler):
         self._server.viewers.add(self)
 
     def on_message(self, message: Any) -> None:
-        """Answer what a viewer asks for; disconnect it for a message that is no JSON object, or too many of them."""
+        """Answer a viewer's request; disconnect it for a message that is no JSON object, or too many messages."""
         now = time.monotonic()
         too_often = len(self._spoken) == MOST_MESSAGES and now - self._spoken[0] < WINDOW
         self._spoken.append(now)
@@ -303,7 +303,7 @@ def _read(message: Any) -> Optional[Dict[str, Any]]:
 
 
 def _handshake_fault(headers: HTTPHeaders) -> str:
-    """Return what is wrong with the headers that open a WebSocket, empty where tornado can accept them."""
+    """Return the fault of the headers that open a WebSocket, empty if tornado can accept them."""
     if not _KEY.fullmatch(headers.get("Sec-WebSocket-Key", "")):
         return "Sec-WebSocket-Key is not 16 bytes in base64"
     offers = [offer.strip() for offer in headers.get("Sec-WebSocket-Extensions", "").split(",")]

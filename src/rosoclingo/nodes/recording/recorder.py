@@ -30,7 +30,7 @@ LINGER = 0.5  # s of wall time for what is on its way when the recorder alone is
 #: What every node says, those of others too: nobody's end is waited for because of it.
 OF_ALL = ("/rosout",)
 
-#: What is recorded where nothing else is named.
+#: The topics that are recorded by default.
 TOPICS = (
     *("/rosout", "/diagnostics", "clock", "tf", "tf_static"),
     *("map", "amcl_pose", "odom", "base_pose_ground_truth", "cmd_vel"),
@@ -66,11 +66,12 @@ class RecorderNode:
 
     Parameters
     ----------
-        ~topics (list of str, optional): what to record; without it what ``watch``, ``replay`` and ``report`` read of a
-            core called rosoclingo, and what the shipped robots have: /rosout, /diagnostics, clock, tf, tf_static, map,
-            amcl_pose, odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages, rosoclingo/ with
-            goal, cancel, status, feedback, result, task_plan, updates, program, state and goals, move_base/ with the
-            plans of its planners, goal, cancel, status and result, pickup/ and deliver/ with goal, cancel and result.
+        ~topics (list of str, optional): topics to record. Default: those that ``watch``, ``replay`` and ``report`` read
+            of a core called rosoclingo, and those of the shipped robots: /rosout, /diagnostics, clock, tf, tf_static,
+            map, amcl_pose, odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages, rosoclingo/
+            with goal, cancel, status, feedback, result, task_plan, updates, program, state and goals, move_base/ with
+            the plans of its planners, goal, cancel, status and result, pickup/ and deliver/ with goal, cancel and
+            result.
         ~bag (str, default ""): the bag's file; empty: rosoclingo_DATE.bag in the working directory, which is ~/.ros
             for roslaunch.
         ~patience (float, default 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.

@@ -25,7 +25,7 @@ _TURN = 0.02
 STILL = 60.0
 
 
-#: Seconds of wall time and of ROS time without a plan after which a cycle is not waited for, once all goals have ended.
+#: Seconds, of wall time and of ROS time, to wait for a plan of a further cycle once all goals have ended.
 QUIET = 30.0
 
 
@@ -37,7 +37,7 @@ class ScenarioPlayer:
     """Plays one scenario against a running system.
 
     Attributes:
-        before: the core's cycles before the scenario's first update, which is that of its cycle 1.
+        before: number of the core's cycles before the scenario's first update, which starts its cycle 1.
 
     Subscribes:
         rosoclingo/task_plan (rosoclingo/TaskPlan), rosoclingo/updates (std_msgs/String): the cycles of events.
@@ -66,7 +66,7 @@ class ScenarioPlayer:
         self._news = threading.Condition()
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
-        self.before: Optional[int] = None  # until an update was heard of
+        self.before: Optional[int] = None  # until an update has arrived
         self._latest_plan = _Pause(0.0)
         self._core = ""  # its node's name, by its plans
         self._missing = set(wait_for)
@@ -79,7 +79,7 @@ class ScenarioPlayer:
         self.goals: List[SentGoal] = []
 
     def prepare(self, timeout: float) -> None:
-        """Wait for ROS time and all servers, each at most ``timeout`` seconds of wall time, put the packages.
+        """Wait for ROS time and all servers, each at most ``timeout`` seconds of wall time; place the packages.
 
         Raises PlayError.
         """
@@ -123,7 +123,7 @@ class ScenarioPlayer:
             self._turn()
 
     def _check_cycles(self, waiting: List[ScenarioEvent]) -> None:
-        """Raise PlayError when the cycles that events wait for cannot come: nothing goes on any more."""
+        """Raise PlayError if the cycles that events wait for cannot come, as nothing is under way."""
         reached = max(self._elapsed_cycles(), default=1)
         open_ = [goal for goal in self.goals if not goal.ended]
         if open_ or not waiting or any(one.cycle is None or one.cycle <= reached for one in waiting):
@@ -141,7 +141,7 @@ class ScenarioPlayer:
 
     @property
     def cycle(self) -> int:
-        """The core's cycle as far as was heard of it, 0 before."""
+        """The core's latest known cycle, 0 before the first one."""
         return max(dict(self._begun), default=0)
 
     def _turn(self) -> None:
@@ -227,7 +227,7 @@ def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) ->
 
 
 class _Pause:
-    """A time without news, from ``now`` on in seconds of ROS time."""
+    """A time without plans, from ``now`` on in seconds of ROS time."""
 
     def __init__(self, now: float) -> None:
         self._since, self._wall = now, time.monotonic()

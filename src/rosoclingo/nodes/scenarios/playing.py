@@ -48,7 +48,7 @@ def run_scenario(
     """Play a scenario and tell the account line by line.
 
     ``wait_for`` names the action servers that have to be there within ``timeout`` seconds of wall time. ``check`` is
-    called now and then and may raise to end the scenario; the first event waits until ``recording`` holds.
+    called now and then and can raise to end the scenario; the first event waits until ``recording`` holds.
     """
     player = ScenarioPlayer(scenario, wait_for, say, check)
     faults: List[str] = []

@@ -34,7 +34,7 @@ SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
 """Tokens inside literals and terms that today's syntax lacks or reads otherwise."""
 
 _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
-"""What a comparison with a bound in front of an average says of the average."""
+"""The comparison of an average with its bound, for each comparison of the bound in front with the average."""
 
 
 class AggregateTranslator:
@@ -90,7 +90,7 @@ class AggregateTranslator:
             )
 
     def _tuple_element(self, element: Element, function: str, in_head: bool) -> str:
-        """An element of a set of tuples; where these are counted, literals are among them as tuples of their own."""
+        """Return an element of a set of tuples; a counted literal becomes a tuple of its own."""
         if element.terms is None:
             self._check_set_literal(element.literal)
             singles = [self.elements.counted(single) for single in self.elements.elements(element)]
@@ -176,12 +176,12 @@ class AggregateTranslator:
 
 
 def has_tuples(aggregate: Aggregate) -> bool:
-    """Whether an aggregate has elements such as ``<terms> : literal``."""
+    """Tell whether an aggregate has elements such as ``<terms> : literal``."""
     return any(element.terms is not None for element in aggregate.elements)
 
 
 def instance(literal: Literal) -> str:
-    """A term that stands for a literal, whatever it has for a condition."""
+    """Return a term that stands for a literal, regardless of its conditions."""
     return f"({int(literal.negated)},{show(literal.left)})"
 
 
@@ -245,7 +245,7 @@ class OptimizationTranslator:
         return "{} : {}".format(terms, ", ".join([conditions, *added]))
 
     def weak(self, weak: WeakConstraint, after: int, step: str, variables: Sequence[str]) -> None:
-        """Write the weight of a weak constraint, which ends before a token; each instance of its body counts."""
+        """Write the weight of a weak constraint, whose end is before ``after``; each instance of its body counts."""
         token = self._tokens[weak.dot]
         for term, what in ((weak.weight, "weight"), (weak.priority, "priority")):
             if has_pool(term) or has_interval(term):

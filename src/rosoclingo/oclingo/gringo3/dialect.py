@@ -105,7 +105,7 @@ class _Scanner:
         yield from self._display()
 
     def bounds(self) -> Iterator[Finding]:
-        """Comparisons beside aggregates, of which gringo 3 has some."""
+        """Yield comparisons next to aggregates that only clingo 5 has."""
         depth = opening = 0
         for index, token in enumerate(self._tokens):
             if token.kind is Kind.STRING:
@@ -116,7 +116,7 @@ class _Scanner:
             elif token.text in _OPENING.values():
                 depth -= 1
                 if depth == 0 and token.text in "}]" and self._is_new(*self._around(opening, index)):
-                    yield Finding(Sign.CLINGO5, token, "a comparison beside an aggregate")
+                    yield Finding(Sign.CLINGO5, token, "a comparison next to an aggregate")
 
     def _around(self, opening: int, closing: int) -> Tuple[int, int]:
         """The indices of the tokens before and after an aggregate, -1 for none."""
@@ -124,7 +124,7 @@ class _Scanner:
         return opening - 1 - named, closing + 1 if closing + 1 < len(self._tokens) else -1
 
     def _is_new(self, left: int, right: int) -> bool:
-        """Whether gringo 3 does not have these bounds: it has ``<`` and the like twice, or ``==``, ``=`` once."""
+        """Tell whether gringo 3 lacks these bounds: it has ``<`` and the like twice, or ``==``, ``=`` once."""
         before, after = ("" if index < 0 else self._tokens[index].text for index in (left, right))
         if before not in _COMPARISONS and after not in _COMPARISONS:
             return False
@@ -161,7 +161,7 @@ class _Scanner:
     def _open(self, index: int, token: Token) -> Iterator[Finding]:
         self._groups[-1].first_in_segment = False
         if token.text != "(":
-            self._groups[-1].comparisons = 0  # those on both sides of an aggregate are no chain
+            self._groups[-1].comparisons = 0  # comparisons on both sides of an aggregate are no chain
         name = self._tokens[index - 1].text if index else ""
         self._groups.append(_Group(token.text, token, name if name.startswith("#") else ""))
         if token.text == "[":

@@ -84,7 +84,7 @@ class ElementTranslator:
         ]
 
     def tuples(self, element: Element, in_head: bool) -> List[Element]:
-        """One element for each tuple that pools stand for, and in heads for each literal; in bodies these all hold."""
+        """Return an element for each tuple of the pools, in heads also for each literal; bodies join the literals."""
         self.single(element.priority, element.literal, "priority")
         heads = [[one] for one in self.spelt_out(element.literal)] if in_head else [self.spelt_out(element.literal)]
         tuples = alternatives(Function("", (element.terms or (),)))

@@ -96,7 +96,7 @@ def statements(all_tokens: Sequence[Token]) -> Iterator[Tuple[int, int]]:
 
 
 def _after_dot(all_tokens: Sequence[Token], first: int) -> int:
-    """The index after a statement, with the weight or value that some have behind their dot."""
+    """Return the index after a statement and the weight or value that some have behind their dot."""
     if all_tokens[first].kind is Kind.SCRIPT:
         return first + 1
     index, theory = first, all_tokens[first].text == "#theory"
@@ -108,7 +108,7 @@ def _after_dot(all_tokens: Sequence[Token], first: int) -> int:
 
 
 def _after_weight(all_tokens: Sequence[Token], word: str, index: int) -> int:
-    """The index after ``[...]`` or, in gringo 3's weak constraints, ``<...>`` if that belongs to the dot before it."""
+    """Return the index after ``[...]``, or ``<...>`` of gringo 3's weak constraints, if it belongs to the dot."""
     closing = {"[": "]", "<": ">"}.get(all_tokens[index].text, "")
     if not closing or word not in _WEIGHTED or (closing == ">" and word != ":~"):
         return index
@@ -124,13 +124,13 @@ _WEIGHTED = (":~", "#external", "#heuristic")
 """Statements that can have brackets behind their dot."""
 
 _NO_WEIGHT = ("=", ":", "not", "{", "<", "<=", ">", ">=", "==", "!=")
-"""Tokens that gringo 3's weighted literals have, but not the weight behind a dot."""
+"""Tokens of gringo 3's weighted literals that no weight behind a dot has."""
 
 _BEHIND_HEAD = (".", ":-", "<", "<=", ">", ">=", "==")
 
 
 def _is_head(all_tokens: Sequence[Token], first: int, closing: int) -> bool:
-    """Whether brackets begin a statement of gringo 3: they hold what a weight cannot, or the statement goes on."""
+    """Tell whether brackets begin a statement of gringo 3: they hold no weight, or the statement goes on."""
     behind = all_tokens[closing + 1 : closing + 3]
     bound = len(behind) > 1 and behind[0].kind is Kind.NUMBER and behind[1].text in (".", ":-")
     inside = (token.text for token in all_tokens[first:closing])

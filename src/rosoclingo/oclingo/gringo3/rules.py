@@ -46,9 +46,9 @@ class RuleTranslator:
         self._append(rule, domains)
 
     def weak_body(self, body: Body, dot: int, domains: Sequence[str]) -> List[str]:
-        """Translate the body of a weak constraint; return its variables, which tell its instances apart.
+        """Translate the body of a weak constraint; return its variables, which distinguish its instances.
 
-        Where an unnamed variable or an interval stands for several instances, it gets a name.
+        An unnamed variable or an interval that stands for several instances gets a name.
         """
         self._body(body)
         self._append(Rule(None, dot, body, dot), domains)

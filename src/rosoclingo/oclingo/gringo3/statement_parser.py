@@ -49,7 +49,7 @@ class StatementParser(TermParser):
         return Rule(head, arrow, body, self.dot())
 
     def weak_constraint(self) -> WeakConstraint:
-        """A weak constraint with its dot, and with its weight and priority where it has them."""
+        """Read a weak constraint with its dot, and with its weight and priority if it has them."""
         self.expect(":~")
         body, dot = self.body(), self.dot()
         weight: Term = Symbol("1")
@@ -182,7 +182,7 @@ class StatementParser(TermParser):
     def aggregate(
         self, first: int, negated: bool = False, lower: Optional[Term] = None, assigned: Optional[Term] = None
     ) -> Aggregate:
-        """An aggregate from the comparison, its function's name or its opening bracket on, with its upper bound."""
+        """Read an aggregate, from its comparison, function's name or opening bracket to its upper bound."""
         before = self._tokens[self.step()].text if self.at(*BOUND_COMPARISONS) else ""
         start = self.index
         name = self._tokens[self.step()].text if self.at(*FUNCTIONS) else ""
@@ -196,7 +196,7 @@ class StatementParser(TermParser):
             raise RefusalError(self._tokens[start], f"{name} takes no bounds")
         after, upper = self._upper(lower, before) if assigned is None and not parity else ("", None)
         if name == "#avg" and not {before, after}.isdisjoint({"<", ">"}):
-            raise RefusalError(self._tokens[start], "'<' and '>' beside an average cannot be translated", "write '<='")
+            raise RefusalError(self._tokens[start], "'<' and '>' next to an average cannot be translated", "write '<='")
         return Aggregate(
             (first, self.index), start, inside, name or ("#count" if bracket == "{" else "#sum"), elements, commas,
             negated, lower, upper, assigned, bracket, before, after,
@@ -216,7 +216,7 @@ class StatementParser(TermParser):
                 )
 
     def _upper(self, lower: Optional[Term], before: str) -> Tuple[str, Optional[Term]]:
-        """The comparison and the bound behind an aggregate, each if there is one."""
+        """Read the comparison and the bound behind an aggregate, each if there is one."""
         token = self.token
         if self.at(*BOUND_COMPARISONS):
             after = self._tokens[self.step()].text
@@ -262,7 +262,7 @@ class StatementParser(TermParser):
         return Element((first, self.index), literal, conditions, weight, priority)
 
     def angled(self, priorities: bool) -> Element:
-        """``<terms> : literal : conditions``; with priorities there may be no literal, else there may be no terms."""
+        """Read ``<terms> : literal : conditions``; with priorities the literal is optional, else the terms are."""
         first = self.step()
         terms = [] if self.at(">") else [self.term()]
         while self.accept(",") is not None:

@@ -115,7 +115,7 @@ class Aggregate:
     """``lower function{elements} upper``; braces hold sets, brackets multisets of weighted literals.
 
     ``assigned`` is the term in front of ``=`` or ``:=`` that takes the aggregate's value. ``before`` and ``after`` are
-    the comparisons beside ``lower`` and ``upper``, empty for ``<=``. ``inside`` is the span from the opening to the
+    the comparisons next to ``lower`` and ``upper``, empty for ``<=``. ``inside`` is the span from the opening to the
     closing bracket, ``start`` the token where the function's name or the opening bracket stands; ``commas`` are the
     indices of the tokens between elements.
     """

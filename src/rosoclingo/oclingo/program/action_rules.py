@@ -41,9 +41,9 @@ def is_action(atom: clingo.Symbol) -> bool:
 
 
 class DatedActions:
-    """Picks from the symbols of answers each ``_action_lib(A,P,C)`` whose C is a number.
+    """Extract from the symbols of answers each ``_action_lib(A,P,C)`` whose C is a number.
 
-    Most symbols of an answer were in the one before, so that the others of that one are kept, and looked at once.
+    Most symbols of an answer were in the previous one, so its other symbols are cached and tested once.
     """
 
     def __init__(self) -> None:

@@ -28,7 +28,7 @@ ParameterAt = Callable[[str, int], str]
 """Returns the step parameter of the part that line LINE of FILE stands in."""
 
 StatementAt = Callable[[str, int, int], str]
-"""Returns the statement of a program that stands at a line and column of a file, as its author wrote it, or nothing."""
+"""Returns the statement at a line and column of a file, as its author wrote it, or an empty text."""
 
 
 def _no_statement(file: str, line: int, column: int) -> str:

@@ -120,7 +120,7 @@ def _declaration(
     binding = [literal for literal in plain_literals(statement) if binds(literal, part.parameter, fixed)]
     bound = {name for literal in binding for name in names_in(literal)}
     names = {name for one in others for name in names_in(one)}
-    if not names <= bound or any(_mentions(one, part.parameter) for one in others):
+    if not names <= bound or any(mentions(one, part.parameter) for one in others):
         return
     needed = [literal for literal in binding if names & set(names_in(literal))]
     arguments = [*map(str, others)]
@@ -142,7 +142,7 @@ def binds(literal: Node, parameter: str, fixed: Set[Signature]) -> bool:
     """Tell whether the literal binds variables that stand alone in it to what base alone defines."""
     term = literal.atom.symbol
     alone = term.ast_type == ASTType.Function and all(_is_simple(one) for one in term.arguments)
-    return alone and term_signature(term) in fixed and not _mentions(term, parameter)
+    return alone and term_signature(term) in fixed and not mentions(term, parameter)
 
 
 def _is_simple(term: Node) -> bool:
@@ -154,5 +154,6 @@ def names_in(term: Node) -> List[str]:
     return [one.name for one in term.nodes if one.ast_type == ASTType.Variable]
 
 
-def _mentions(term: Node, name: str) -> bool:
+def mentions(term: Node, name: str) -> bool:
+    """Tell whether a constant, such as the step, stands in a term, literal or statement."""
     return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in term.nodes)

@@ -1,8 +1,8 @@
-"""Which atoms from outside a program hears: some rule can see the atom, and something follows from it.
+"""Analysis of the atoms from outside that a program hears: some rule can see the atom, and derives something from it.
 
 The analysis errs on one side: an atom counts as heard unless the rules exclude it. It grounds the predicates of base
-that restrict a rule's atoms, as ``room`` in ``wanted(R,t) :- _request(visit(R),t+1), room(R).`` A rule that only hands
-an atom on, ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived atom.
+that restrict a rule's atoms, such as ``room`` in ``wanted(R,t) :- _request(visit(R),t+1), room(R).`` A rule that only
+relays an atom, ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived atom.
 """
 
 from functools import cached_property
@@ -11,20 +11,19 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 import clingo
 from clingo.ast import ASTType, ComparisonOperator, ProgramBuilder, Sign
 
-from rosoclingo.oclingo.program.domains import fixed_signatures, names_in
+from rosoclingo.oclingo.program.domains import fixed_signatures, mentions, names_in
 from rosoclingo.oclingo.program.likely_terms import Misfit, bindings, fitted, likeness, listed, name_of, replaced
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
-_FAR = 2**31 - 1
 _STATED, _HEARD = "__oclingo_stated", "__oclingo_heard"
 _DEAF = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
-_MOST = 10000  # atoms of a predicate that restricts others; of a larger one nothing is asked
-_MOST_TRIED = 100  # atoms that a rule hands on, and rules that do not take one, after which nothing more is asked
+_MOST = 10000  # atoms of a predicate that restricts others; a larger one counts as no restriction
+_MOST_TRIED = 100  # relayed atoms, and rules that exclude one, after which an atom counts as heard
 
 
 class _Sight(NamedTuple):
@@ -63,7 +62,7 @@ class Hearing:
         return program.survey.hearing
 
     def prepare(self, signature: Signature) -> None:
-        """Analyse now which atoms of a predicate are heard."""
+        """Analyse the rules that look at a predicate, and at the predicates that they relay its atoms to."""
         waiting = [signature]
         while waiting:
             one = waiting.pop()
@@ -71,11 +70,11 @@ class Hearing:
                 waiting += [sight.relay for sight in self._sights_of(one) if sight.relay is not None]
 
     def hears(self, atom: clingo.Symbol) -> bool:
-        """Tell whether the program hears an atom; never wrongly False."""
+        """Tell whether the program hears an atom; False is certain."""
         return self._deaf(atom) is None
 
     def advice(self, atom: clingo.Symbol) -> str:
-        """Return a likely first argument for an ``atom`` that is not heard, else the reason or the forms that are."""
+        """Return a suggested first argument for an ``atom`` that is not heard, else the reason or the known forms."""
         term = atom.arguments[0]
         forms = self._forms(signature_of(atom), term)
         alike = [one for one in (fitted(form, term) for form in forms) if one is not None]
@@ -94,7 +93,7 @@ class Hearing:
         return f"rules look at {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
-        """Return the first argument of an atom, with likely values, if it is heard then; else None."""
+        """Return the first argument of an atom, with similar known values, if the result is heard; else None."""
         failed = self._deaf(atom)
         if failed is None:
             return atom.arguments[0]
@@ -104,7 +103,7 @@ class Hearing:
         return meant if heard else None
 
     def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
-        """Return the first arguments that rules look at, those whose names are like that of ``term`` first."""
+        """Return the first arguments that rules look at, those with names similar to that of ``term`` first."""
         sights = self._sights_of(signature)
         forms = list(dict.fromkeys(one.term.arguments[0] for one in sights if one.counts))
         named = [one for one in forms if one.ast_type != ASTType.Variable and getattr(one, "name", "") != "cancel"]
@@ -113,7 +112,7 @@ class Hearing:
     # -- rules that see an atom
 
     def _deaf(self, atom: clingo.Symbol) -> Optional[_Trail]:
-        """Return the rules that look at such atoms but do not take this one; None for an atom that is heard."""
+        """Return the rules that look at such atoms but exclude this one; None for an atom that is heard."""
         failed: _Trail = []
         waiting: List[Tuple[clingo.Symbol, FrozenSet[Signature]]] = [(atom, frozenset())]
         while waiting:
@@ -129,14 +128,14 @@ class Hearing:
         return failed
 
     def _looking_at(self, atom: clingo.Symbol) -> List[_Sight]:
-        """Return where statements look at an atom; where some count, no others."""
+        """Return the sights that match an atom; if some of them count, only these."""
         first = self._program.first_step
         sights = self._sights_of(signature_of(atom))
-        seen = [one for one in sights if one.pattern.may_match(atom, first, _FAR)]
+        seen = [one for one in sights if one.pattern.may_match(atom, first, FAR)]
         return [one for one in seen if one.counts] or seen
 
     def _sights_of(self, signature: Signature) -> List[_Sight]:
-        """Return where the program's statements look at atoms of a predicate."""
+        """Return the sights of the program's statements on a predicate."""
         if signature not in self._sights:
             self._sights[signature] = [
                 sight
@@ -165,7 +164,7 @@ class Hearing:
 
     def _rule(self, pattern: Pattern, term: Node, kept: List[Node], relay: Optional[Node]) -> Optional[str]:
         """Return a program that derives the rule's head, or 0 for any other head; None if that depends on the step."""
-        if pattern.parameter and not pattern.offsets and _mentions(term, pattern.parameter):
+        if pattern.parameter and not pattern.offsets and mentions(term, pattern.parameter):
             return None
         body = [_stated(arguments_of(term)), *map(str, kept)]
         facts = [
@@ -177,7 +176,7 @@ class Hearing:
         return "\n".join([*facts, f"#program heard({pattern.parameter or 't'}).", f"{head} :- {'; '.join(body)}."])
 
     def _relay(self, statement: Node) -> Optional[Node]:
-        """Return the head of a rule that only derives an atom for other rules to see; None for any other statement."""
+        """Return the head of a rule that only derives an atom for other rules; None for any other statement."""
         head = statement.head if statement.ast_type == ASTType.Rule else None
         if head is None or head.ast_type != ASTType.Literal or head.atom.ast_type != ASTType.SymbolicAtom:
             return None
@@ -187,19 +186,19 @@ class Hearing:
 
     @cached_property
     def _used(self) -> Set[Signature]:
-        """The predicates that some statement looks at, and not only to hand them on from step to step."""
+        """The predicates that some statement looks at without defining them."""
         statements = [one for part in self._program.parts for one in part.found if one[0].ast_type not in _DEAF]
         heads = [{one.signature for one in atoms if one.head} for _, atoms in statements]
         pairs = zip(heads, (atoms for _, atoms in statements))
         return {one.signature for own, atoms in pairs for one in atoms if not one.head and one.signature not in own}
 
-    # -- what a rule makes of an atom
+    # -- consequences of an atom in a rule
 
     def _instances(self, sight: _Sight, atom: clingo.Symbol) -> Optional[List[clingo.Symbol]]:
         """Return the heads that a rule derives from an atom, 0 for any other head; None if that is undecided."""
         if sight.rule is None:
             return None
-        step = sight.pattern.first_match(atom, -_FAR, _FAR) if sight.pattern.offsets else None
+        step = sight.pattern.first_match(atom, -FAR, FAR) if sight.pattern.offsets else None
         if step is None:
             step = next((one.number for one in atom.arguments[-1:] if one.type is clingo.SymbolType.Number), 1)
         try:
@@ -215,20 +214,20 @@ class Hearing:
         return clingo.Control([*constants, "-Wnone"], logger=lambda code, message: None)
 
     def _kept(self, term: Node, row: List[Node], parameter: str) -> List[Node]:
-        """Return the literals that restrict a rule at every step, whatever else has happened."""
+        """Return the literals that restrict a rule at every step, independently of other facts."""
         bound = set(names_in(term))
-        timeless = [one for one in row if not (parameter and _mentions(one, parameter))]
+        timeless = [one for one in row if not (parameter and mentions(one, parameter))]
         atoms = [one for one in timeless if _is_atom(one) and self._restricts(one.atom.symbol)]
         kept = [one for one in atoms if one.sign == Sign.NoSign]
         bound.update(name for one in kept for name in names_in(one))
         compared = [one for one in timeless if _is_comparison(one)]
-        for _ in compared:  # one may bind what another one needs
+        for _ in compared:  # one can bind a variable that another one needs
             for one in compared:
                 bound.update(_binds(one, bound))
         return kept + [one for one in (*atoms, *compared) if one not in kept and set(names_in(one)) - {"_"} <= bound]
 
     def _restricts(self, term: Node) -> bool:
-        """Tell whether the atoms of a predicate are all known before anything happens."""
+        """Tell whether all atoms of a predicate are known before the first update."""
         if term.ast_type == ASTType.Pool:
             return False
         signature, program = term_signature(term), self._program
@@ -237,7 +236,7 @@ class Hearing:
 
     @cached_property
     def _known(self) -> Set[Signature]:
-        """The predicates that follow from base alone, whatever is stated from outside."""
+        """The predicates that follow from base alone, independently of facts from outside."""
         program = self._program
         found = fixed_signatures(program.parts) - program.external_signatures
         edges = [
@@ -256,7 +255,7 @@ class Hearing:
             open_ones |= more
 
     def _table(self, signature: Signature) -> Optional[List[Tuple[clingo.Symbol, bool]]]:
-        """Return the atoms of a predicate of base, each with whether it is certain; None for too many of them."""
+        """Return the atoms of a predicate of base, each with True if it is certain; None for too many atoms."""
         if signature not in self._tables:
             self._tables[signature] = self._ground(signature)
         return self._tables[signature]
@@ -286,7 +285,7 @@ class Hearing:
             wanted |= {atom.signature for _, atoms in more for atom in atoms}
 
     def _misfits(self, sight: _Sight, atom: clingo.Symbol) -> Iterator[Misfit]:
-        """Yield the values in an atom that a rule does not take."""
+        """Yield the values in an atom that a rule excludes."""
         for name, value in bindings(sight.term, atom):
             for literal in sight.kept:
                 if not _is_atom(literal) or literal.sign != Sign.NoSign:
@@ -302,7 +301,7 @@ class Hearing:
 
 
 def _rows(statement: Node) -> Iterator[Tuple[List[Node], List[Node]]]:
-    """Yield the literals of a statement that stand together, each time with all that hold with them."""
+    """Yield each group of literals of a statement, with all literals that hold together with it."""
     body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
     yield body, body
     atoms = [one.atom for one in body if one.ast_type == ASTType.Literal]
@@ -341,10 +340,6 @@ def _names_a_constant(term: Node) -> bool:
     """Tell whether the first argument of an atom is a constant, or has one."""
     goal = next(iter(arguments_of(term)), term)
     return not names_in(goal) or any(not names_in(one) for one in arguments_of(goal))
-
-
-def _mentions(node: Node, name: str) -> bool:
-    return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in node.nodes)
 
 
 def _stated(arguments: Sequence[object]) -> str:

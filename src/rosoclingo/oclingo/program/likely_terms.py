@@ -1,4 +1,4 @@
-"""Which term may be meant by one that does not fit a rule: the rule's own words, and values that it knows."""
+"""Suggestions for a term that fits no rule, from the rules' own names and the values that they know."""
 
 from difflib import SequenceMatcher, get_close_matches
 from itertools import islice
@@ -9,20 +9,20 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.nodes import Node
 
-_ALIKE = 0.6  # so alike, of 1, are names of which one may be meant for the other
+_ALIKE = 0.6  # least likeness, of 1, of two names of which one can be meant for the other
 _LONGEST, _COMPARED = 100, 1000  # letters of a text, and values, that are compared
 _SHOWN = 6  # values or forms that a message lists
 
 
 class Misfit(NamedTuple):
-    """A value in an atom that a rule does not take there, and the values that it does."""
+    """A value in an atom that a rule excludes, and the values that the rule knows there."""
 
     value: clingo.Symbol
     known: FrozenSet[clingo.Symbol]
 
 
 def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Symbol]]:
-    """Yield the variables of a term with what stands for them in a symbol."""
+    """Yield the variables of a term, each with its value in a symbol."""
     if term.ast_type == ASTType.Variable:
         yield term.name, symbol
     elif term.ast_type == ASTType.Function and symbol.type is clingo.SymbolType.Function:
@@ -31,7 +31,7 @@ def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Sy
 
 
 def replaced(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.Symbol]:
-    """Return a term with the most similar known value in place of each that does not fit; None where none is alike."""
+    """Return a term with the most similar known value in place of each misfit; None if there is no similar one."""
     meant = {one.value: most_similar(one.value, one.known) for one in misfits}
     if term in meant:
         return meant[term]
@@ -42,7 +42,7 @@ def replaced(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.
 
 
 def most_similar(value: clingo.Symbol, known: Iterable[clingo.Symbol]) -> Optional[clingo.Symbol]:
-    """Return the one of the values ``known`` that is most like ``value``; None where none is like it."""
+    """Return the ``known`` value that is most similar to ``value``; None if none is similar."""
     words = {_word(one): one for one in islice(sorted(known), _COMPARED)}
     return next((words[one] for one in get_close_matches(_word(value), words, 1)), None)
 
@@ -52,7 +52,7 @@ def _word(value: clingo.Symbol) -> str:
 
 
 def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
-    """Return a term of a rule's form, its name and constants, with the arguments of ``term``; None for no like one."""
+    """Return a rule's ``form``, its name and constants, with the arguments of ``term``; None if they are not alike."""
     if form.ast_type == ASTType.Variable:
         return term
     if form.ast_type == ASTType.SymbolicTerm:
@@ -66,7 +66,7 @@ def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
 
 
 def likeness(one: str, other: str) -> float:
-    """Return how alike two texts are, from 0 to 1, by their first letters, whatever case or order these have."""
+    """Return the likeness of two texts, from 0 to 1, by their first letters, regardless of case and order."""
     one, other = one.casefold()[:_LONGEST], other.casefold()[:_LONGEST]
     return 1.0 if sorted(one) == sorted(other) else SequenceMatcher(None, one, other).ratio()
 

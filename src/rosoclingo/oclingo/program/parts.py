@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.sources import Parsed
 from rosoclingo.oclingo.progression.terms import Signature
 
 PARTS = ("base", "cumulative", "volatile")
-_OTHER_SYSTEMS = {  # parts of clingo's incmode and of telingo: what to write instead
+_OTHER_SYSTEMS = {  # parts of clingo's incmode and of telingo, with their mends
     "step": "clingo's incmode calls it step; write #program cumulative(t).",
     "check": "clingo's incmode calls it check; write #program volatile(t). for a plan's last step, without query(t)",
     "initial": "telingo's part; write #program base. with 0 for the step, as in at(home,0)",

@@ -10,6 +10,9 @@ from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 
+FAR = 2**31 - 1
+"""The greatest number of clingo, so the last step."""
+
 Test = Callable[[clingo.Symbol, Optional[int]], bool]
 """Tells whether a term could be a ground one at a step; None stands for any step."""
 

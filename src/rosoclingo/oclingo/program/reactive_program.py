@@ -22,7 +22,7 @@ from rosoclingo.oclingo.program.lint.predicates import undefined
 from rosoclingo.oclingo.program.lint.survey import Survey
 from rosoclingo.oclingo.program.lint.trial import Trial, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
-from rosoclingo.oclingo.program.patterns import Pattern, Patterns
+from rosoclingo.oclingo.program.patterns import FAR, Pattern, Patterns
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources, statement_at
@@ -30,7 +30,6 @@ from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
 PathLike = Union[str, Path]
-_FAR = 2**31 - 1
 _NONE = Patterns()
 
 
@@ -54,7 +53,7 @@ class ReactiveProgram:
         faults: why it cannot be used; there are some where it is ``lenient`` alone.
         remarks: what is odd but usable.
         survey: its statements by predicates.
-        trial: its first steps, once they have been ground.
+        trial: its ground first steps, None before they are ground.
 
     """
 
@@ -188,7 +187,7 @@ class ReactiveProgram:
     def arguments(self) -> List[str]:
         """Return clingo's command line arguments for every control that loads the program.
 
-        They set the constants, let ``#heuristic`` count where there is one, and try false first for open atoms, so that
+        They set the constants, enable ``#heuristic`` if there is one, and try false first for open atoms, so that
         plans hold no useless actions. Equivalence preprocessing is off: over several solve calls of one control, clasp
         3.3.10 to 3.4.0 (clingo 5.7.0 to 5.8.3) loses facts and answers with it.
         """
@@ -209,13 +208,13 @@ class ReactiveProgram:
     def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
         patterns = self._patterns.get(signature_of(atom), _NONE)
-        return patterns.may_match(atom, first, _FAR, base=self.is_open_signature(atom))
+        return patterns.may_match(atom, first, FAR, base=self.is_open_signature(atom))
 
     def is_open_signature(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
         return signature_of(atom) in self.open_signatures
 
-    def may_declare(self, atom: clingo.Symbol, first: int, last: int = _FAR) -> bool:
+    def may_declare(self, atom: clingo.Symbol, first: int, last: int = FAR) -> bool:
         """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
         return self._declarations.get(signature_of(atom), _NONE).may_match(atom, first, last, base=False)
 
@@ -223,12 +222,12 @@ class ReactiveProgram:
         """Tell whether base or some step from ``first`` on could define ``atom``, or declare it external."""
         signature = signature_of(atom)
         defining = (one.get(signature, _NONE) for one in (self._heads, self._declarations))
-        return signature in self.open_signatures or any(one.may_match(atom, first, _FAR) for one in defining)
+        return signature in self.open_signatures or any(one.may_match(atom, first, FAR) for one in defining)
 
     def may_act(self, cycle: int, first: int) -> bool:
         """Tell whether base or some step from ``first`` on could have an action of ``cycle``; never wrongly False."""
         atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])
-        known = any(one.may_match(atom, first, _FAR) for one in self._action_cycles)
+        known = any(one.may_match(atom, first, FAR) for one in self._action_cycles)
         return known or ACTION in self.open_signatures
 
     def prepare_steps(self) -> None:

@@ -19,11 +19,9 @@ from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
-
-_FAR = 2**31 - 1
 
 ASKS, ACTS = "__oclingo_asks", "__oclingo_acts"
 
@@ -48,11 +46,11 @@ class ReturnRules(NamedTuple):
 
 
 def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo.Symbol]) -> bool:
-    """Tell whether the body of some rule, at whatever step, could have one of ``atoms``; never wrongly False."""
+    """Tell whether the body of some rule, at any step, can have one of ``atoms``; False is certain."""
     wanted = list(atoms)
     return any(
         atom.match(one.signature.name, one.signature.arity)
-        and Pattern(one.term, part.parameter, statement, dict(constants)).may_match(atom, -_FAR, _FAR)
+        and Pattern(one.term, part.parameter, statement, dict(constants)).may_match(atom, -FAR, FAR)
         for part in parts
         for statement, one in part.atoms
         if not one.head

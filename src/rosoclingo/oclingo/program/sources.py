@@ -218,9 +218,9 @@ def _named(fault: Fault, name: str) -> Fault:
 
 
 def statement_at(sources: Sequence[Source], file: str, line: int, column: int) -> str:
-    """Return the statement at a place of one of the ``sources`` as it is written there, on one line; else nothing.
+    """Return the statement at a place of one of the ``sources``, as written there but on one line; else "".
 
-    A translation keeps lines, but not columns: the last statement that begins before the place is the one.
+    A translation keeps lines, but not columns, so the last statement that begins before the place counts.
     """
     text = next((one.text for one in sources if one.name == file and language_of(file) is None), "")
     all_tokens = tokens(text)

@@ -61,13 +61,13 @@ def program_from_message(message: Message) -> ReactiveProgram:
 def result_to_message(result: SolveResult, solver: ReactiveSolver) -> Message:
     """Return the ``result`` of ``solver`` for :func:`result_from_message`.
 
-    Of plans, the shown atoms of cycles that ended more than :data:`SHOWN_STEPS` ago are left out, as compaction leaves
-    them out sooner or later: otherwise all that a long run has shown would be sent again with each answer.
+    Plans lack the shown atoms of cycles that ended more than :data:`SHOWN_STEPS` cycles ago, which compaction removes
+    later anyway. Otherwise each answer of a long run would have all its shown atoms.
     """
     program, first = solver.program, result.step - SHOWN_STEPS
 
     def is_recent(atom: clingo.Symbol) -> bool:
-        """Tell whether an atom has no cycle, or one that is not long over."""
+        """Tell whether an atom has no cycle, or a recent one."""
         position = program.time_position(atom.name, len(atom.arguments)) if atom.type is _FUNCTION else None
         cycle = None if position is None or not solver.shortest else atom.arguments[position]
         return cycle is None or cycle.type is not clingo.SymbolType.Number or cycle.number >= first

@@ -167,7 +167,7 @@ def check(options: argparse.Namespace, more: Optional[More] = None, verifier: Op
     unreadable: List[Fault] = []
     sources = [source for file in options.files for source in _read(file, unreadable)]
     stream = _read(options.stream, unreadable) if options.stream else []
-    added: List[Source] = []  # by no file of the command line
+    added: List[Source] = []  # other than files of the command line
     try:
         constants = constants_of(options.const)
         parse_constants(constants)

@@ -51,6 +51,6 @@ or not at all; transaction.py is an update on its way in; grounding.py is clingo
 clasp_search.py asks clingo what can be stopped, atom_table.py has the atoms and, with horizon.py, the rules that are
 added behind clingo's grounder; horizon_search.py asks below the last step as well, for shortest plans; plan_search.py
 is content with what is found in time, improvement.py shortens it while it is carried out, with reordered_plans.py;
-trimming.py removes superfluous actions; inquiry.py asks what would be, had some facts not been told; compaction.py lets
-go of what is past; stream_log.py is the list of all that a solver has taken, from which stream_state.py follows.
+trimming.py removes superfluous actions; inquiry.py solves without some facts that were asserted; compaction.py
+removes the past; stream_log.py is the log of a solver's updates and plans, from which stream_state.py follows.
 """

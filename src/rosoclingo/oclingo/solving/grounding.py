@@ -319,7 +319,7 @@ class Grounding:
 
     @contextmanager
     def lacking(self, atoms: Iterable[clingo.Symbol]) -> Iterator[None]:
-        """Search for answers that lack one at least of the ``atoms``."""
+        """Within this context, search for answers that lack at least one of the ``atoms``."""
         guard = self._session.new_external(HOLDS)
         known = map(self._control.symbolic_atoms.__getitem__, atoms)
         self._session.backend.add_rule([], [guard, *(one.literal for one in known if one is not None)])

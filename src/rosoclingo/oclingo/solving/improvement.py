@@ -8,10 +8,10 @@ put off is learnt from what it brings (as in Ropke and Pisinger's adaptive large
 the same is done in another *order*, which reordered_plans.py finds, nothing is free: the solver tells whether it is a
 plan. A plan may also be far too long, where it was found among many steps only: each round over a long one begins with
 the question for any plan of a quarter and of half the steps, with what ``#heuristic`` advises and without. Where a
-round brings nothing, the next has larger windows and more conflicts. What is found is trimmed, see trimming.py.
+round brings nothing, the next has larger windows and more conflicts. Plans that are found are trimmed, see trimming.py.
 
-Without ``#heuristic`` to put an action off leads nowhere, and orders take more time than they save: windows alone are
-asked for, again and again from small ones to all of the plan, each time with more conflicts.
+Without ``#heuristic`` it does not help to defer an action, and orders take more time than they save. Then only windows
+are asked for, from small ones to the whole plan, in rounds with more and more conflicts.
 """
 
 from itertools import product
@@ -48,7 +48,7 @@ SPANS = (1, 4, 8, 16, 32, 64)
 """For so many steps an action is put off, one as likely as the other."""
 
 TIMES_CUT = 20
-"""So many times in a row a question that a stop cut off is asked again: what clasp has learnt by then is of use."""
+"""Limit of times in a row that an interrupted question is asked again; it profits from clasp's learnt clauses."""
 
 MOST_CONFLICTS = 20_000
 """Where so many conflicts a question bring nothing for the whole plan, nothing is left to try."""
@@ -113,9 +113,9 @@ class Improvement:
         self._shortened = False  # in this round
         self._brought: Dict[clingo.Symbol, Tuple[int, int]] = {}  # kind of actions -> put off, how often of use
         self._orders = ReorderedPlans()
-        self._advised = False  # whether the program says by #heuristic what to do
-        self._cut_off: Optional[Part] = None  # to be asked again, as a stop came
-        self._times_cut = 0  # so many times in a row
+        self._advised = False  # whether the program has #heuristic statements
+        self._cut_off: Optional[Part] = None  # interrupted by a stop, asked again next
+        self._times_cut = 0  # in a row
         self._ended = False
         self._parts = self._rounds()
 
@@ -123,7 +123,7 @@ class Improvement:
         """Go on at a later ``step``, if ``plan`` is the one to be shortened; tell whether it is."""
         same = plan.horizon == self._plan.horizon and plan.since(step).actions == self._plan.since(step).actions
         if same:
-            if self._ended and step > self._step:  # what is left is shorter by now, and so are the questions
+            if self._ended and step > self._step:  # the rest is shorter by now, and so are the questions
                 self._ended, self._size, self._parts = False, SIZE, self._rounds()
             self._plan, self._step, self._first = plan, step, first
         return same
@@ -173,7 +173,7 @@ class Improvement:
         return grounding.search(1, halt, self._first, last, given, conflicts, best=False, advised=advised)
 
     def _take(self, grounding: Grounding, halt: Callable[[], bool], present: Given, found: Search) -> Search:
-        """Take ``found`` for the plan, without what is superfluous and without idle steps, unless a stop came."""
+        """Adopt ``found`` as the plan, without superfluous actions and idle steps unless a stop came."""
 
         def ask(first: int, last: int, given: Given, conflicts: int) -> Search:
             """Ask for a part of the plan."""

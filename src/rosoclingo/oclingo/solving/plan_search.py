@@ -56,7 +56,7 @@ class TimeLimit:
     had its time before.
 
     Attributes:
-        foreseen: that.
+        foreseen: whether the update is such.
 
     """
 
@@ -234,14 +234,14 @@ class PlanSearch(HorizonSearch):
             self._take(transaction, found)
 
     def _take(self, transaction: Transaction, found: Search) -> None:
-        """Take ``found``, without what is superfluous and without idle steps, for the best plan."""
+        """Adopt ``found``, without superfluous actions and idle steps, as the best plan."""
 
         def ask(first: int, last: int, given: Given, conflicts: int) -> Search:
             """Ask for a part of the plan."""
             return self._look(transaction, first, last, conflicts, given)
 
         self._best = trimmed(found, transaction.state.step - 1, self._least, transaction.ready(), ask)
-        self.hopeless = self.permanent = False  # what is asked of a plan's parts says nothing of all plans
+        self.hopeless = self.permanent = False  # answers about parts of a plan hold for no other plans
 
     def _all(self, transaction: Transaction, best: Search) -> Search:
         """Find all answers of the plan's horizon, or a better one in the time that is left."""

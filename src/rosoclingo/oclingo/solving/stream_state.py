@@ -162,7 +162,7 @@ class StreamState:
 
     @property
     def returning(self) -> FrozenSet[int]:
-        """The closed cycles whose returns may still come: the last one, and the last one in which anything was done."""
+        """The closed cycles whose returns can still arrive: the last one, and the last one with actions."""
         closed = self.closed_cycles
         done = (cycle for cycle, executed in closed.items() if executed)
         return frozenset({max(closed), max(done, default=max(closed))}) if closed else frozenset()

@@ -159,7 +159,7 @@ class Transaction:
             self.state.keep_from = max(self.state.keep_from, step)
 
     def close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to ``executed``; returns of those done before are complete by now."""
+        """Fix the actions of ``cycle`` to ``executed``; returns of earlier actions are complete by now."""
         before = self.state.returning
         self.state.closed_cycles[cycle] = executed
         if self.grounding is not None:
@@ -282,7 +282,7 @@ class Transaction:
             return  # its window has passed, or it says nothing, and does not define its head
         grounding, head = self._standing(), statement.head
         if head in self._given:
-            if not statement.body and lifetime == FOREVER:  # it says more than the others with this head
+            if not statement.body and lifetime == FOREVER:  # it is stronger than the others with this head
                 self.state.permanent.append(statement)
         elif head is None or grounding.atoms.is_open(head):
             self._put(statement, lifetime)
@@ -292,7 +292,7 @@ class Transaction:
         elif not statement.body and grounding.atoms.is_true(head):
             return  # said before
         elif grounding.conflicting and signature_of(head) in self.program.external_signatures:
-            # clingo grounds no further; a grounding made anew will tell
+            # clingo grounds no further; a new grounding decides
             self.state.waiting.append(Lapsing(statement, lifetime))
         elif self._setting.is_too_late(self.state, head):
             self.warnings.append(_TOO_LATE.format(head, self._setting.first_step(self.state)))

@@ -1,9 +1,9 @@
 """Plans without superfluous actions and without idle steps.
 
-An action is superfluous where the plan remains one without it, and without the actions that only it makes possible
-(Nakhost and Mueller's action elimination, 2010). The solver finds these: it is asked for a plan that holds some of the
-actions, not all of them, and no others, until there is none. All other actions are assumed false for that, which takes
-long where there are many. A program with ``#heuristic`` statements is trusted to hold no superfluous actions.
+An action is superfluous if the plan remains one without it, and without the actions that only it makes possible
+(Nakhost and Mueller's action elimination, 2010). The solver looks for a plan with some of the actions, not all of them,
+and no others, until there is none. For that it assumes all other actions false, which takes long if there are many.
+A program with ``#heuristic`` statements is trusted to hold no superfluous actions.
 """
 
 from typing import Callable, List, Tuple
@@ -15,15 +15,15 @@ from rosoclingo.oclingo.solving.grounding import Grounding
 from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
 
 CONFLICTS = 1000
-"""Conflicts that the question for fewer actions may take; most take a few."""
+"""Limit of conflicts for the question for fewer actions; most take a few."""
 
 IDLE_CONFLICTS = 100
-"""Those that the question for the same actions without idle steps may take."""
+"""Limit of conflicts for the question for the same actions without idle steps."""
 
 Given = List[Tuple[clingo.Symbol, bool]]
 
 Ask = Callable[[int, int, Given, int], Search]
-"""Asks for a plan, given its first and last horizon, assumed actions, and the conflicts that the search may take."""
+"""Asks for a plan, given its first and last horizon, assumed actions, and a limit of conflicts."""
 
 
 def trimmed(found: Search, step: int, first: int, grounding: Grounding, ask: Ask) -> Search:
@@ -33,7 +33,7 @@ def trimmed(found: Search, step: int, first: int, grounding: Grounding, ask: Ask
     """
 
     def others(plan: Plan, last: int) -> Given:
-        """Return the assumption that nothing is done up to ``last`` but what a plan does."""
+        """Return the assumption of no actions up to ``last`` other than the plan's."""
         if grounding.program.advises:
             return []
         return [(one, False) for one in grounding.actions(step + 1, last) if one not in plan.actions]
@@ -55,16 +55,16 @@ def trimmed(found: Search, step: int, first: int, grounding: Grounding, ask: Ask
 
 
 def plan_after(found: Search, step: int) -> Plan:
-    """Return what is done after ``step`` in the plan that was ``found``."""
+    """Return the part after ``step`` of the plan that was ``found``."""
     return Plan.of(found.answers[-1], found.horizon).since(step + 1)
 
 
 def without_idling(plan: Plan, step: int) -> Plan:
-    """Return ``plan``, which begins after ``step``, without the steps at which nothing is done."""
+    """Return ``plan``, which begins after ``step``, without its idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
     return plan._replace(actions=frozenset(moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
 
 
 def moved(action: clingo.Symbol, steps: int) -> clingo.Symbol:
-    """Return the same action so many steps later."""
+    """Return the same action ``steps`` steps later."""
     return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) + steps)])

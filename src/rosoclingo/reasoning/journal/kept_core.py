@@ -79,7 +79,7 @@ class KeptCore(Core):
     def leave(self, why: str) -> None:
         """End the actions under way and abort every goal, as the core ends.
 
-        A core that goes on from here sends the same cancels, and cancels what its program knows of the goals.
+        A core that resumes sends the same cancels, and cancels the goals that its program knows.
         """
         ended = self._preemption.end_all()
         if ended:

@@ -52,7 +52,7 @@ class _NoRecorder:
 
 
 class _UnnotedFailures(UntakenFailures):
-    """What the program makes of a failure is what is verified: the core must not hide it."""
+    """Notes no failures: the program's reaction to a failure is verified, so the core must not hide it."""
 
     def note(self, failure: Observation) -> None:
         """Leave the failure to the program."""

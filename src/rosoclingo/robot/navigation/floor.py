@@ -17,7 +17,7 @@ DETOUR = 0.1
 
 Pair = Tuple[str, str]
 
-#: Marks of the facts that a program need not look at.
+#: Marks of the facts that a program can ignore.
 _WAYS = "% check: ok unused (for programs that drive from place to place)"
 _DISTANCES = "% check: ok unused (for programs that prefer short drives)"
 _START = "% check: ok unused (for programs with a start of their own)"

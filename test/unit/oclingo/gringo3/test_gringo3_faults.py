@@ -59,7 +59,7 @@ def faults(text):
         ("#hide. p :- 1 == #even { a }.", 18, "#even takes no bounds"),
         ("#hide. p :- #odd { a } == 1.", 13, "#odd takes no bounds"),
         ("#hide. p :- #even { <1> : a }.", 21, "#even takes no tuples"),
-        ("#hide. p :- 1 < #avg [ a=2 ].", 17, "beside an average cannot be translated"),
+        ("#hide. p :- 1 < #avg [ a=2 ].", 17, "next to an average cannot be translated"),
         ("#hide. p :- #count [ a=2 ] 1.", 22, "#count takes no weights"),
         ("#hide. p :- #sum { <1> : a, b } 1.", 29, "#sum { .. } takes tuples"),
         ("#hide. p :- { <1> } 1.", 19, "'}' is not expected here, but ':'"),

@@ -57,7 +57,7 @@ class Actions:
     Attributes:
         all_known: whether it has no others than those of ``parameters``.
         parameters: what the parameter of each may be, by the action's name as text; None for anything.
-        mixed: the actions among whose parameters those of others can be, as rules relate the two in an open way.
+        mixed: the actions whose parameters can include those of other actions, as rules do not separate them.
 
     """
 
@@ -130,7 +130,7 @@ class Actions:
                 yield one.fault("idle-label", f"no action ever asks for the label {one.name}", _meant(one.name, needed))
 
     def like_reasons(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
-        """Yield the parameters that equal a reason with which their action fails, as ``reasons`` tells by its name."""
+        """Yield the parameters that equal a failure reason of their action; ``reasons`` has these by its name."""
         for action, parameters in self.parameters.items():
             alike = reasons(action) & set(map(str, parameters or ())) if action not in self.mixed else set()
             for term in sorted(alike):
@@ -159,7 +159,7 @@ class Actions:
         return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
 
     def _where(self, text: str) -> Optional[Node]:
-        """Return where a term first stands among the facts of a program, of those with the fewest arguments."""
+        """Return the first occurrence of a term in a program's facts, of those with the fewest arguments."""
         found: List[Tuple[int, Node]] = []
         for _, statement, atoms in self._survey.statements:
             fact = statement.ast_type == ASTType.Rule and not statement.body and len(atoms) == 1 and atoms[0].head

@@ -2,9 +2,10 @@
 
 Each argument of a predicate has a set of ground terms, or any. They are found by going through the rules until nothing
 changes: a head has the values that the positive atoms, equations and inequations of the body leave to its variables.
-What is open (``#external p/n.``), undefined, or a number that counts steps may be anything. A predicate is split by its
-first argument where a head has a constant there, as in ``_action_lib(pickup,Id,t)``, or, if it tells rules which action
-has which parameter, a variable with few values: the other arguments have a set for each of these.
+Values that are open (``#external p/n.``), undefined, or numbers of steps are unrestricted. A predicate is split by its
+first argument where a head has a constant there, as in ``_action_lib(pickup,Id,t)``. A predicate that gives actions
+their parameters is also split where a head has a variable with few values. The other arguments have a set for each of
+these.
 """
 
 from heapq import heappop, heappush
@@ -96,9 +97,9 @@ class ArgumentValues:
         return self._misfit(signature, [shape_of(one, step, self._constants) for one in arguments])
 
     def bindings(self, rule: Rule, given: Optional[Bindings] = None) -> Optional[Bindings]:
-        """Return what the variables of a rule may be, None where its conditions can never hold.
+        """Return the possible values of a rule's variables, None if its conditions can never hold.
 
-        Those of ``given`` may have its values alone.
+        Variables in ``given`` have only its values.
         """
         found: Bindings = dict(given or {})
         if all(self._bind(atom, found) for atom in rule.atoms) and all(_compare(one, found) for one in rule.equations):
@@ -168,7 +169,7 @@ class ArgumentValues:
         return signature if changed else None
 
     def _split(self, rule: Rule, bound: Bindings) -> Iterator[Tuple[Optional[clingo.Symbol], Bindings]]:
-        """Yield what the variables of a rule may be for each first argument of its head; None for any of these."""
+        """Yield each first argument of a rule's head, None for any, with the possible values of its variables."""
         if len(rule.head.arguments) < 2:
             yield None, bound
             return
@@ -218,7 +219,7 @@ class ArgumentValues:
 
 
 def _telling(rules: Sequence[Rule]) -> Set[Signature]:
-    """Return the predicates that tell rules, by their first argument, which action has which parameter."""
+    """Return the predicates that give actions, by their first argument, their parameters."""
     found: Set[Signature] = set()
     waiting = [ACTION]
     while waiting:
@@ -236,7 +237,7 @@ def _telling(rules: Sequence[Rule]) -> Set[Signature]:
 
 
 def is_same(argument: Shape, first: Shape) -> bool:
-    """Tell whether an argument is the variable, or the constant, that another one is."""
+    """Tell whether two arguments are the same variable or constant."""
     return argument.variable == first.variable if first.variable else argument.is_constant and argument == first
 
 

@@ -60,7 +60,7 @@ _ALL = {
     "other-step": (WARNING, "an action of another step than its rule or its return, an end of which no step is asked"),
     "past-volatile": (
         WARNING,
-        "a look back at an atom that only the volatile part defines, so that it is gone by then",
+        "a look back at an atom of an earlier step that only the volatile part defines: it is gone",
     ),
     "look-ahead": (WARNING, "an atom of a later step, whose rules are not there yet"),
     "first-step": (WARNING, "a fact of a predicate of steps that is of no step, or of one whose rules define it"),
@@ -69,7 +69,7 @@ _ALL = {
     "no-request": (WARNING, "no #external _request/2: the program takes no goals"),
     "no-return": (WARNING, "no #external _return/3: the program never learns how its actions end"),
     "no-action": (WARNING, "no rule for _action_lib/3: the program plans no actions"),
-    "restless": (WARNING, "each step has an action, also without a goal, and no _status/3 says that a goal has ended"),
+    "restless": (WARNING, "each step has an action, even without a goal, and no _status/3 reports ends of goals"),
     "idle-words": (WARNING, "words for an action that the program does not have"),
     "hidden": (WARNING, "what the core reads out of answers is defined, but other predicates alone are shown"),
     "status-word": (WARNING, "a status that is none of accepted, rejected, succeeded, canceled, aborted"),
@@ -84,8 +84,8 @@ _ALL = {
     "clingo": (WARNING, "what else clingo says while it grounds the first steps"),
     "translation": (WARNING, "what reads differently in gringo 3's language and in clingo 5's"),
     # other systems' programs
-    "incmode": (WARNING, "what clingo's incmode alone heeds: query(t), #const imin, imax and istop"),
-    "not-interpreted": (WARNING, "a theory atom, a script's function or a library: a driver of its own would heed it"),
+    "incmode": (WARNING, "an atom or constant that only clingo's incmode reads: query(t), imin, imax and istop"),
+    "not-interpreted": (WARNING, "a theory atom, a script's function or a library, which only other drivers interpret"),
     # streams
     "stream-syntax": (ERROR, "a text that is no online progression"),
     "stream-fact": (WARNING, "a statement of a stream on a head that is no external, or that no rule can see"),
@@ -97,7 +97,7 @@ _ALL = {
     "idle-label": (WARNING, "a label that no action of the program ever names"),
     "label-value": (WARNING, "a frame with a leading slash, which tf2 refuses, or a yaw that looks like degrees"),
     "like-reason": (WARNING, "a label or parameter that equals a reason with which its action fails: done or failed?"),
-    "idle-drawing": (WARNING, "a _draws from which nothing is drawn"),
+    "idle-drawing": (WARNING, "a _draws fact that draws nothing"),
     "unheard-fact": (WARNING, "a fact of an interface that the program does not declare external"),
     "unheard-order": (WARNING, "an order of people whose goal no rule of the program asks for"),
     "configuration": (ERROR, "an entry of a YAML file that cannot be used"),

@@ -72,7 +72,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
 
 
 def _without_doubles(found: Sequence[Fault]) -> List[Fault]:
-    """Return the faults without what clingo says of a statement that it does not interpret."""
+    """Return the faults without clingo's messages about statements that are not interpreted."""
     passive = {(one.file, one.line, one.column) for one in found if one.kind == "not-interpreted"}
     grave = {(one.file, one.line, one.column) for one in found if one.kind == "syntax"}
     doubles = {"undefined-operation": passive, "clingo": passive, "not-interpreted": grave}

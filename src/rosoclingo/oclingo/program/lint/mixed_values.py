@@ -1,4 +1,4 @@
-"""Rules in which the values of arguments are not known for each value of the first one, but for all of them at once."""
+"""Rules in which the values of arguments are known only for all values of the first argument together."""
 
 from typing import Dict, Sequence
 
@@ -8,14 +8,14 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 
 class MixedValues:
-    """Tells of which rules the values of a program's arguments are too many for a first argument taken alone."""
+    """Finds the rules whose values are not separated by the first argument."""
 
     def __init__(self, values: ArgumentValues) -> None:
         self._values = values
         self._known: Dict[Signature, bool] = {}
 
     def mixes(self, rule: Rule) -> bool:
-        """Tell whether other arguments of a head can have values here that belong to another first argument."""
+        """Tell whether other arguments of the rule's head can have values that belong to another first argument."""
         first = rule.head.arguments[0]
         naming = [one for one in rule.atoms if any(is_same(argument, first) for argument in one.arguments)]
         known = {first.variable} if first.variable else set()

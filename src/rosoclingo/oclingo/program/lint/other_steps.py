@@ -72,7 +72,7 @@ def _steps(part: Part, atom: Occurrence, survey: Survey) -> List[int]:
 
 
 def gone(survey: Survey, first: int) -> Iterator[Fault]:
-    """Yield the looks back at atoms that the volatile part alone defines, and that are gone by then.
+    """Yield the looks back at atoms that only the volatile part defines, and that are gone by then.
 
     ``first`` is the first step.
     """
@@ -90,14 +90,14 @@ def gone(survey: Survey, first: int) -> Iterator[Fault]:
 
 
 def _gone(place: Place, survey: Survey) -> Fault:
-    message = f"{written(place.occurrence.term)} looks back at the volatile part, whose atoms of steps before are gone"
+    message = f"{written(place.occurrence.term)} looks back at the volatile part, whose atoms of earlier steps are gone"
     return place.fault(
         _PAST, message, f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
     )
 
 
 def _window(place: Place, survey: Survey) -> Optional[int]:
-    """Return for how many steps holds what a rule defines; None where it stays."""
+    """Return the number of steps for which the head of a rule holds; None if it stays."""
     term = Placed(place.part.window, "", "", 0)
     return number_of(term, survey.constants, []) if place.part.window else None
 
@@ -114,7 +114,7 @@ def _is_before(place: Place, position: int, first: int, survey: Survey) -> bool:
 
 
 def _looks_behind(place: Place, position: int, last: int, survey: Survey) -> bool:
-    """Tell whether an atom is of steps of which nothing is left, as the last that defines it ends before."""
+    """Tell whether an atom is of steps whose atoms are gone, as the window of its last rule ends before."""
     step, argument = place.part.parameter, place.occurrence.arguments[position]
     if not step or place.statement.ast_type == ASTType.External:
         return False

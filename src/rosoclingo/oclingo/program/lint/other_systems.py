@@ -1,4 +1,4 @@
-"""Statements of clingo's incmode, telingo and other drivers that mean nothing here, or something else."""
+"""Statements of clingo's incmode, telingo and other drivers with no meaning here, or another one."""
 
 import re
 from typing import Collection, Iterable, Iterator, List, Tuple
@@ -7,6 +7,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+from rosoclingo.oclingo.program.domains import mentions
 from rosoclingo.oclingo.program.lint.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
@@ -26,7 +27,7 @@ _STATES = ("initial", "final", "tel", "del")
 
 
 def of_other_systems(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
-    """Yield the statements that only another system interprets; ``texts`` are the files, names and texts."""
+    """Yield the statements that only another system interprets; ``texts`` are names and texts of the files."""
     yield from _queries(survey)
     suspicious = any(_DRIVEN.search(text) for _, text in texts)
     for _, statement, _ in survey.statements:
@@ -42,7 +43,7 @@ def of_other_systems(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iterat
 
 
 def libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
-    """Yield the ``#include <NAME>`` of files, names and texts in clingo's language."""
+    """Yield each ``#include <NAME>`` in ``texts``, names and texts of files in clingo's language."""
     for name, text in texts:
         found = tokens(text) if "#include" in text else []
         for one, bracket, library in zip(found, found[1:], found[2:]):
@@ -52,7 +53,7 @@ def libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
 
 
 def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
-    """Return the mend for a predicate that telingo reads as another one at another step, "" for any other."""
+    """Return the mend for a primed predicate, which telingo reads at another step; "" for any other predicate."""
     name = signature.name
     plain = name.strip(_PRIME)
     if plain == name or all(one.name != plain for one in known):
@@ -72,7 +73,7 @@ def _theory_atom(node: Node) -> Fault:
 
 
 def _queries(survey: Survey) -> Iterator[Fault]:
-    """Yield the external by which incmode tells the last step, where it is declared, or the atoms that ask for it."""
+    """Yield the declared external ``query(t)`` of incmode if rules look at it."""
     if _QUERY in survey.defining or _QUERY in survey.opened:
         return
     steps = [one for one in survey.declaring.get(_QUERY, ()) if _is_of_step(one, survey)]
@@ -97,9 +98,5 @@ def _is_of_step(place: Place, survey: Survey) -> bool:
 
 def _is_used(definition: Node, survey: Survey) -> bool:
     """Tell whether a statement other than its definition mentions a constant."""
-    return any(
-        node.ast_type == ASTType.SymbolicTerm and str(node) == definition.name
-        for _, statement, _ in survey.statements
-        if statement is not definition
-        for node in statement.nodes
-    )
+    others = (statement for _, statement, _ in survey.statements if statement is not definition)
+    return any(mentions(one, definition.name) for one in others)

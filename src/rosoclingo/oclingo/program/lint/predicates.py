@@ -21,7 +21,7 @@ MANY = 6  # values that a message lists
 
 _KEYWORDS = frozenset(KEYWORDS.values())
 
-#: What to do about a keyword that comes in and that no rule looks at.
+#: Mends for incoming keywords that no rule looks at.
 _UNHEARD = {
     "_request": "write a rule that takes goals, like wanted(X,t) :- _request(do(X),t+1).",
     "_return": "the program never learns how its actions end: write rules for values that are no success",

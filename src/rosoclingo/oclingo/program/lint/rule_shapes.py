@@ -1,4 +1,4 @@
-"""Rules as conditions on atoms and variables, made ready once to find which values arguments can have."""
+"""Rules as conditions on atoms and variables, for the analysis of the values that arguments can have."""
 
 from typing import Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
@@ -35,7 +35,7 @@ class Equation(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """What a statement makes true, or says of, where its conditions hold.
+    """An atom that a statement defines or declares, with its conditions.
 
     Attributes:
         parameter: the step's name in the statement, empty in base.
@@ -57,7 +57,7 @@ def parted(term: Node) -> Tuple[Signature, Sequence[Node]]:
 
 
 def rules_of(statement: Node, step: str, constants: _Constants) -> Iterator[Rule]:
-    """Yield what a statement defines or declares."""
+    """Yield a rule for each atom that a statement defines or declares."""
     body = list(statement.body) if hasattr(statement, "body") else []
     if statement.ast_type == ASTType.External:
         for term in atom_terms(statement.atom.symbol):
@@ -70,7 +70,7 @@ def rules_of(statement: Node, step: str, constants: _Constants) -> Iterator[Rule
 
 
 def _rule(step: str, head: Node, literals: Sequence[Node], constants: _Constants) -> Rule:
-    """Return the rule of a head with what its body and condition say for certain."""
+    """Return the rule of a head with the certain conditions of its body."""
     plain = [one.atom for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
     symbols = [one.symbol for one in plain if one.ast_type == ASTType.SymbolicAtom]
     atoms = [_condition(one, step, constants) for one in symbols if one.ast_type != ASTType.Pool]

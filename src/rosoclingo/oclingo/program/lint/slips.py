@@ -34,7 +34,7 @@ _ALIKE = 0.8
 
 
 def slips(survey: Survey, first: int) -> List[Fault]:
-    """Return the slips that have to do with no keyword; ``first`` is the first step."""
+    """Return the slips that concern no keyword; ``first`` is the first step."""
     steps = _Steps(survey)
     found = [*_tautologies(survey), *_looks_ahead(survey, steps), *_steps_elsewhere(survey, steps)]
     return [*found, *_first_steps(survey, steps, first), *_lower_case(survey), *_same_variables(survey)]
@@ -198,7 +198,7 @@ def _least_seen(steps: List[Optional[int]]) -> Optional[int]:
 
 
 def _first_seen(place: Place, position: int, steps: _Steps, survey: Survey, first: int) -> Optional[int]:
-    """Return the least step at which an atom of a rule looks, None where that is open."""
+    """Return the least step that an atom of a rule looks at, None if it is unknown."""
     argument, offset = place.occurrence.arguments[position], steps.of(place).get(position)
     if offset is not None:
         return first + offset
@@ -209,7 +209,7 @@ def _first_seen(place: Place, position: int, steps: _Steps, survey: Survey, firs
 
 
 def _compares_step(place: Place, survey: Survey) -> bool:
-    """Tell whether a rule compares the step, and may hold at some steps alone."""
+    """Tell whether a rule compares the step, so that it can hold at some steps only."""
     comparisons = (one for one in place.statement.nodes if one.ast_type == ASTType.Comparison)
     return any(str(node) == place.part.parameter for one in comparisons for node in one.nodes)
 

@@ -114,7 +114,7 @@ class Survey:
         self.unvalued: Set[str] = set()
         self.shows = False
         self.values: object = None  # what argument_values finds of it
-        self.hearing: object = None  # what hearing finds of it
+        self.hearing: object = None  # the program's Hearing, once it exists
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:

@@ -50,7 +50,7 @@ def missing_words(survey: Survey) -> List[Fault]:
 
 
 def demanded_actions(survey: Survey, trial: Optional[Trial]) -> List[Fault]:
-    """Return that each step demands an action, as the first ones show, in a program without statuses."""
+    """Return a fault if each of the first steps demands an action, in a program without statuses."""
     places = survey.defining.get(ACTION, ())
     demanded = trial.demands(ACTION) if trial is not None and places and STATUS not in survey.defining else False
     demanding = [one for one in places if not _admits_none(one.statement.head, survey)]
@@ -71,7 +71,7 @@ def _is_choice(head: Node) -> bool:
 
 
 def _admits_none(head: Node, survey: Survey) -> bool:
-    """Tell whether a head is a choice that no atom satisfies as well."""
+    """Tell whether a head is a choice that the empty set satisfies."""
     return _is_choice(head) and not any(
         _holds(one.comparison, evaluate(one.term, survey.constants), mirrored) is False
         for one, mirrored in ((head.left_guard, False), (head.right_guard, True))
@@ -80,7 +80,7 @@ def _admits_none(head: Node, survey: Survey) -> bool:
 
 
 def _holds(comparison: int, bound: Optional[clingo.Symbol], mirrored: bool) -> Optional[bool]:
-    """Return whether the bound of a choice holds for no atoms, None where that is not known."""
+    """Tell whether the bound of a choice holds for the empty set, None if that is unknown."""
     if bound is None:
         return None
     none = clingo.Number(0)

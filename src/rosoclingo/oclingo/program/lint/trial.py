@@ -56,7 +56,7 @@ class Trial:
 
     Attributes:
         twice: an atom of each predicate that two steps define.
-        last: the last step that is ground, None where there is too much to ground.
+        last: the last ground step, None if the program is too large.
 
     """
 
@@ -87,10 +87,10 @@ class Trial:
                 self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
 
     def demands(self, signature: Signature) -> Optional[bool]:
-        """Return whether each answer has an atom of the predicate at the last step, its last argument.
+        """Tell whether each answer has an atom of the predicate at the last step, its last argument.
 
-        Nothing is asserted, and no plan ends here. None where there is no answer at all, False as well where that is
-        not known in time.
+        Nothing is asserted, and no plan ends here. None if there is no answer at all, False also if the search takes
+        too long.
         """
         atoms = self._control.symbolic_atoms.by_signature(signature.name, signature.arity, signature.positive)
         step = clingo.Number(self.last or 0)
@@ -100,7 +100,7 @@ class Trial:
         return {True: True, False: None, None: False}[self._has_answer([])]
 
     def _has_answer(self, assumptions: Sequence[int]) -> Optional[bool]:
-        """Return whether there is an answer, None where that is not known in time."""
+        """Tell whether there is an answer, None if the search takes too long."""
         self._control.configuration.solve.opt_mode = "ignore"  # type: ignore[union-attr]
         with self._control.solve(assumptions, async_=True) as handle:
             done = handle.wait(_TRIAL_SECONDS)
