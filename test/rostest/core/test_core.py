@@ -280,6 +280,7 @@ class Core(unittest.TestCase):
         self.assertEqual(nobody.returncode, 5)
 
     def test_request_in_plain_words(self):
+        self.hands.tell(origin="walk")  # announced, as another test has announced an interface of this node
         text = self.errand()
         with Told("request", "--plain", text) as client:
             command = self.hands.take()
