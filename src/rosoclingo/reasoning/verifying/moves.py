@@ -86,6 +86,7 @@ class Moves:
         self._program, self._repertory, self._limits = program, repertory, limits
         self._first = program.first_step
         self._parameters: Dict[Symbol, List[Symbol]] = {}
+        self._first_actions: FrozenSet[Tuple[Symbol, Symbol]] = frozenset()  # before any return was known
         self._clock = Clock(program.delay_of, program.first_step)
 
     def of(self, awaited: Sequence[Action], goals: Sequence[Goal], step: int, due: bool, left: int) -> Iterator[Move]:
@@ -103,15 +104,27 @@ class Moves:
 
     def returns(self, actions: Iterable[Tuple[Symbol, Symbol]]) -> Iterator[Symbol]:
         """Yield all returns, of cycle 1, of actions, names and parameters, that may be taken."""
-        for name, what in sorted(actions):
+        actions = sorted(actions)
+        self._first_actions = self._first_actions or frozenset(actions)
+        for name, what in actions:
             known = self._parameters.setdefault(name, [])
             known += [] if what in known else [what]
             reasons = self._values(name)
-            clashing = (failure_value(one, what, known.__contains__) for one in reasons)
-            for value in dict.fromkeys((what, *reasons, *clashing)):
+            for value in dict.fromkeys((what, *reasons, *self._clashing(name, what, reasons))):
                 yield Return(name, value, 1).atom
                 if self._program.declares_external(FAILED, 3):
                     yield Function(FAILED, Return(name, value, 1).atom.arguments)
+
+    def _clashing(self, name: Symbol, what: Symbol, reasons: Sequence[Symbol]) -> Iterator[Symbol]:
+        """Yield the values that stand for reasons spelt like a parameter.
+
+        Returns can be parameters of further actions, in programs that take what was done for possible. Values for these
+        would give others without end, so only the first actions count.
+        """
+        own = self._first_actions
+        if (name, what) in own:
+            for one in reasons:
+                yield failure_value(one, what, lambda other: (name, other) in own)
 
     def _values(self, interface: Symbol) -> Tuple[Symbol, ...]:
         return self._repertory.reasons.get(name_of(interface), (FAILURE,))
