@@ -49,6 +49,7 @@ ONCE = (
     "crowd",
     "exactly_once",
     "explain",
+    "flood",
     "interface_respawn",
     "late_facts",
     "late_world",
