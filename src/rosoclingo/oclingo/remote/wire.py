@@ -69,12 +69,13 @@ def result_to_message(result: SolveResult, solver: ReactiveSolver) -> Message:
     def is_recent(atom: clingo.Symbol) -> bool:
         """Tell whether an atom has no cycle, or a recent one."""
         position = program.time_position(atom.name, len(atom.arguments)) if atom.type is _FUNCTION else None
-        cycle = None if position is None or not solver.shortest else atom.arguments[position]
+        cycle = None if position is None else atom.arguments[position]
         return cycle is None or cycle.type is not clingo.SymbolType.Number or cycle.number >= first
 
+    answers = [filter(is_recent, one) for one in result.answers] if solver.shortest else result.answers
     return {
         "outcome": result.outcome.value,
-        "answers": [symbols_to_text(filter(is_recent, answer)) for answer in result.answers],
+        "answers": [symbols_to_text(answer) for answer in answers],
         "horizon": result.horizon,
         "step": result.step,
         "warnings": result.warnings,
