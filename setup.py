@@ -12,7 +12,11 @@ from setuptools import find_packages, setup
 #: What pip installs, with all that it imports.
 WITHOUT_ROS = [
     "rosoclingo",
-    *(f"rosoclingo.{room}{below}" for room in ("oclingo", "languages", "reasoning") for below in ("", ".*")),
+    *(
+        f"rosoclingo.{room}{below}"
+        for room in ("oclingo", "planning", "languages", "reasoning")
+        for below in ("", ".*")
+    ),
     "rosoclingo.common",
 ]
 LIBRARIES = ("clingo",)

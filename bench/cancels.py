@@ -17,7 +17,7 @@ from figures import Figure, parse, write
 from rosoclingo.nodes.core.core_node import CANCEL_GRACE
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Problem
 
 ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
@@ -36,7 +36,7 @@ class Run:
     def __init__(self, options):
         program = ReactiveProgram([Source.from_file(ENCODING), row(options.offices)])
         self.options, self.source = options, random.Random(options.seed)
-        self.process = SolverProcess(program, shortest=True, oclingo_strings=False, spare=True)
+        self.process = WorkerPool(program, shortest=True, oclingo_strings=False, spare=True)
         self.process.start()
         self.cancels = {}  # key of a goal to when it is cancelled
         self.ends, self.lost, self.longest = collections.Counter(), 0, 0.0

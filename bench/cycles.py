@@ -17,7 +17,7 @@ from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import Core, CoreSettings
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
@@ -42,7 +42,7 @@ class Run:
     """A core with its solver's process."""
 
     def __init__(self, program, plan_time, prepares):
-        self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self.process.start()
         self.core = Core(program, self.process.solver, lambda event: None, CoreSettings())
         self.core.start()

@@ -17,8 +17,9 @@ from pathlib import Path
 
 from figures import Figure, parse, write
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.solver import PlanSolver
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 
@@ -99,7 +100,7 @@ def program_of(kind, first, last):
 
 def plan_of(kind, program, limit):
     """Return the moves of the plan and the processor time of the search in seconds, no moves where that is too long."""
-    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
+    solver = PlanSolver(program)
     solver.solve()
     update = parse_update(f"#step 1 : 100. _request({KINDS[kind]},2). #endstep.")
     begin = time.process_time()

@@ -16,7 +16,7 @@ from pathlib import Path
 from figures import Figure, parse, write
 from long_run import add_run, answer, load
 
-from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, file_of
 from rosoclingo.reasoning.journal.keeper import Client, Keeper
@@ -32,7 +32,7 @@ class Run:
         self.keeper = Keeper(lambda event: None, self._writing, time.monotonic)
 
         def solver():
-            return ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=1.0)
+            return PlanSolver(program, plan_time=1.0)
 
         self.core = KeptCore(program, solver, self.keeper, CoreSettings(), record=record)
         self.keeper.attach(self.core, record)

@@ -16,7 +16,7 @@ from pathlib import Path
 from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, PlanMade
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
@@ -70,7 +70,7 @@ class Run:
     """A core that is given goals, each action of which is answered at once; an own process has its solver."""
 
     def __init__(self, program, goal, failures):
-        self.process = SolverProcess(program, shortest=True, oclingo_strings=False)
+        self.process = WorkerPool(program, shortest=True, oclingo_strings=False)
         self.process.start()
         self.teller = Teller()
         self.core = Core(program, self.process.solver, self.teller, CoreSettings())

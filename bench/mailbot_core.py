@@ -4,7 +4,7 @@ from pathlib import Path
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import Core, CoreSettings
 from rosoclingo.reasoning.stream_planner import unwatched
 
@@ -16,7 +16,7 @@ class MailbotCore:
 
     def __init__(self, floor, plan_time, settings=None):
         program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
-        self.process = SolverProcess(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
         self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), self.watch)
 
     def __enter__(self):

@@ -22,7 +22,6 @@ sys.path.insert(0, str(ROOT / "src"))
 
 from rosoclingo.oclingo import (  # noqa: E402
     ReactiveProgram,
-    ReactiveSolver,
     SolveOutcome,
     Statement,
     StreamUpdate,
@@ -31,6 +30,8 @@ from rosoclingo.oclingo import (  # noqa: E402
     parse_term,
 )
 from rosoclingo.oclingo.program.sources import Source  # noqa: E402
+from rosoclingo.oclingo.progression.updates import Closed, Over  # noqa: E402
+from rosoclingo.planning.solver import PlanSolver  # noqa: E402
 
 BOUND = 200
 """Steps that a plan may reach beyond the present cycle."""
@@ -54,7 +55,7 @@ class Robot:
         program = ReactiveProgram(
             [Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source("floor", floor(offices))]
         )
-        self.solver = ReactiveSolver(program, shortest=True)
+        self.solver = PlanSolver(program)
         self.random = random.Random(seed)
         self.offices, self.requests, self.ids = offices, requests, 0
         self.cycle = 0
@@ -82,10 +83,9 @@ class Robot:
         if before is not None:
             name, what, cycle = before.arguments
             items.append(atom("_return({},{},{})", name, what, cycle))
-        start = time.perf_counter()
         if self.cycle > 1:
-            self.solver.close_cycle(self.cycle - 1, [] if before is None else [before])
-            self.solver.forget_before(self.cycle - 1)
+            items += [Closed(self.cycle - 1, self.cycle - 1), Over(self.cycle - 1)]
+        start = time.perf_counter()
         result = self.solver.update(StreamUpdate(self.cycle, BOUND, tuple(items)))
         seconds = time.perf_counter() - start
         assert result.outcome is SolveOutcome.SATISFIABLE, result

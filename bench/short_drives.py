@@ -23,8 +23,10 @@ from tour_floors import small_floor  # noqa: E402
 
 from rosoclingo.common.labels import Label, LabelError, LabelTable  # noqa: E402
 from rosoclingo.common.reading import read_yaml  # noqa: E402
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update  # noqa: E402
+from rosoclingo.oclingo import ReactiveProgram, parse_update  # noqa: E402
 from rosoclingo.oclingo.program.sources import Source  # noqa: E402
+from rosoclingo.planning.history import Plan  # noqa: E402
+from rosoclingo.planning.solver import PlanSolver  # noqa: E402
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, load_map  # noqa: E402
 from rosoclingo.robot.navigation.floor import FloorError, floor_of  # noqa: E402
 
@@ -60,16 +62,16 @@ class Planner:
         text = f"#program base.\n{self._floor.facts()}"
         files = [MAILBOT, *([PREFERENCE] if prefers else [])]
         self._program = ReactiveProgram([*map(Source.from_file, files), Source("floor.lp", text)])
-        ReactiveSolver(self._program, shortest=True, oclingo_strings=False, plan_time=1.0).solve()
+        PlanSolver(self._program, plan_time=1.0).solve()
 
     def drive(self, requests):
         """The metres and the steps of the plan for some requests, and the processor time (s) that it took."""
-        solver = ReactiveSolver(self._program, shortest=True, oclingo_strings=False, plan_time=1.0)
+        solver = PlanSolver(self._program, plan_time=1.0)
         told = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
         begin = time.process_time()
         result = solver.update(parse_update(f"#step 1. {told} #endstep."))
         seconds = time.process_time() - begin
-        actions = sorted((one.arguments for one in result.plan.actions), key=lambda one: one[2].number)
+        actions = sorted((one.arguments for one in Plan.in_result(result).actions), key=lambda one: one[2].number)
         way = [self._floor.start, *(str(place) for kind, place, _ in actions if kind.name == "move_base")]
         metres = sum(self._floor.distances[min(pair), max(pair)] for pair in zip(way, way[1:]))
         return metres, len(actions), seconds

@@ -16,7 +16,7 @@ from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning.verifying.question import Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 ROOT = Path(__file__).resolve().parents[1]

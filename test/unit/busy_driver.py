@@ -5,8 +5,8 @@ from random import Random
 
 from core_driver import Driver, shortest
 
-from rosoclingo.oclingo import ReactiveSolver
 from rosoclingo.oclingo.progression.updates import Volatile
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings, Halt
 
 #: Errands do(What,Id), one a cycle, the oldest first but far ones last; never cannot be done. Known while open.
@@ -30,7 +30,7 @@ _status(I,canceled,t) :- _request(cancel(I),t).
 """
 
 
-class BusySolver(ReactiveSolver):
+class BusySolver(PlanSolver):
     """Searches for as long as ``ends`` says for an update: its search is ended at once where that is True."""
 
     ends = staticmethod(lambda update: False)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from rosoclingo.oclingo.remote import child, preparation
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.workers import child, worker
+from rosoclingo.planning.workers.pool import WorkerPool
 
 
 def ended(pid):
@@ -37,9 +37,9 @@ def kill(process):
 def preparing_process(program):
     """A process for many tests that prepares at once, looks for shorter plans briefly, and is not replaced."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(preparation, "PAUSE", 0.0)
+        patch.setattr(worker, "PAUSE", 0.0)
         patch.setattr(child, "GROWTH", 2**60)  # none is replaced for its size
-        with SolverProcess(program, shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
+        with WorkerPool(program, shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
             yield one
 
 

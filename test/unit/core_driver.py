@@ -6,7 +6,9 @@ from typing import Callable, List, Optional
 from core_journal import Journal
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamSolver
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.planning.planning_solver import PlanningSolver
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Halt, Problem
 from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
 
@@ -26,14 +28,14 @@ done(I,t) :- _action_lib(quick,I,t).
 """
 
 
-def shortest(program: ReactiveProgram, kind: Callable[..., ReactiveSolver] = ReactiveSolver) -> ReactiveSolver:
+def shortest(program: ReactiveProgram, kind: Callable[..., PlanSolver] = PlanSolver) -> PlanSolver:
     """A solver as the core's node makes it with ``~plan: shortest``, or one of another ``kind``."""
-    return kind(program, shortest=True, oclingo_strings=False)
+    return kind(program)
 
 
-def soon(program: ReactiveProgram, plan_time: float = 1.0) -> ReactiveSolver:
+def soon(program: ReactiveProgram, plan_time: float = 1.0) -> PlanSolver:
     """A solver as the core's node makes it with ``~plan: soon``."""
-    return ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=plan_time)
+    return PlanSolver(program, plan_time=plan_time)
 
 
 #: Makers of solvers for either setting of ``~plan``.
@@ -64,7 +66,7 @@ class Driver:
         text: str = ERRANDS,
         settings: Optional[CoreSettings] = None,
         program: Optional[ReactiveProgram] = None,
-        solver: Callable[[ReactiveProgram], StreamSolver] = shortest,
+        solver: Callable[[ReactiveProgram], PlanningSolver] = shortest,
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
         start: bool = True,

@@ -12,7 +12,6 @@ from shipped import ENCODINGS
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
-    ReactiveSolver,
     SolveOutcome,
     StreamUpdate,
     commitment,
@@ -20,6 +19,8 @@ from rosoclingo.oclingo import (
     parse_term,
 )
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.updates import Closed
+from rosoclingo.planning.solver import PlanSolver
 
 TRIES, MEMORY, TOLD = 3, 6, 20
 BLOCKED = ("blocked", "unreachable")
@@ -144,7 +145,7 @@ class Mailbot:
         self.cycle, self._items, self._done = 0, [], None
         self.takes = 0  # how often in a row somebody else has driven the robot
         self._refused = set()
-        self.solver = ReactiveSolver(program(count, corridors, start, capacity), horizon_limit=1000, shortest=True)
+        self.solver = PlanSolver(program(count, corridors, start, capacity), horizon_limit=1000)
         assert self.solver.solve().outcome is SolveOutcome.SATISFIABLE
 
     def request(self, identifier, source, target):
@@ -179,9 +180,8 @@ class Mailbot:
 
         None where there is no plan, after checking that there can be none.
         """
-        items = [commitment(self._done)] if self._done is not None else []
-        if self.cycle:
-            self.solver.close_cycle(self.cycle, [] if self._done is None else [self._done])
+        items = [Closed(self.cycle, self.cycle)] if self.cycle else []
+        items += [commitment(self._done)] if self._done is not None else []
         self.cycle += 1
         if self._done is None:
             self.ways.noticed = False

@@ -6,7 +6,7 @@ from typing import FrozenSet, List, Optional, Set
 import clingo
 
 from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom
-from rosoclingo.oclingo.solving.stream_log import cycle_of
+from rosoclingo.planning.history import cycle_of
 
 BASE = "at(0,0)."
 STEP = """

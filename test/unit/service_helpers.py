@@ -6,8 +6,8 @@ import socket
 import threading
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.service.server import Service, listen
+from rosoclingo.planning.workers.pool import WorkerPool
 
 TIMEOUT = 120.0  # seconds for what must happen in the end; no test measures time
 
@@ -125,7 +125,7 @@ class Running:
 @contextlib.contextmanager
 def running(text, models=0, horizon_limit=None, **options):
     """Serve the program ``text`` by a solver process."""
-    with SolverProcess(ReactiveProgram.from_text(text), models, horizon_limit=horizon_limit) as process:
+    with WorkerPool(ReactiveProgram.from_text(text), models, horizon_limit=horizon_limit) as process:
         process.start()
         service = Running(process, **options)
         try:

@@ -4,6 +4,7 @@ Written without the solver under test; it knows programs only as parts of text w
 """
 
 import re
+from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, List, Optional, Set, Tuple
 
@@ -74,7 +75,16 @@ class Reference:
 
     def update(self, update: StreamUpdate) -> Tuple[bool, Set[Answer], int, int]:
         """Return whether there are answers, the answers, the horizon, and how many rules were ignored."""
-        self.held = [one for one in self.held if one.lifetime != "update"]
+        ignored = self.begin(update)
+        while True:
+            answers = self.solve()
+            if answers or not self.may_grow():
+                return bool(answers), answers, self.horizon, ignored
+            self.forget(self.grow())
+
+    def begin(self, update: StreamUpdate) -> int:
+        """Take an update and the steps up to its own; return how many rules were ignored."""
+        self.held = [one for one in self.held if one.lifetime != "update" and not self.has_passed(one.lifetime)]
         if update.step is not None:
             self.step = update.step
             self.bound = None if update.bound is None else update.step + update.bound
@@ -82,19 +92,24 @@ class Reference:
         while self.horizon < self.step:
             due += self.grow()
         ignored = self.take(update)
-        for item in [*due, *(one for one in update.items if isinstance(one, Forget))]:
-            self.forget(item)
-        while True:
-            answers = self.solve()
-            if answers or self.horizon >= (self.bound if self.bound is not None else self.horizon):
-                return bool(answers), answers, self.horizon, ignored
-            for item in self.grow():
-                self.forget(item)
+        self.forget([*due, *(one for one in update.items if isinstance(one, Forget))])
+        return ignored
+
+    def may_grow(self) -> bool:
+        return self.bound is not None and self.horizon < self.bound
+
+    def has_passed(self, lifetime: object) -> bool:
+        """Whether a window is over."""
+        return isinstance(lifetime, int) and lifetime < self.horizon
+
+    def holds_at(self, first: int, end: int) -> bool:
+        """Whether what holds at the horizons from ``first`` to before ``end`` does so now."""
+        return first <= self.horizon < end
 
     def grow(self) -> List[Forget]:
         """Go to the next step; return what falls due to be forgotten there."""
         self.horizon += 1
-        self.held = [one for one in self.held if not (isinstance(one.lifetime, int) and one.lifetime < self.horizon)]
+        self.held = [one for one in self.held if not self.has_passed(one.lifetime)]
         for one in self.held:
             if one.waiting and str(one.statement.head) in self.declared():
                 one.waiting = False
@@ -123,7 +138,7 @@ class Reference:
 
     def statement(self, statement: Statement, lifetime: object, fresh: Set[str]) -> int:
         """Take a statement; 1 if it is ignored with a warning."""
-        if isinstance(lifetime, int) and lifetime < self.horizon:
+        if self.has_passed(lifetime):
             return 0
         head = None if statement.head is None else str(statement.head)
         if head is None:
@@ -149,11 +164,12 @@ class Reference:
             return 0
         return 1
 
-    def forget(self, item: Forget) -> None:
+    def forget(self, items: List[Forget]) -> None:
         defined = {str(one.statement.head) for one in self.held if not one.waiting}
-        for atom, step in self.declared().items():
-            if item.first <= step <= item.last and atom not in defined:
-                self.forgotten.add(atom)
+        for item in items:
+            for atom, step in self.declared().items():
+                if item.first <= step <= item.last and atom not in defined:
+                    self.forgotten.add(atom)
 
     def solve(self) -> Set[Answer]:
         control = clingo.Control(["0", "-Wnone"])
@@ -165,13 +181,57 @@ class Reference:
 
     def rules(self) -> List[str]:
         rules = list(self.parts.base)
-        horizon = self.horizon
-        for step in range(1, horizon + 1):
+        for step in range(1, self.horizon + 1):
             rules += [at(rule, step) for rule in self.parts.cumulative]
-            rules += [at(rule, step) for window, rule in self.parts.volatile if step <= horizon <= step + window - 1]
+            rules += [at(rule, step) for window, rule in self.parts.volatile if self.holds_at(step, step + window)]
         rules += [f"#external {atom}." for atom in set(self.declared()) | self.opened]
-        rules += [str(one.statement) for one in self.held if not one.waiting]
+        held = (one for one in self.held if not one.waiting)
+        rules += [
+            str(one.statement)
+            for one in held
+            if not isinstance(one.lifetime, int) or self.holds_at(0, one.lifetime + 1)
+        ]
         return rules
+
+
+@dataclass
+class ShortestReference(Reference):
+    """Plays a stream as a planner does, which grounds some steps, up to ``horizon``, and takes the least that will do.
+
+    ``settled`` is the greatest step of all updates, and ``asked`` the horizon that is tried.
+    """
+
+    settled: int = 1
+    asked: int = 1
+    before: Optional["ShortestReference"] = None
+
+    def update(self, update: StreamUpdate) -> Tuple[bool, Set[Answer], int, int]:
+        """Return if there are answers, those of the least horizon, that horizon, and ignored rules."""
+        self.settled = max(self.settled, self.step if update.step is None else update.step)
+        ignored = self.begin(update)
+        self.before = None
+        self.before = deepcopy(self)
+        self.asked = self.settled
+        while True:
+            answers = self.solve()
+            if answers or (self.asked == self.horizon and not self.may_grow()):
+                return bool(answers), answers, self.asked, ignored
+            if self.asked == self.horizon:
+                self.forget(self.grow())
+            self.asked += 1
+
+    def end_at(self, horizon: int) -> None:
+        """Say that the solver has given up after so many steps, where there is no answer."""
+        assert self.before is not None
+        self.__dict__.update(vars(self.before))
+        while self.horizon < horizon:
+            self.forget(self.grow())
+
+    def has_passed(self, lifetime: object) -> bool:
+        return isinstance(lifetime, int) and lifetime < self.settled
+
+    def holds_at(self, first: int, end: int) -> bool:
+        return first <= self.asked < end
 
 
 def at(text: str, step: int) -> str:

@@ -1,16 +1,16 @@
 """Logs of streams as another process or a record on disk would read them; and the answers of their readers."""
 
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog
+from rosoclingo.planning.history import Checkpoint, History
 
 
 def copied(log):
     """The log, read from its text."""
-    return StreamLog.parse(log.text())
+    return History.parse(log.text())
 
 
 def cut(solver):
     """The log of a solver as one checkpoint, read from its text."""
-    return copied(StreamLog().then(Checkpoint(solver.state)))
+    return copied(History().then(Checkpoint(solver.snapshot)))
 
 
 def texts(result):

@@ -1,6 +1,7 @@
 """Plays the stream that a core told to a solver of its own, and compares."""
 
-from rosoclingo.oclingo import ReactiveSolver, parse_updates
+from rosoclingo.oclingo import parse_updates
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import ActionsDispatched, PlanMade, Problem, UpdateSent
 from rosoclingo.runs.recorded_run import RunCollector
 from rosoclingo.runs.replay import AGREEING, Replay, Verdict
@@ -8,7 +9,7 @@ from rosoclingo.runs.replay import AGREEING, Replay, Verdict
 
 def replayed(program, stream):
     """The results of all updates of ``stream``."""
-    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
+    solver = PlanSolver(program)
     return [solver.update(update) for update in parse_updates(stream)]
 
 
@@ -32,7 +33,7 @@ def check_replay(program, journal, verdicts=(*AGREEING, Verdict.MISSED)):
     told = journal.of(UpdateSent)
     reports = list(Replay(recorded(journal), program).reports()) if told else []
     odd = [report.line() for report in reports if not report.explained or report.verdict not in verdicts]
-    assert not odd
+    assert not odd, odd
     begun_anew = any("#anew." in event.stream for event in told)
     steps = [event.cycle for event in told]
     assert begun_anew or steps == list(range(1, len(steps) + 1)), "each cycle's update is told once"

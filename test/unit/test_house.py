@@ -11,7 +11,7 @@ import pytest
 pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "src" / "rosoclingo"
-PURE = ("oclingo", "languages", "reasoning", "runs", "robot/navigation", "robot/simulation")
+PURE = ("oclingo", "planning", "languages", "reasoning", "runs", "robot/navigation", "robot/simulation")
 PURE_COMMON = ("durable", "labels", "lazy", "reading")  # what pure packages may import of common
 MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "common": set(),
@@ -19,29 +19,20 @@ MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "oclingo/progression": {"oclingo"},
     "oclingo/program": {"oclingo", "oclingo/progression", "oclingo/gringo3"},
     "oclingo/gringo3": {"oclingo"},
-    "oclingo/reordering": set(),
-    "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/reordering"},
-    "oclingo/explaining": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving"},
-    "oclingo/remote": {
-        "oclingo",
-        "oclingo/progression",
-        "oclingo/program",
-        "oclingo/solving",
-        "oclingo/explaining",
-    },
+    "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program"},
     "oclingo/service": {
         "oclingo",
         "oclingo/progression",
         "oclingo/program",
         "oclingo/solving",
-        "oclingo/explaining",
-        "oclingo/remote",
+        "planning",
     },
+    "planning": {"oclingo"},
     "languages": {"oclingo"},  # found by name where a program's files are read
-    "reasoning": {"common", "oclingo"},
-    "runs": {"common", "oclingo", "reasoning"},
-    "interfaces": {"common", "oclingo", "reasoning", "runs"},
-    "nodes": {"common", "oclingo", "reasoning", "runs"},
+    "reasoning": {"common", "oclingo", "planning"},
+    "runs": {"common", "oclingo", "planning", "reasoning"},
+    "interfaces": {"common", "oclingo", "planning", "reasoning", "runs"},
+    "nodes": {"common", "oclingo", "planning", "reasoning", "runs"},
     "robot": set(),
     "robot/navigation": {"common"},
     "robot/simulation": {"common", "robot/navigation"},
@@ -134,11 +125,6 @@ def test_pure_packages_know_nothing_of_ros_and_start_no_threads(path):
 
 def test_every_subpackage_is_in_the_layers():
     assert {path.name for path in PACKAGES.iterdir() if (path / "__init__.py").exists()} == LAYERS
-
-
-def test_no_two_modules_have_one_name():
-    names = [path.stem for path in SOURCES if path.stem != "__init__"]
-    assert not {name for name in names if names.count(name) > 1}
 
 
 def test_rostests_lie_in_rooms_and_no_two_have_one_name():

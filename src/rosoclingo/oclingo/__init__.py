@@ -35,8 +35,8 @@ from rosoclingo.oclingo.progression.updates import (
 )
 
 if TYPE_CHECKING:
-    from rosoclingo.oclingo.solving.solver import Answer, ReactiveSolver, SolveOutcome, SolveResult
-    from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
+    from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
+    from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 
 __all__ = [
     "Answer",
@@ -59,7 +59,6 @@ __all__ = [
     "SolverError",
     "Statement",
     "Stop",
-    "StreamSolver",
     "StreamUpdate",
     "Volatile",
     "commitment",
@@ -70,10 +69,7 @@ __all__ = [
     "parse_updates",
 ]
 
-_SOLVER = {
-    **dict.fromkeys(("Answer", "ReactiveSolver", "SolveOutcome", "SolveResult"), "solver"),
-    "StreamSolver": "solver_protocol",
-}
+_SOLVER = {"ReactiveSolver": "reactive_solver", **dict.fromkeys(("Answer", "SolveOutcome", "SolveResult"), "results")}
 
 
 def __getattr__(name: str) -> Any:

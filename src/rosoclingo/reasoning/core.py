@@ -4,7 +4,7 @@ from contextlib import suppress
 from typing import Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult
-from rosoclingo.oclingo.explaining.explainer import Stream
+from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer

@@ -6,7 +6,7 @@ from typing import Callable, ClassVar, FrozenSet, Iterable, Optional, Tuple
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolveResult, StreamUpdate
-from rosoclingo.oclingo.explaining.explainer import Stream
+from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.present import Present

@@ -4,7 +4,7 @@ from typing import Callable, Dict, FrozenSet, Iterator, List, NamedTuple, Option
 
 from clingo import Symbol, SymbolType
 
-from rosoclingo.oclingo.explaining.explainer import Stream
+from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.keywords import EXPLAIN, is_keyword, name_of

@@ -22,7 +22,7 @@ from clingo import Function, Number, Symbol, SymbolType
 
 from rosoclingo.oclingo import Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Item, Over, Withdraw
-from rosoclingo.oclingo.solving.state_text import symbols_from_text, symbols_to_text
+from rosoclingo.planning.text import symbols_from_text, symbols_to_text
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, success_of
 from rosoclingo.reasoning.observations import Observation

@@ -5,9 +5,9 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.oclingo.remote.wire import plan_from_message, plan_to_message
-from rosoclingo.oclingo.solving.state_text import symbol_list, symbols_to_text
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, Plan, StreamLog, entry_from_message, entry_to_message
+from rosoclingo.planning.history import Checkpoint, History, Plan, entry_from_message, entry_to_message
+from rosoclingo.planning.text import symbol_list, symbols_to_text
+from rosoclingo.planning.workers.wire import plan_from_message, plan_to_message
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import Action, action_of
 
@@ -89,12 +89,12 @@ class LogRecorder:
     """
 
     def __init__(self) -> None:
-        self._sections: Dict[StreamLog, Tuple[str, Any]] = {}
+        self._sections: Dict[History, Tuple[str, Any]] = {}
         self._count = 0
 
-    def record(self, log: StreamLog) -> Record:
+    def record(self, log: History) -> Record:
         """Return the sections of a log."""
-        sections: Dict[StreamLog, Tuple[str, Any]] = {}
+        sections: Dict[History, Tuple[str, Any]] = {}
         for one in _needed(log):
             sections[one] = self._sections.get(one) or self._section(one)
         self._sections = sections
@@ -105,15 +105,15 @@ class LogRecorder:
             found["plan_before"] = _plan_message(before.plan)
         return found
 
-    def _section(self, log: StreamLog) -> Tuple[str, Any]:
+    def _section(self, log: History) -> Tuple[str, Any]:
         assert log.entry is not None
         self._count += 1
         return f"log:{self._count}", entry_to_message(log.entry)
 
 
-def log_of(record: Record) -> StreamLog:
+def log_of(record: Record) -> History:
     """Return the log of :meth:`LogRecorder.record`."""
-    log = StreamLog().then(*map(entry_from_message, group(record, "log").values()))
+    log = History().then(*map(entry_from_message, group(record, "log").values()))
     log.plan = plan_from_message(record["plan_now"])
     before = _before(log)
     if before is not None:
@@ -121,13 +121,13 @@ def log_of(record: Record) -> StreamLog:
     return log
 
 
-def _before(log: StreamLog) -> Optional[StreamLog]:
+def _before(log: History) -> Optional[History]:
     return None if log.last is None else log.last.before
 
 
-def _needed(log: StreamLog) -> List[StreamLog]:
+def _needed(log: History) -> List[History]:
     """The logs from the checkpoint, or the start, from which one can also go on instead of the last update."""
-    found: List[StreamLog] = []
+    found: List[History] = []
     before, passed, one = _before(log), False, log
     while one.entry is not None:
         found.append(one)

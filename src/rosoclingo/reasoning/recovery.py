@@ -12,7 +12,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
-from rosoclingo.oclingo.solving.inquiry import Verdict
+from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.conflicts import (
     Choice,

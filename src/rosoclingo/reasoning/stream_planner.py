@@ -15,15 +15,15 @@ from rosoclingo.oclingo import (
     SolveOutcome,
     SolverError,
     SolveResult,
-    StreamSolver,
     StreamUpdate,
     Volatile,
     commitment,
 )
-from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
-from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.planning_solver import PlanningSolver
+from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.keywords import Action
@@ -31,7 +31,7 @@ from rosoclingo.reasoning.keywords import Action
 T = TypeVar("T")
 
 #: Makes a solver that nothing was fed to yet.
-SolverFactory = Callable[[], StreamSolver]
+SolverFactory = Callable[[], PlanningSolver]
 
 
 #: Cycles that stay as they were fed, so that an observation can still be named as the reason of a failure.
@@ -104,7 +104,7 @@ class Planner:
         make_solver: SolverFactory,
         lookahead: int,
         watch: SearchWatch = unwatched,
-        log: Optional[StreamLog] = None,
+        log: Optional[History] = None,
     ) -> None:
         """Plan from the start or, with ``log``, go on from there."""
         self._make_solver = make_solver
@@ -116,12 +116,12 @@ class Planner:
         self.ended_by = ""
 
     @property
-    def solver(self) -> StreamSolver:
+    def solver(self) -> PlanningSolver:
         """The solver that it asks."""
         return self._solver
 
     @property
-    def log(self) -> StreamLog:
+    def log(self) -> History:
         """All that the solver has taken."""
         return self._solver.log
 
@@ -138,7 +138,7 @@ class Planner:
     @property
     def stream(self) -> Stream:
         """The last update and what it followed on: what it is about where there is no plan."""
-        return Stream(self._before or StreamLog(), self.in_force, self.lookahead)
+        return Stream(self._before or History(), self.in_force, self.lookahead)
 
     def ends_later(self, step: int) -> bool:
         """Whether the last answer, and each that there is, ends later than at ``step``."""
@@ -221,7 +221,7 @@ class Planner:
 
         The plan has to go on with all before it. They look so far ahead. Tell whether it is prepared now.
         """
-        log, whole = self.log, []  # type: StreamLog, List[StreamUpdate]
+        log, whole = self.log, []  # type: History, List[StreamUpdate]
         for update in updates:
             whole.append(_whole(log, update, lookahead))
             log = log.then(Taken(whole[-1], log.horizon))
@@ -245,18 +245,18 @@ class Planner:
         horizon = max(before.horizon, taken.step or before.step)
         return self._beside(before.less(without).then(Taken(taken.less(without), horizon)))
 
-    def at(self, log: StreamLog) -> "Planner":
+    def at(self, log: History) -> "Planner":
         """Return a planner beside this one that has taken what is in ``log``."""
         return self._beside(log)
 
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
         """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
-        planner = self._beside((self._before or StreamLog()).less(without))
+        planner = self._beside((self._before or History()).less(without))
         return planner, planner.update(update.less(without))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
         """Return a planner that knows only that it is ``step`` now and nothing was done before; and what it was fed."""
-        planner = self._beside(StreamLog())
+        planner = self._beside(History())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []
         for last, now in zip([0, *stops], stops):
@@ -266,11 +266,11 @@ class Planner:
         return planner, fed, result
 
     @property
-    def _before(self) -> Optional[StreamLog]:
+    def _before(self) -> Optional[History]:
         """The log before the last update, None where there is none."""
         return None if self.log.last is None else self.log.last.before
 
-    def _beside(self, log: StreamLog) -> "Planner":
+    def _beside(self, log: History) -> "Planner":
         return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def _search(self, update: StreamUpdate) -> SolveResult:
@@ -306,7 +306,7 @@ class Planner:
             raise DisturbedError(halt.why, kept=True)
 
 
-def _whole(log: StreamLog, update: StreamUpdate, lookahead: int) -> StreamUpdate:
+def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
     """Return ``update`` with its bound, and with what it says of the past as far as that is new after ``log``."""
     known = [item for item in update.items if isinstance(item, Over) and item.step <= log.over]
     items = tuple(item for item in update.items if item not in known)

@@ -8,7 +8,7 @@ from typing import Iterator, List, Optional, Set, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.oclingo.solving.stream_log import Taken, entry_from_message
+from rosoclingo.planning.history import Taken, entry_from_message
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Moment, State, history
 from rosoclingo.reasoning.records import actions_of, group, log_of, plan_of
 from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun, RecordingError, RunProgram

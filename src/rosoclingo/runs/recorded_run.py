@@ -14,7 +14,7 @@ import clingo
 from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, StreamLog, Taken
+from rosoclingo.planning.history import Checkpoint, History, Taken
 from rosoclingo.runs.topic_atoms import action_in
 
 #: The form of what :meth:`RunProgram.text` writes.
@@ -158,7 +158,7 @@ class RecordedRun:
 
     program: Optional[RunProgram] = None
     cycles: List[RecordedCycle] = field(default_factory=list)
-    start: Optional[StreamLog] = None
+    start: Optional[History] = None
 
     @property
     def stream(self) -> str:

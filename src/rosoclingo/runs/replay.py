@@ -16,7 +16,6 @@ from rosoclingo.oclingo import (
     Literal,
     OclingoError,
     ReactiveProgram,
-    ReactiveSolver,
     SolveOutcome,
     SolverError,
     SolveResult,
@@ -26,7 +25,8 @@ from rosoclingo.oclingo import (
     commitment,
     parse_atom,
 )
-from rosoclingo.oclingo.solving.stream_log import Plan, cycle_of
+from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun
 
@@ -108,7 +108,7 @@ class Replay:
 
         """
         self._run, self._plan_time, self._search_time = run, plan_time, search_time
-        self._solver = ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=plan_time)
+        self._solver = PlanSolver(program, plan_time=plan_time)
         if run.start is not None:
             self._solver.restore(run.start)
 

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 from mailbot_world import fewest_steps, neighbours
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, StreamUpdate, fact, parse_term
+from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, fact, parse_term
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.history import Plan
+from rosoclingo.planning.solver import PlanSolver
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.append(str(ROOT / "bench"))
@@ -110,8 +112,8 @@ def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
     requests = deliveries.random_requests(floor, 3, seed=1)
     program = ReactiveProgram([Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source(floor.name, floor.instance)])
     told = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
-    result = ReactiveSolver(program, horizon_limit=200, shortest=True).update(StreamUpdate(1, None, told))
-    actions = sorted((one.arguments for one in result.plan.actions), key=lambda action: action[2].number)
+    result = PlanSolver(program, horizon_limit=200).update(StreamUpdate(1, None, told))
+    actions = sorted((one.arguments for one in Plan.in_result(result).actions), key=lambda action: action[2].number)
     here = world(*requests, floor=floor)
     for interface, parameter, _ in actions:
         here.do(str(interface), str(parameter))

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, GoalRefused, Halt, Problem
 
 FILES = {"office": ("mailbot.lp", "office.lp"), "house": ("house.lp", "home.lp")}
@@ -22,7 +22,7 @@ class Stage:
         program = shipped(*FILES[name])
         self.play = Play(DOMAINS[name], self, Random(seed), goals)
         self._commands, self._ends, self.problems = [], [], []
-        make = lambda: ReactiveSolver(program, shortest=True, oclingo_strings=False)  # noqa: E731
+        make = lambda: PlanSolver(program)  # noqa: E731
         settings = CoreSettings(horizon_limit=40)
         self.core = Core(program, make, self._note, settings, watch_recovery=self.some_attempts)
         self.core.start()

@@ -4,8 +4,9 @@ import pytest
 from mailbot_world import program
 from test_heuristic import ROW, TWO_RINGS, errands
 
-from rosoclingo.oclingo import ReactiveSolver, parse_update
-from rosoclingo.oclingo.solving.stream_log import cycle_of
+from rosoclingo.oclingo import parse_update
+from rosoclingo.planning.history import cycle_of
+from rosoclingo.planning.solver import PlanSolver
 
 
 class Walker:
@@ -36,7 +37,7 @@ class Walker:
 
 def improved(corridors, requests, questions):
     """The steps of the first plan, and of the best after so many looks for a shorter one."""
-    solver = ReactiveSolver(program(20, corridors, 1, 3), shortest=True, oclingo_strings=False, plan_time=0.0)
+    solver = PlanSolver(program(20, corridors, 1, 3), plan_time=0.0)
     goals = [f"_request(goal(o{a},o{b},{n}),2)." for n, (a, b) in enumerate(requests, 1)]
     solver.update(parse_update(f"#step 1 : 300. {' '.join(goals)} #endstep."))
     first = solver.log.plan.horizon

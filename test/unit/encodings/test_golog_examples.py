@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 from core_driver import Driver
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 
 DATA = Path(__file__).resolve().parents[2] / "data" / "golog"
@@ -20,7 +21,7 @@ def example(name):
 
 def plans(name, request):
     """All shortest plans for a request."""
-    solver = ReactiveSolver(example(name), models=0, shortest=True, oclingo_strings=False)
+    solver = PlanSolver(example(name), models=0)
     result = solver.update(parse_update(f"#step 1 : 30. _request(run({request},1),2). #endstep."))
     found = []
     for answer in result.answers:

@@ -4,8 +4,9 @@ import pytest
 from core_driver import Driver
 from golog_programs import ENCODINGS
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 
 GOLOG = ENCODINGS / "golog"
@@ -17,7 +18,7 @@ def program_of(name, facts):
 
 def plans(program, request):
     """All shortest plans for a request."""
-    solver = ReactiveSolver(program, models=0, shortest=True, oclingo_strings=False)
+    solver = PlanSolver(program, models=0)
     result = solver.update(parse_update(f"#step 1 : 30. _request(run({request},1),2). #endstep."))
     found = []
     for answer in result.answers:

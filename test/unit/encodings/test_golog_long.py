@@ -8,7 +8,7 @@ from golog_programs import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.solving import compaction
+from rosoclingo.planning import solver as plan_solver
 from rosoclingo.reasoning import stream_planner
 
 #: Actions named act; others may act beside programs once ``shared`` holds. Fluents are what somebody tells.
@@ -44,8 +44,7 @@ def program(length=1):
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     """Steps that are over are let go as soon as may be, those that an open goal has seen after 5 cycles."""
-    monkeypatch.setattr(compaction, "COMPACT_AFTER", 1)
-    monkeypatch.setattr(compaction, "COMPACT_ALONG", 1)
+    monkeypatch.setattr(plan_solver, "MOST_STEPS", 1)
     monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
 
 
@@ -63,12 +62,12 @@ def test_a_program_that_never_ends_keeps_no_more_of_its_past_as_time_goes_on():
             driver.goal(f"g{number}", f"run(errand,{number})").finish()
             assert driver.states(f"g{number}")[-1] == "succeeded"
         if number > 6:
-            assert solver.state.past.first >= driver.core.cycle - 8
-            sizes.append(len(solver.state.past.facts))
+            assert solver.snapshot.past.first >= driver.core.cycle - 8
+            sizes.append(len(solver.snapshot.past.facts))
     assert driver.states("watch")[-1] == "active"
     assert driver.core.cycle > 60
     assert max(sizes) < 20
-    assert not any("_g_ended(3," in str(fact) for fact in solver.state.past.facts), "it is forgotten how it ended"
+    assert not any("_g_ended(3," in str(fact) for fact in solver.snapshot.past.facts), "it is forgotten how it ended"
 
 
 def test_of_a_search_beside_what_is_free_no_more_may_be_left_with_each_action():

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from golog_programs import ENCODINGS
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_updates
-from rosoclingo.oclingo.solving import plan_search
-from rosoclingo.oclingo.solving.assumptions import Search
+from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.strategies import soon
 
 LOW_BATTERY = Path(__file__).resolve().parents[2] / "data" / "mailbot_day_low_battery.txt"
 SHORTEST = 17
@@ -23,7 +23,7 @@ def program():
 
 def after_stream(program):
     """A solver that has answered the updates, with as little time as there may be, and its last result."""
-    solver = ReactiveSolver(program, shortest=True, oclingo_strings=False, plan_time=0.0)
+    solver = PlanSolver(program, plan_time=0.0)
     for update in parse_updates(LOW_BATTERY.read_text()):
         result = solver.update(update)
     return solver, result
@@ -36,8 +36,8 @@ def test_advice_that_misleads_makes_no_plan_many_times_too_long(program):
 
 @pytest.mark.slow
 def test_a_plan_that_is_too_long_is_shortened(program, monkeypatch):
-    monkeypatch.setattr(plan_search, "EFFORT", 0)
-    monkeypatch.setattr(plan_search.PlanSearch, "_unadvised", lambda *_: Search(None))
+    monkeypatch.setattr(soon, "EFFORT", 0)
+    monkeypatch.setattr(soon, "FEW_STEPS", 0)  # so that advice is always heeded
     solver, result = after_stream(program)
     assert result.horizon > SHORTEST, "there is nothing to shorten"
     better = solver.improve()

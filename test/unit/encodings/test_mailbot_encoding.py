@@ -4,13 +4,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-from core_driver import Driver
+from core_driver import Driver, shortest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import Mailbot, fewest_steps, neighbours
 from shipped import ENCODINGS, shipped
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.explanations import text_of
 
@@ -366,7 +367,7 @@ def test_a_request_replaces_a_live_one_of_the_same_id():
 
 
 def answers(update, program, models=1):
-    solver = ReactiveSolver(program, models=models, shortest=True, oclingo_strings=False)
+    solver = PlanSolver(program, models=models)
     return solver.update(parse_update(update)).answers
 
 
@@ -445,12 +446,14 @@ def test_the_search_that_plans_are_compared_with():
 def test_what_is_remembered_of_a_long_run_does_not_grow():
     """As long as a bound is kept (``_window``), the requests of its cycle are; all else that is over is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
-    driver = Driver(settings=CoreSettings(), program=ReactiveProgram.from_files(files, {"_window": "20"}))
+    program = ReactiveProgram.from_files(files, {"_window": "20"})
+    solver = shortest(program)
+    driver = Driver(settings=CoreSettings(), program=program, solver=lambda _: solver)
     number = 0
     while driver.core.cycle < 80:
         number += 1
         driver.goal(str(number), f"goal(office{number % 4 + 1},office{number % 3 + 1},{number})").finish()
-    past = driver.core._planner._solver.state.past
+    past = solver.snapshot.past
     assert past.first > 40
     times = [atom.arguments[-1].number for atom in past.facts if atom.name in ("waiting", "_aim", "_crossed")]
     assert min(times) >= past.first - 20

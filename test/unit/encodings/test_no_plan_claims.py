@@ -5,9 +5,10 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from mailbot_world import ENCODINGS
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.action_rules import STEPS, is_action_of
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.solver import PlanSolver
 
 BOUND = 24
 FLOORS = {
@@ -27,7 +28,7 @@ def solver_of(floor, claims):
     program = ReactiveProgram([Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", text)])
     for part in program.parts:
         part.statements = [one for one in part.statements if claims or not is_claim(one)]
-    return ReactiveSolver(program, shortest=True, oclingo_strings=False)
+    return PlanSolver(program)
 
 
 def is_claim(statement):

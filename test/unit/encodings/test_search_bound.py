@@ -1,14 +1,19 @@
 """The bound of delivery on how long a plan takes at least: it changes no answer, and rules out what is hopeless."""
 
+from dataclasses import replace
+
 import clingo
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import ENCODINGS, fewest_steps, neighbours
 
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, fact, parse_atom
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.solving.grounding import Grounding
+from rosoclingo.oclingo.program.update_reader import Reader
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.question import Question
+from rosoclingo.planning.snapshot import Snapshot
 
 EXAMPLES = settings(max_examples=max(1, settings.default.max_examples // 12))
 
@@ -110,12 +115,16 @@ def test_the_solver_is_told_how_long_it_takes_at_least():
 
 def claimed(program, requests):
     """How many steps the program says that a plan takes at least, with a grounding of one step that was searched."""
-    told = [clingo.parse_term(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
-    grounding = Grounding(program, told, set(told), shortest=True)
-    grounding.ground_to(1)
-    assert grounding.search(1, lambda: False, 1, 1).satisfiable is False
-    assert grounding.claimed_steps(2) == 0
-    return grounding.claimed_steps(1)
+    told = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
+    update = StreamUpdate(1, None, tuple(map(fact, told)))
+    snapshot = Snapshot.first(program).after(update, Reader(program, oclingo_strings=False))
+    found = []
+    for one in (snapshot, replace(snapshot, step=2)):
+        grounding = Grounding(program, one, 1)
+        assert grounding.ask(Question(1, 1, believes=False), lambda: False).satisfiable is False
+        found.append(grounding.claimed_steps())
+    assert found[1] == 0
+    return found[0]
 
 
 @pytest.mark.slow

@@ -5,8 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shipped import ENCODINGS
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.solver import PlanSolver
 
 #: Two ways of two moves lead from a to d, and a third of one move from d to e.
 WAYS = ("ab", "ac", "bd", "cd", "de")
@@ -22,7 +23,7 @@ def floor(distances):
 
 def plans(distances, requests, prefers, **options):
     sources = [Source.from_file(ENCODINGS / "mailbot.lp"), floor(distances), *([PREFERS] if prefers else [])]
-    solver = ReactiveSolver(ReactiveProgram(sources), shortest=True, oclingo_strings=False, **options)
+    solver = PlanSolver(ReactiveProgram(sources), **options)
     told = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
     result = solver.update(parse_update(f"#step 1. {told} #endstep."))
     assert result.outcome is SolveOutcome.SATISFIABLE

@@ -6,13 +6,13 @@ import pytest
 from core_driver import ERRANDS, Driver, shortest
 
 from rosoclingo.oclingo import (
-    ReactiveSolver,
     SolveOutcome,
     SolverError,
     SolveResult,
     parse_atom,
 )
-from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
+from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings, GoalProgress, PlanMade, Problem
 from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.returns import DONE, MOST_FACTS
@@ -83,7 +83,7 @@ class Procrastinator:
     """A solver whose plan always begins in the cycle after this one."""
 
     def __init__(self):
-        self.log = StreamLog()
+        self.log = History()
 
     def update(self, update, stopped=None):
         self.log = self.log.then(Taken(update, update.step + 1))
@@ -212,7 +212,7 @@ def test_goal_that_needs_no_action_ends_where_the_program_has_no_statuses():
     assert Driver(text).goal("a", "told(1)").states("a") == ["active", "succeeded"]
 
 
-class Picky(ReactiveSolver):
+class Picky(PlanSolver):
     """Refuses what ``refused`` says of an update."""
 
     refused = staticmethod(lambda _text: False)

@@ -9,8 +9,9 @@ from test_core import ALONE, Picky, Procrastinator
 from test_core_interrupted import Leaving
 from test_late_facts import BATTERY
 
-from rosoclingo.oclingo import DroppedError, ReactiveSolver, SolveOutcome
+from rosoclingo.oclingo import DroppedError, SolveOutcome
 from rosoclingo.oclingo.progression.updates import Anew, Volatile
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalProgress, PlanMade, UpdateSent, stream_planner
 
 #: A goal ``told(Id)`` is under way as long as nothing ends it, and needs no action.
@@ -47,7 +48,7 @@ class Undecided(Driver):
     def _make(self, program):
         driver = self
 
-        class Halting(ReactiveSolver):
+        class Halting(PlanSolver):
             def update(self, update, stopped=None):
                 if driver.drops(update):
                     raise DroppedError("ended by the test")
@@ -227,7 +228,7 @@ def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done(
         driver.core.add_goal(str(number), f"do(walk,{number})")
     *_, one, last = [str(action.parameter) for action in driver.run().core.plan.actions]
     watch.number = 1
-    driver.core.receive("interface", [f"_return(walk,{driver.core.awaited[0].parameter},1)"])
+    driver.core.receive("interface", [f"_return(walk,{driver.core.awaited[0].parameter},1)", "_seen(ball)"])
     assert driver.core.advance(1.0)
     assert (driver.core.cycle, driver.core.plan.actions) == (2, ()), "the search was left"
     driver.halts = lambda update: not any(isinstance(item, Volatile) for item in update.items)
@@ -242,7 +243,7 @@ def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done(
 def test_only_how_long_a_plan_with_new_goals_takes_tells_how_many_goals_there_is_room_for():
     needed = [90.0]
 
-    class Timed(ReactiveSolver):
+    class Timed(PlanSolver):
         def update(self, update, stopped=None):
             result = super().update(update, stopped)
             return replace(result, statistics={**result.statistics, "needed": needed[0]})

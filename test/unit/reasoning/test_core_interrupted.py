@@ -6,12 +6,13 @@ from core_driver import ERRANDS, Driver, Leaving, shortest
 from mailbot_world import program as mailbot
 from stream_replay import check_replay
 
-from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveSolver
+from rosoclingo.oclingo import DroppedError, NotReadyError
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings, Halt
 from rosoclingo.reasoning.input_feeder import PAUSE
 
 
-class Solver(ReactiveSolver):
+class Solver(PlanSolver):
     """Drops, in place of searching, each update for which ``drops(update)``; ``halts`` are asked for first."""
 
     drops = staticmethod(lambda update: False)
@@ -109,7 +110,7 @@ def test_a_goal_that_is_cancelled_in_a_dropped_update_is_forgotten():
 def test_time_does_not_count_while_the_solver_is_made_ready():
     waits, looks = [], iter([Halt("too long")] * 3)
 
-    class Late(ReactiveSolver):
+    class Late(PlanSolver):
         def update(self, update, stopped=None):
             if len(waits) < 3:
                 waits.append(stopped())

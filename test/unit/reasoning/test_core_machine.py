@@ -15,7 +15,7 @@ from office_world import OFFICES, World
 from shipped import shipped
 from stream_replay import check_replay
 
-from rosoclingo.oclingo.solving import compaction
+from rosoclingo.planning import compaction, solver
 from rosoclingo.reasoning import (
     ActionsDispatched,
     ActionsPreempted,
@@ -33,8 +33,7 @@ TIMEOUT = 50.0
 #: How soon cycles are over for the solver, so that a short run meets what otherwise only a long one does.
 FORGETFUL = (
     (stream_planner, "RECENT", 2),
-    (compaction, "COMPACT_AFTER", 6),
-    (compaction, "COMPACT_ALONG", 2),
+    (solver, "MOST_STEPS", 2),
     (compaction, "SHOWN_STEPS", 1),
 )
 

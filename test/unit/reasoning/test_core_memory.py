@@ -6,11 +6,11 @@ import pytest
 from core_driver import FORGETFUL, Driver
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.oclingo.solving.stream_log import Plan
+from rosoclingo.planning.history import Plan
 from rosoclingo.reasoning.records import CACHED, text_of
 
 #: Goals after which all that is bounded in number is full; the solver retires steps more often than that.
-GOALS = 60
+GOALS = 90  # in which the solver retires steps at all the places that it ever will
 
 
 def objects(driver, first, last):

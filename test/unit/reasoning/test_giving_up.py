@@ -5,7 +5,7 @@ from clingo import parse_term
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
-from rosoclingo.oclingo.solving.inquiry import Verdict
+from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation

@@ -6,7 +6,7 @@ import pytest
 from core_driver import Driver
 from test_core_interrupted import Leaving
 
-from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import GoalProgress, PlanMade
 
 #: A goal do(N,Id) takes the actions do(1) to do(N) one after the other; all but the first are put off, for no reason.
@@ -30,7 +30,7 @@ done(M,t) :- _action_lib(do,M,t).
 
 
 #: Makes solvers that are content with the first plan.
-quickest = partial(ReactiveSolver, shortest=True, oclingo_strings=False, plan_time=0.0)
+quickest = partial(PlanSolver, plan_time=0.0)
 
 
 @pytest.fixture
@@ -88,11 +88,11 @@ def test_a_log_is_kept_short_while_actions_run_though_no_plan_gets_shorter():
     """What was foreseen takes no search, after which that is done else."""
     stops = []
 
-    class Noting(ReactiveSolver):
+    class Noting(PlanSolver):
         def shorten_log(self, stopped=None):
             stops.append(stopped)
 
-    driver = Driver(SLOW, solver=partial(Noting, shortest=True, oclingo_strings=False)).goal("a", "do(4,1)")
+    driver = Driver(SLOW, solver=Noting).goal("a", "do(4,1)")
     assert not driver.core.improve(stop := lambda: False)
     assert stops == [stop]
     driver.core.add_goal("b", "do(2,2)")

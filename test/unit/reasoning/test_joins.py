@@ -9,7 +9,7 @@ from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.oclingo.remote import preparation
+from rosoclingo.planning.workers.worker import Worker
 from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalProgress, Outcome, preparations, waiting_queue
 
 FLOOR = (4, ((1, 2), (2, 3), (3, 4)), 1, 3)
@@ -181,7 +181,7 @@ def test_a_plan_that_is_not_there_in_time_is_not_waited_for_and_the_next_has_mor
     cycle, before = begun(world), process.pid
     usual = world.core._ahead._cycles_for(5)
     with monkeypatch.context() as patch:
-        patch.setattr(preparation.Preparation, "has_answer", False)
+        patch.setattr(Worker, "has", lambda *_: False)
         while world.core.cycle < cycle:
             world.step()
     assert (process.pid, world.fed[-1]) == (before, "2")

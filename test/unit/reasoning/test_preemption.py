@@ -2,7 +2,8 @@
 
 from core_driver import ERRANDS, Driver, shortest
 
-from rosoclingo.oclingo import ReactiveSolver, SolverError
+from rosoclingo.oclingo import SolverError
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import ActionsPreempted, CoreSettings, Halt
 
 #: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
@@ -169,7 +170,7 @@ def test_no_plan_begins_in_the_past():
     assert preempted(one) == [], "a side in cycle 1 would be half the way"
 
 
-class Strict(ReactiveSolver):
+class Strict(PlanSolver):
     """Takes nothing in which something was preempted."""
 
     def update(self, update, stopped=None):

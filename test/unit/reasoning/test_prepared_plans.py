@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office, Run
 
-from rosoclingo.oclingo import ReactiveSolver
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome, ReturnTaken
 
 
-class Noting(ReactiveSolver):
+class Noting(PlanSolver):
     """A solver that notes what it is to prepare, and what comes."""
 
     noted, came = [], []  # type: list, list

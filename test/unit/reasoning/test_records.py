@@ -6,8 +6,8 @@ import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Over
-from rosoclingo.oclingo.solving.stream_log import Checkpoint, Plan, StreamLog, Taken
-from rosoclingo.oclingo.solving.stream_state import StreamState
+from rosoclingo.planning.history import Checkpoint, History, Plan, Taken
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.records import LogRecorder, group, keys_of, log_of, plan_of, plan_to_value
@@ -18,7 +18,7 @@ def update(step):
 
 
 def checkpoint(step):
-    return Checkpoint(StreamState(step=step, horizon=step))
+    return Checkpoint(Snapshot(step=step, horizon=step))
 
 
 ENTRIES = {
@@ -30,7 +30,7 @@ ENTRIES = {
 
 
 def log_with(*names):
-    return StreamLog().then(*map(ENTRIES.get, names))
+    return History().then(*map(ENTRIES.get, names))
 
 
 def names_of(log):
@@ -44,7 +44,7 @@ def names_of(log):
 
 def same(one, other):
     if isinstance(one, Checkpoint) and isinstance(other, Checkpoint):
-        return one.state == other.state
+        return one.snapshot == other.snapshot
     return one == other
 
 

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
-    ReactiveSolver,
     SolveOutcome,
     StreamUpdate,
     commitment,
@@ -17,7 +16,8 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_term,
 )
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import Halt
 
 #: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` shuts for good, lead to rooms. A room is entered once at most
@@ -138,7 +138,7 @@ def test_what_was_withheld_is_no_reason_either_where_time_is_over():
 @pytest.mark.slow
 def test_the_same_in_a_solver_process():
     program = ReactiveProgram.from_text(rooms(words=WORDS))
-    with SolverProcess(program, shortest=True, oclingo_strings=False) as process:
+    with WorkerPool(program, shortest=True, oclingo_strings=False) as process:
         driver = Driver(program=program, solver=lambda _program: process.solver())
         driver.goal("a", "reach(hall,1)").goal("b", "reach(den,2)").facts("_return(enter,blocked,1)").finish()
     assert driver.message("a").endswith("hall is unreachable since the way to hall was blocked in cycle 1")
@@ -158,7 +158,7 @@ INSTANCES = st.fixed_dictionaries(
 
 def can_be_met(program, goals, shut):
     """Whether there is a plan for goals (Id to room) with some doors shut."""
-    solver = ReactiveSolver(program, horizon_limit=8, shortest=True)
+    solver = PlanSolver(program, horizon_limit=8)
     items = [fact(parse_atom(f"_request(reach({room},{one}),2)")) for one, room in goals]
     items += [fact(parse_atom(f"_shut({door})")) for door in shut]
     return solver.update(StreamUpdate(1, None, tuple(items))).outcome is SolveOutcome.SATISFIABLE
@@ -202,8 +202,8 @@ def test_against_every_subset(instance):
 def test_a_state_without_a_failed_action(make):
     """Without its return and itself a failed action was not tried: the plan is as if nothing had happened."""
     program = ReactiveProgram.from_text(ERRANDS)
-    with SolverProcess(program, shortest=True, oclingo_strings=False) as process:
-        solver = process.solver() if make == "process" else ReactiveSolver(program, shortest=True)
+    with WorkerPool(program, shortest=True, oclingo_strings=False) as process:
+        solver = process.solver() if make == "process" else PlanSolver(program)
         solver.update(StreamUpdate(1, 5, (fact(parse_atom("_request(do(walk,1),2)")),)))
         action, answer = parse_term("_action_lib(walk,1,1)"), parse_term("_return(walk,failed,1)")
         solver.close_cycle(1, [action])

@@ -9,8 +9,9 @@ from core_driver import Driver, shortest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, SolverError, parse_updates
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_updates
+from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import CoreSettings, GoalState
 
 #: Goals fetch(Thing,Id): an arm grasps, which can fail. What is seen or loud is heeded by no plan.
@@ -57,7 +58,7 @@ class Fates:
             raise SolverError("refused by the test")
 
 
-class Fated(ReactiveSolver):
+class Fated(PlanSolver):
     def __init__(self, fates, *arguments, **more):
         super().__init__(*arguments, **more)
         self.fates = fates
@@ -193,7 +194,7 @@ def test_a_return_that_the_solver_refuses_is_left_out_with_its_action():
 @pytest.mark.parametrize("seed", range(3))
 def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
     draw = Random(seed)
-    process = SolverProcess(PROGRAM, shortest=True, oclingo_strings=False, spare=True)
+    process = WorkerPool(PROGRAM, shortest=True, oclingo_strings=False, spare=True)
     process.start()
 
     class Killed:

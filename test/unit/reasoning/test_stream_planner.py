@@ -7,7 +7,6 @@ from rosoclingo.oclingo import (
     DroppedError,
     NotReadyError,
     ReactiveProgram,
-    ReactiveSolver,
     SolveOutcome,
     SolverError,
     SolveResult,
@@ -16,18 +15,19 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.oclingo.progression.updates import Over
-from rosoclingo.oclingo.solving import transaction
-from rosoclingo.oclingo.solving.inquiry import Verdict
-from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner, steps_for
 
 
-class Solver(ReactiveSolver):
+class Solver(PlanSolver):
     """Asks once whether to stop, and drops or answers all the same, where it is told to."""
 
     def __init__(self, program):
-        super().__init__(program, shortest=True)
+        super().__init__(program)
         self.drops = self.ignores = False
 
     def update(self, update, stopped=None):
@@ -172,7 +172,7 @@ class Told:
     """
 
     def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0, verdict=None):
-        self.log, self.outcome, self.asks, self.late = StreamLog(), outcome, asks, late
+        self.log, self.outcome, self.asks, self.late = History(), outcome, asks, late
         self.verdict, self.inquired, self.error = verdict, [], None
 
     @property
@@ -398,8 +398,8 @@ def test_without_a_watch_a_search_takes_the_time_it_takes():
 def test_a_planner_beside_grounds_once_for_all_that_it_reads(monkeypatch):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
-    made, build = [], transaction.build_grounding
-    monkeypatch.setattr(transaction, "build_grounding", lambda *arguments: made.append(1) or build(*arguments))
+    made, ground = [], Grounding.__init__
+    monkeypatch.setattr(Grounding, "__init__", lambda *rest, **more: made.append(1) or ground(*rest, **more))
     beside = bench.planner.restarted()
     assert plan(beside.update(parse_update("#step 2. _request(cancel(1),2). #endstep."))) == []
     assert len(made) == 1

@@ -5,7 +5,7 @@ import re
 import pytest
 from core_driver import Driver
 
-from rosoclingo.oclingo.explaining.explainer import explain
+from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.reasoning import GoalUnmet
 
 WALK = """

@@ -7,7 +7,9 @@ import pytest
 from core_driver import Driver, shortest, soon
 from untuned_programs import disinfection, elevator, keys, superfluous
 
-from rosoclingo.oclingo import ReactiveSolver, parse_update
+from rosoclingo.oclingo import parse_update
+from rosoclingo.planning.history import Plan
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt
 
@@ -124,8 +126,9 @@ class Run:
 def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
     task = LARGE[kind](seed)
     result = FIRST(task.program).update(ask_all(task))
-    assert result.plan is not None
-    actions = sorted(result.plan.actions, key=lambda one: one.arguments[2].number)
+    plan = Plan.in_result(result)
+    assert plan is not None
+    actions = sorted(plan.actions, key=lambda one: one.arguments[2].number)
     assert superfluous(world_of(task), [(one.arguments[0].name, str(one.arguments[1])) for one in actions]) == set()
     assert [one.arguments[2].number for one in actions] == list(range(1, result.horizon + 1)), "no step is idle"
 
@@ -165,7 +168,7 @@ def test_improvement_goes_on_after_predicted_updates_until_plans_are_short(kind)
     run.improve()
     improved = len(run.core.plan.after(run.core.cycle - 1))
     assert improved <= left
-    solver = ReactiveSolver(run.task.program, shortest=True, oclingo_strings=False)
+    solver = PlanSolver(run.task.program)
     for update in run.updates:
         best = solver.update(parse_update(update))
     assert improved == best.horizon - run.core.cycle + 1

@@ -158,11 +158,13 @@ def test_an_update_that_is_refused_ends_it():
     collector = RunCollector()
     for step in range(1, 7):
         collector.update(f"#step {step} : 0. #end step.")
-    program = ReactiveProgram.from_text("#program cumulative(t). { m(t) }. p(t/4) :- m(t), t > 3.")
+    program = ReactiveProgram.from_text(
+        "#program cumulative(t). { m(1..2,t) }. :- #sum { 250000000*t,X : m(X,t) } > 300000000*t."
+    )
     reports = list(Replay(collector.runs()[0], program).reports())
     assert [report.cycle for report in reports] == [1, 2, 3, 4, 5]
     assert (reports[-1].verdict, reports[-1].explained) == (Verdict.REFUSED, False)
-    assert "redefinition" in reports[-1].line()
+    assert "overflow" in reports[-1].line()
     assert summary(reports)[-1] == "1 unexplained: cycles 5"
 
 

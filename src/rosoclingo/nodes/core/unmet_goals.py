@@ -7,7 +7,7 @@ import rospy
 
 from rosoclingo.common.worker import Worker, ending
 from rosoclingo.oclingo import ReactiveProgram, SolverError
-from rosoclingo.oclingo.remote.explaining_process import explain_apart
+from rosoclingo.planning.workers.explaining_process import explain_apart
 from rosoclingo.reasoning import GoalUnmet
 from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.srv import Explain, ExplainResponse

@@ -218,6 +218,12 @@ class ReactiveProgram:
         """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
         return self._declarations.get(signature_of(atom), _NONE).may_match(atom, first, last, base=False)
 
+    def is_declared_after(self, atom: clingo.Symbol, step: int) -> bool:
+        """Whether steps after ``step`` may declare ``atom`` external, and base and the steps up to it do not."""
+        declarations = self._declarations.get(signature_of(atom), _NONE)
+        known = declarations.may_match(atom, self.first_step, step)
+        return not known and declarations.may_match(atom, step + 1, FAR, base=False)
+
     def may_define(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether base or some step from ``first`` on could define ``atom``, or declare it external."""
         signature = signature_of(atom)

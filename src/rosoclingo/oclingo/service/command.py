@@ -13,15 +13,15 @@ from typing import Any, Callable, List, NoReturn, Optional, Sequence, Tuple
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
 from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
 from rosoclingo.oclingo.service.check_command import More, Verifier, add_trials, check
 from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.oclingo.service.session import Output, Session
-from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 from rosoclingo.oclingo.unread import ends_unread
+from rosoclingo.planning.workers.pool import WorkerPool
 
 DEFAULT_HOST = "127.0.0.1"
 
@@ -155,7 +155,7 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
         for text in program.warnings:
             _say(f"warning: {text}")
         ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest, "plan_time": options.plan_time}
-        with SolverProcess(program, models, horizon_limit=options.imax, **ways) as process:
+        with WorkerPool(program, models, horizon_limit=options.imax, **ways) as process:
             process.start()
             return _run(process.solver(), options)
     except (ProgramError, SolverError) as error:

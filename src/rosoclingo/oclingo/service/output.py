@@ -5,7 +5,7 @@ from typing import IO, Any
 
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service.table import format_answer
-from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 
 
 class Progress:

@@ -10,7 +10,7 @@ from typing import Iterator, List, Optional, Union
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 
 DEFAULT_PORT = 25277
 """The port that oClingo listened on."""

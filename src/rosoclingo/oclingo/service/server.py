@@ -14,8 +14,8 @@ from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverErr
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service import protocol
 from rosoclingo.oclingo.service.connection import Client
-from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
-from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
 GRACE = 0.5
 """Seconds that a search without bound has before an update that waits ends it."""

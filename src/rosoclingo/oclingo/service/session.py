@@ -14,8 +14,8 @@ from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import Request
-from rosoclingo.oclingo.solving.solver import SolveOutcome, SolveResult
-from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
 _MAY_END = re.compile(r"#(end|stop)")
 _ENDS = re.compile(r"#(end|stop)[^.]*\.")

@@ -7,9 +7,6 @@ from typing import Any, Dict, FrozenSet, Iterable, List, Optional, Tuple
 import clingo
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
-from rosoclingo.oclingo.explaining.explainer import Stream, explain
-from rosoclingo.oclingo.explaining.minimal_sets import OutOfTimeError
-from rosoclingo.oclingo.explaining.why_not import WhyNot
 from rosoclingo.oclingo.program.action_rules import is_action
 from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -19,8 +16,13 @@ from rosoclingo.oclingo.progression.updates import Closed, Item, Statement, Stre
 from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS
 from rosoclingo.oclingo.service.sample_requests import Kinds, sample_requests
 from rosoclingo.oclingo.service.table import format_answer
-from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveOutcome, SolveResult
-from rosoclingo.oclingo.solving.stream_log import Plan
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.explaining.why_not import WhyNot
+from rosoclingo.planning.history import Plan
+from rosoclingo.planning.solver import PlanSolver
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Trials:
 
     def __init__(self, program: ReactiveProgram, steps: int = TRIAL_STEPS, seconds: float = TRIAL_SECONDS) -> None:
         self._program, self._steps, self._seconds = program, steps, seconds
-        self._solver = ReactiveSolver(program, shortest=True, oclingo_strings=False)
+        self._solver = PlanSolver(program)
         self._hearing = Hearing.of(program)
         self._played = False
 

@@ -1,4 +1,4 @@
-"""The reactive solver: updates in, answers out, growing the horizon.
+"""The incremental solver: updates in, answers out, growing the horizon.
 
 Simplified to its loop it is this, which runs (the tests play the lift of doc/oclingo_service.md with it):
 
@@ -46,11 +46,8 @@ Simplified to its loop it is this, which runs (the tests play the lift of doc/oc
             atom = self.control.symbolic_atoms[one.atom]
             return atom.literal if one.positive else -atom.literal
 
-What the files beside this one add: solver.py is that class, with bounds, time limits and an update taken as a whole
-or not at all; transaction.py is an update on its way in; grounding.py is clingo with the program in it,
-clasp_search.py asks clingo what can be stopped, atom_table.py has the atoms and, with horizon.py, the rules that are
-added behind clingo's grounder; horizon_search.py asks below the last step as well, for shortest plans; plan_search.py
-is content with what is found in time, improvement.py shortens it while it is carried out, with reordered_plans.py;
-trimming.py removes superfluous actions; inquiry.py solves without some facts that were asserted; compaction.py
-removes the past; stream_log.py is the log of a solver's updates and plans, from which stream_state.py follows.
+The files beside this one add to it: reactive_solver.py is that class, with bounds and time limits; transaction.py
+takes an update into stream_state.py, as a whole or not at all; reactive_grounding.py is clingo with the program in it,
+clasp_search.py asks clingo questions that can be stopped, atom_table.py has the atoms and the rules that are added
+behind clingo's grounder. The solver of plans is another one, see rosoclingo.planning.
 """

@@ -4,7 +4,7 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import Collection, Container, ContextManager, Dict, Optional, Sequence, Set, Tuple
+from typing import Container, ContextManager, Dict, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Backend, Observer
@@ -41,14 +41,6 @@ class BackendSession:
         literal = self.backend.add_atom()
         self.backend.add_external(literal, value)
         return literal
-
-    def conjunction(self, literal: int, other: Optional[int]) -> int:
-        """Return a literal that holds where ``literal`` and, if there is one, the ``other`` do."""
-        if other is None:
-            return literal
-        both = self.backend.add_atom()
-        self.backend.add_rule([both], [literal, other])
-        return both
 
     def release(self, literal: int) -> None:
         """Make an external false for good."""
@@ -92,15 +84,6 @@ class AtomTable:
     def is_closed(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""
         return atom in self._closed
-
-    @property
-    def awaited(self) -> Collection[clingo.Symbol]:
-        """The atoms that bodies mention and nothing has brought yet."""
-        return self._absent.keys()
-
-    def is_awaited(self, atom: clingo.Symbol) -> bool:
-        """Tell whether a body mentions ``atom`` that nothing has brought yet."""
-        return atom in self._absent
 
     def add(self, statement: Statement, guard: Optional[int]) -> None:
         """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""

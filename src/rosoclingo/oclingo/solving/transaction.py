@@ -1,12 +1,11 @@
-"""Taking one entry of a stream's log: what it changes in the state and in the grounding.
+"""Taking one update: what it changes in the state and in the grounding of the incremental solver.
 
-A transaction works on a copy of the state; what a failure leaves of it is let go, and the log goes on without it. While
+A transaction works on a copy of the state; what a failure leaves of it is let go, and the old one stays. While
 the grounding fits the state it is changed in place; where a change can't be made in place (an open external that a
 grounded step could see, a loop over several steps) it is dropped and made anew.
 """
 
-import re
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Optional, Set
+from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Set
 
 import clingo
 
@@ -15,6 +14,7 @@ from rosoclingo.oclingo.program.lint.likeness import asked, likely
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
+from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
 from rosoclingo.oclingo.progression.strings import holds_string_apart
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import (
@@ -23,29 +23,17 @@ from rosoclingo.oclingo.progression.updates import (
     Closed,
     Cumulative,
     Forget,
-    Over,
     Retract,
+    Section,
     Statement,
     StreamUpdate,
     Volatile,
 )
-from rosoclingo.oclingo.solving import compaction
-from rosoclingo.oclingo.solving.grounding import BLOCK, Grounding, build_grounding
-from rosoclingo.oclingo.solving.stream_log import Close, Entry, StreamLog, Taken, Withdrawal
-from rosoclingo.oclingo.solving.stream_state import (
-    FOREVER,
-    UPDATE,
-    Lapsing,
-    Lifetime,
-    Setting,
-    StreamState,
-    Term,
-    lifetime_of,
-)
+from rosoclingo.oclingo.solving.reactive_grounding import Grounding, build_grounding
+from rosoclingo.oclingo.solving.stream_state import Lapsing, StreamState
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 _STRANGE = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
-_TOO_LATE = "Head {} comes too late: what concerns steps before {} is over. The entire rule will be ignored."
 
 
 class Transaction:
@@ -60,131 +48,71 @@ class Transaction:
 
     def __init__(
         self,
-        setting: Setting,
+        program: ReactiveProgram,
         state: StreamState,
         grounding: Optional[Grounding],
-        dropped: Optional[Callable[[], bool]] = None,
-        coming: Iterable[clingo.Symbol] = (),
-        doubted: FrozenSet[clingo.Symbol] = frozenset(),
+        limit: Optional[int] = None,
+        dropped: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Work on ``state``, which nobody else has, and ``grounding``.
+        """Work on ``state``, which nobody else has, and ``grounding``; no step beyond ``limit`` is ground.
 
-        ``dropped`` ends a grounding made anew; atoms that are ``coming`` with what is taken next are known to it, and
-        facts that are ``doubted`` are in doubt there.
+        ``dropped`` ends a grounding made anew.
         """
-        self.program, self.state, self.grounding = setting.program, state, grounding
-        self._setting = setting
-        self._dropped = dropped or (lambda: False)
-        self._coming, self._doubted = coming, doubted
+        self.program, self.state, self.grounding = program, state, grounding
+        self._limit, self._dropped = limit, dropped
         self.warnings: List[str] = []
-        self._limit = setting.horizon_limit
-        self._shortest = setting.shortest
         self._given: Set[clingo.Symbol] = set()  # facts of this update that the grounding knows already
         self._dependencies: Optional[Dependencies] = None  # who depends on whom, this update included
         self._update = StreamUpdate()
         self._forgets: Optional[List[Forget]] = None  # what is forgotten after the update's statements
 
-    def take_again(self, entry: Optional[Entry]) -> None:
-        """Take what was taken before, without a search."""
-        if isinstance(entry, Taken):
-            self.begin(entry.update, lambda: self.state.horizon >= entry.horizon)
-            while self.state.horizon < entry.horizon:
-                self.grow_to(min(self.state.horizon + (BLOCK if self._shortest else 1), entry.horizon))
-            list(self.remarks())
-        elif isinstance(entry, Close):
-            self.close_cycle(entry.cycle, entry.executed)
-        elif isinstance(entry, Over):
-            self._keep_from(entry.step)
-        elif isinstance(entry, Withdrawal):
-            self._withdraw(entry.facts)
-
-    def retire(self, log: StreamLog, update: Optional[StreamUpdate] = None) -> StreamLog:
-        """Let go of steps that are over, before ``update``, if it is worth it; return the ``log`` that leads here.
-
-        The state is another form of the same then, which stays one whatever becomes of the update.
-        """
-        few = self._setting.steps_over(self.state) < min(compaction.COMPACT_ALONG, compaction.COMPACT_AFTER)
-        if few or not (self.grounding and compaction.is_due(self._setting, self.state, self.grounding, update)):
-            return log
-        tried = self.state.tried
-        if compaction.compact(self._setting, self.state, self.grounding):
-            self.grounding = None
-        return log if self.state.tried == tried else log.in_form(self.state.copy())
-
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
-        if update is not None:
-            update = self._setting.read(update, self.state)
-            self._look_back(update)
-        state = self.state
-        step = state.step if update is None or update.step is None else update.step
-        if update is not None:
-            self._update = update
-            self.warnings.extend(update.warnings)
-            self._lapse(lambda lifetime: lifetime == UPDATE)
-            if update.step is not None:
-                state.step, state.settled = update.step, max(state.settled, update.step)
-                state.bound = None if update.bound is None else update.step + update.bound
-            self._open_heads(update)
         self._forgets = []
-        complete = self._ground_to(max(state.horizon, step), halt)
-        if update is not None:
-            self._standing().atoms.end_definitions()
-            self._take_items(update)
+        if update is None:
+            complete = self._ground_to(max(self.state.horizon, self.state.step), halt)
+        else:
+            self._look_back(update)
+            complete = self._take(update, halt)
         forgets, self._forgets = self._forgets, None
         for one in forgets:
             self._forget(one)
         return complete
 
+    def _take(self, update: StreamUpdate, halt: Callable[[], bool]) -> bool:
+        state, self._update = self.state, update
+        self._lapse(lambda lifetime: lifetime == UPDATE)
+        if update.step is not None:
+            state.step = update.step
+            state.bound = None if update.bound is None else update.step + update.bound
+        self._open_heads(update)
+        complete = self._ground_to(max(state.horizon, state.step), halt)
+        self._standing().atoms.end_definitions()
+        self._take_items(update)
+        return complete
+
     def _look_back(self, update: StreamUpdate) -> None:
         """Do what an update says of the past, before anything else of it."""
         if any(isinstance(item, Anew) for item in update.items):
-            self.grounding, self.state = None, self._setting.fresh_state()
-        self._withdraw(update.withdrawn)
+            self.grounding, self.state = None, StreamState(forgets_done=self.program.first_step - 1)
+        if update.withdrawn:
+            self.grounding, self.state = None, self.state.less(update.withdrawn)
         for item in update.items:
             if isinstance(item, Closed):
                 last = self.state.step if update.step is None else update.step
                 for cycle in range(max(item.first, self.program.first_step), min(item.last, last) + 1):
-                    self.close_cycle(cycle, frozenset(filter(is_action_of(cycle), update.committed)))
-            elif isinstance(item, Over):
-                self._keep_from(item.step)
+                    self._close_cycle(cycle, frozenset(filter(is_action_of(cycle), update.committed)))
 
-    def _withdraw(self, facts: FrozenSet[clingo.Symbol]) -> None:
-        less = self.state.less(facts) if facts else self.state
-        if less != self.state:
-            self.grounding, self.state = None, less
-
-    def _keep_from(self, step: int) -> None:
-        if self._shortest:
-            self.state.keep_from = max(self.state.keep_from, step)
-
-    def close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to ``executed``; returns of earlier actions are complete by now."""
-        before = self.state.returning
+    def _close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
         self.state.closed_cycles[cycle] = executed
         if self.grounding is not None:
             self.grounding.close_cycle(cycle, executed)
-            for one in before - self.state.returning:
-                self.grounding.close_returns(one)
 
     def ready(self) -> Grounding:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
         if self.grounding is None or self.state.cyclic:
             self.grounding = self._build()
-        self.grounding.settle(min(self.state.settled, self.state.horizon) if self._shortest else self.state.horizon)
         return self.grounding
-
-    def claim_in(self, grounding: Grounding) -> Optional[int]:
-        """Return the literal that is true where the program claims that there is no plan; None where it can't be.
-
-        Nor where the claim may be wrong, as something was told of a later step.
-        """
-        claim = grounding.claim(self.state.step)
-        if claim is None:
-            return None
-        told = (one for one in self.state.statements() if one.head is not None)
-        ahead = any(self.program.may_mention(atom, self.state.step + 1) for one in told for atom in one.atoms)
-        return None if ahead else claim
 
     def may_grow(self) -> bool:
         """Whether the bound and the limit of the horizon allow another step."""
@@ -195,13 +123,9 @@ class Transaction:
         ends = [end for end in (self.state.bound, self._limit, most) if end is not None]
         return min(ends, default=self.state.horizon)
 
-    def grow(self, steps: int = 1) -> None:
-        """Ground ``steps`` more steps at once, or fewer where bound or limit come first."""
-        self.grow_to(self.last_horizon(self.state.horizon + steps))
-
-    def grow_to(self, horizon: int) -> None:
-        """Ground up to ``horizon``, beyond the bound as well: an answer may lie where it was ground to before."""
-        self._advance(self._standing(), horizon)
+    def grow(self) -> None:
+        """Ground one more step."""
+        self._advance(self._standing(), self.state.horizon + 1)
 
     def _open_heads(self, update: StreamUpdate) -> None:
         """Make new atoms of open signatures known; what has been grounded and could have seen one is given up."""
@@ -209,15 +133,12 @@ class Transaction:
         fresh: Dict[clingo.Symbol, bool] = {}
         for section, statement in update.sections():
             head = statement.head
-            if head is None or head in known or self._setting.is_too_late(self.state, head):
-                continue
-            if self.program.is_open_signature(head):
+            if head is not None and head not in known and self.program.is_open_signature(head):
                 fresh[head] = fresh.get(head, False) or (not statement.body and isinstance(section, Cumulative))
         self.state.open_atoms.extend(fresh)
         if self.grounding is not None:
             new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]
-            first = self._setting.first_step(self.state)
-            if self.program.may_see(new, first, self.grounding.horizon):
+            if self.program.may_see(new, self.program.first_step, self.grounding.horizon):
                 self.grounding = None
             elif new:
                 self._given = {atom for atom in new if fresh[atom]}
@@ -228,7 +149,7 @@ class Transaction:
         while self.state.horizon < horizon:
             if halt():
                 return False
-            self._advance(grounding, horizon if self._shortest else self.state.horizon + 1)
+            self._advance(grounding, self.state.horizon + 1)
         return True
 
     def _advance(self, grounding: Grounding, horizon: int) -> None:
@@ -266,12 +187,12 @@ class Transaction:
         return bool(over)
 
     def _take_items(self, update: StreamUpdate) -> None:
-        section: object = Cumulative()
+        section: Section = Cumulative()
         for item in update.items:
             if isinstance(item, (Cumulative, Volatile, Assert)):
                 section = item
             elif isinstance(item, Statement):
-                self._take_statement(item, lifetime_of(section, self.state.step))  # type: ignore[arg-type]
+                self._take_statement(item, lifetime_of(section, self.state.step))
             elif isinstance(item, Forget):
                 self._forget(item)
             elif isinstance(item, Retract):
@@ -294,8 +215,6 @@ class Transaction:
         elif grounding.conflicting and signature_of(head) in self.program.external_signatures:
             # clingo grounds no further; a new grounding decides
             self.state.waiting.append(Lapsing(statement, lifetime))
-        elif self._setting.is_too_late(self.state, head):
-            self.warnings.append(_TOO_LATE.format(head, self._setting.first_step(self.state)))
         elif head not in self.state.forgotten and not grounding.atoms.knows(head) and self._may_come(head):
             self.state.waiting.append(Lapsing(statement, lifetime))
         else:
@@ -369,11 +288,7 @@ class Transaction:
 
     def _build(self) -> Grounding:
         """Ground the program anew and put in force all that the state holds."""
-        coming = [atom for atom in self._coming if not self._setting.is_too_late(self.state, atom)]
-        foresees = self._setting.foresees and not self._doubted
-        self.grounding = build_grounding(
-            self.program, self.state, self._shortest, self._dropped, coming, self._doubted, foresees
-        )
+        self.grounding = build_grounding(self.program, self.state, self._dropped)
         self._fall_due(self.grounding)
         return self.grounding
 
@@ -386,15 +301,3 @@ class Transaction:
             if str(one) not in told and str(one) not in self.program.warnings:
                 told.add(str(one))
                 yield str(one)
-
-
-def explain(error: RuntimeError, grounding: Optional[Grounding], program: ReactiveProgram) -> str:
-    """Return what clingo's ``error`` means for the update that was fed to ``grounding``."""
-    redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
-    if redefined is not None:
-        faults = program.redefinition_of(redefined.group("atom"))
-    elif grounding is not None:
-        faults = grounding.messages.faults(error, program.parameter_at)
-    else:
-        return f"the update was refused: {error}"
-    return "the update was refused: " + "\n".join(map(str, faults))

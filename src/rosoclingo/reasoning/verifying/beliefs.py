@@ -7,12 +7,15 @@ import clingo
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.time_shift import TimeShift
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.oclingo.solving.stream_state import StreamState
-from rosoclingo.oclingo.solving.universe import Read, Universe
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.question import Read
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.keywords import FAILED, NEVER, RETURN
 
 _EMPTY_LAYERS = 3
 """So many steps in a row of which nothing is seen: then nothing before them is."""
+
+_NEVER = Signature(NEVER, 2)
 
 _ANSWERS = (Signature(RETURN, 3), Signature(FAILED, 3))
 
@@ -48,19 +51,22 @@ class Beliefs:
         self._visible: Dict[clingo.Symbol, bool] = {}
         self._by_time: Dict[int, Dict[int, List[Tuple[clingo.Symbol, int]]]] = {}
         self._timeless: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
+        self._never: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
         self._layers: Dict[Tuple[int, int], List[Tuple[clingo.Symbol, int]]] = {}
 
-    def readers(self, universe: Universe, step: int) -> Sequence[Read]:
+    def readers(self, grounding: Grounding, step: int) -> Sequence[Read]:
         """Return what to read of a model: what matters, what does where facts may come late, and what must never be."""
-        now, before = self._seen(universe, step), self._seen(universe, step - self.late)
-        never = [one for one in universe.of(Signature(NEVER, 2)) if self._is_by(one[0], step)]
+        now, before = self._seen(grounding, step), self._seen(grounding, step - self.late)
+        if grounding.horizon not in self._never:
+            self._never[grounding.horizon] = [one for one in grounding.named if signature_of(one[0]) == _NEVER]
+        never = [one for one in self._never[grounding.horizon] if self._is_by(one[0], step)]
         return [_reader(now), _reader(before), _reader(never)]
 
-    def of(self, atoms: FrozenSet[clingo.Symbol], state: StreamState, late: int) -> Belief:
-        """Return the belief in a state, where ``atoms`` are those that were read, and facts may come so ``late``."""
-        first = state.step - late
-        told = (one.head for one in state.permanent if one.head is not None and not one.body)
-        done = (one for cycle, actions in state.closed_cycles.items() if cycle >= first for one in actions)
+    def of(self, atoms: FrozenSet[clingo.Symbol], snapshot: Snapshot, late: int) -> Belief:
+        """Return the belief in a snapshot, where ``atoms`` are those that were read, and facts may come so ``late``."""
+        first = snapshot.step - late
+        told = (one.head for one in snapshot.permanent if one.head is not None and not one.body)
+        done = (one for cycle, actions in snapshot.closed.items() if cycle >= first for one in actions)
         inputs = {self.shift.moved(one, -first) for one in (*told, *done) if self._is_from(one, first)}
         every = atoms | frozenset(filter(self._is_visible, inputs))
         return Belief(every, self.shift.phase(first, frozenset(map(signature_of, every))))
@@ -74,17 +80,17 @@ class Beliefs:
         time = never.arguments[-1]
         return time.type is clingo.SymbolType.Number and time.number <= step
 
-    def _seen(self, universe: Universe, first: int) -> List[Tuple[clingo.Symbol, int]]:
+    def _seen(self, grounding: Grounding, first: int) -> List[Tuple[clingo.Symbol, int]]:
         """Return the atoms of steps before ``first`` that the steps from there on see, counted from there."""
-        key = universe.horizon, first
+        key = grounding.horizon, first
         if key not in self._layers:
-            self._layers[key] = list(self._look(universe, first))
+            self._layers[key] = list(self._look(grounding, first))
         return self._layers[key]
 
-    def _look(self, universe: Universe, first: int) -> Iterable[Tuple[clingo.Symbol, int]]:
-        if universe.horizon not in self._by_time:
-            self._by_time[universe.horizon] = universe.atoms_by_time(self.shift.time_of)
-        by_time, empty = self._by_time[universe.horizon], 0
+    def _look(self, grounding: Grounding, first: int) -> Iterable[Tuple[clingo.Symbol, int]]:
+        if grounding.horizon not in self._by_time:
+            self._by_time[grounding.horizon] = self._atoms_by_time(grounding)
+        by_time, empty = self._by_time[grounding.horizon], 0
         for time in sorted((one for one in by_time if one < first), reverse=True):
             moved = [(self.shift.moved(atom, -first), literal) for atom, literal in by_time[time]]
             seen = [one for one in moved if self._is_visible(one[0])]
@@ -92,9 +98,27 @@ class Beliefs:
             empty = 0 if seen else empty + 1
             if empty == _EMPTY_LAYERS:
                 break
-        if universe.horizon not in self._timeless:
-            self._timeless[universe.horizon] = universe.timeless(self.shift.time_of)
-        yield from self._timeless[universe.horizon]
+        if grounding.horizon not in self._timeless:
+            self._timeless[grounding.horizon] = self._timeless_atoms(grounding)
+        yield from self._timeless[grounding.horizon]
+
+    def _atoms_by_time(self, grounding: Grounding) -> Dict[int, List[Tuple[clingo.Symbol, int]]]:
+        """Return the atoms that have a time, with their literals, by that."""
+        found: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
+        for atom, literal in grounding.named:
+            time = self.shift.time_of(atom)
+            if time is not None:
+                found.setdefault(time, []).append((atom, literal))
+        return found
+
+    def _timeless_atoms(self, grounding: Grounding) -> List[Tuple[clingo.Symbol, int]]:
+        """Return the atoms that steps define, or that are told, of which nothing tells a time."""
+        defined = self._program.external_signatures | self._program.step_signatures
+        return [
+            (atom, literal)
+            for atom, literal in grounding.named
+            if signature_of(atom) in defined and self.shift.time_of(atom) is None
+        ]
 
     def _is_visible(self, atom: clingo.Symbol) -> bool:
         """Tell whether the rules from step 0 on see an atom of before."""

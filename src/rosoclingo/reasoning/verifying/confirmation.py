@@ -5,17 +5,18 @@ from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequen
 import clingo
 
 from rosoclingo.oclingo.errors import SolverError
-from rosoclingo.oclingo.explaining.explainer import explain
-from rosoclingo.oclingo.explaining.minimal_sets import OutOfTimeError
-from rosoclingo.oclingo.explaining.why_not import WhyNot
 from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Literal, Statement, StreamUpdate, Volatile, commitment
-from rosoclingo.oclingo.solving.solver import ReactiveSolver, SolveResult
-from rosoclingo.oclingo.solving.stream_log import Taken
+from rosoclingo.oclingo.solving.results import SolveResult
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
+from rosoclingo.planning.explaining.why_not import WhyNot
+from rosoclingo.planning.history import Plan, Taken
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.verifying.findings import Finding
-from rosoclingo.reasoning.verifying.question import Kind, Limits
+from rosoclingo.reasoning.verifying.scope import Kind, Limits
 from rosoclingo.reasoning.verifying.trial_core import NO_ANSWER, BrokenError, TrialCore
 
 Chosen = Dict[int, FrozenSet[clingo.Symbol]]
@@ -42,11 +43,11 @@ class Confirmation(NamedTuple):
         return "".join(self.updates)
 
 
-class SteeredSolver(ReactiveSolver):
+class SteeredSolver(PlanSolver):
     """A solver that takes, of several shortest plans, one that begins with the actions that are ``chosen``."""
 
     def __init__(self, program: ReactiveProgram, chosen: Chosen) -> None:
-        super().__init__(program, shortest=True, oclingo_strings=False)
+        super().__init__(program)
         self._chosen = chosen
 
     def update(
@@ -69,7 +70,7 @@ class SteeredSolver(ReactiveSolver):
         self.restore(before)
         other = super().update(steered, stopped, dropped)
         log = before.then(Taken(update, other.horizon if other.answers else result.horizon))
-        log.plan = other.plan or result.plan
+        log.plan = Plan.in_result(other) or Plan.in_result(result)
         self.restore(log)
         return other if other.answers else result
 

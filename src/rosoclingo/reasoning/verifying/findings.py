@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, FrozenSet, List, NamedTuple, Set, Tuple
 
-from rosoclingo.reasoning.verifying.question import Kind
+from rosoclingo.reasoning.verifying.scope import Kind
 from rosoclingo.reasoning.verifying.ways import Step
 
 _WORDS = {

@@ -15,10 +15,10 @@ from rosoclingo.oclingo.program.signatures import evaluate, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
 from rosoclingo.oclingo.service.sample_requests import Kinds, sample_requests
 from rosoclingo.oclingo.service.trial_plans import Trials
-from rosoclingo.oclingo.solving.universe_solver import Streams
 from rosoclingo.reasoning.keywords import FAILED, RESERVED, RETURN, name_of, request
 from rosoclingo.reasoning.verifying.moves import FAILURE, Repertory
-from rosoclingo.reasoning.verifying.question import Wanted
+from rosoclingo.reasoning.verifying.scope import Wanted
+from rosoclingo.reasoning.verifying.shared_solver import Streams
 
 TRIED = 8
 """Requests of a kind that are tried for some that there is something to do for."""

@@ -7,11 +7,11 @@ from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import parse_term
-from rosoclingo.oclingo.solving.universe_solver import retimed
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Clock
 from rosoclingo.reasoning.keywords import FAILED, Action, Return, failure_value, name_of
-from rosoclingo.reasoning.verifying.question import Limits
+from rosoclingo.reasoning.verifying.scope import Limits
+from rosoclingo.reasoning.verifying.shared_solver import retimed
 
 FAILURE = Function("failed")
 """A reason that says nothing but that an action was not done."""

@@ -11,7 +11,7 @@ from typing import Callable, Dict, FrozenSet, Hashable, Iterator, List, NamedTup
 from clingo import Symbol
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.solving.universe_solver import Choices, StoppedError, Streams, UniverseSolver
+from rosoclingo.planning.question import StoppedError
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.explanations import text_of
 from rosoclingo.reasoning.keywords import cancellation, request
@@ -19,7 +19,8 @@ from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.verifying.beliefs import Belief, Beliefs
 from rosoclingo.reasoning.verifying.findings import Finding, Suspicion
 from rosoclingo.reasoning.verifying.moves import Deed, Move, Moves, Repertory, done_after, thing_of
-from rosoclingo.reasoning.verifying.question import Kind, Limits
+from rosoclingo.reasoning.verifying.scope import Kind, Limits
+from rosoclingo.reasoning.verifying.shared_solver import Choices, SharedSolver, Streams
 from rosoclingo.reasoning.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.reasoning.verifying.ways import Node, Step, circles
 
@@ -98,7 +99,7 @@ class Search:
         core.start()
         node = Node(core.snapshot(), None, None)
         solver = core.solver
-        assert isinstance(solver, UniverseSolver)
+        assert isinstance(solver, SharedSolver)
         if solver.found is None:
             step = Step(Move(), (str(solver.log.update),))
             self._suspicion.add(Finding(Kind.NO_ANSWER, (step,), "before anything has happened", 0))
@@ -113,8 +114,8 @@ class Search:
             before = len(self._streams.known)
             self._streams.learn(self._moves.returns(self._streams.actions()))
 
-    def _make_solver(self) -> UniverseSolver:
-        return UniverseSolver(self._streams)
+    def _make_solver(self) -> SharedSolver:
+        return SharedSolver(self._streams)
 
     def _go_ways_of(self, cost: int) -> None:
         while self._waiting[cost]:
@@ -165,7 +166,7 @@ class Search:
             return None
         ended = [one for one in core.events if isinstance(one, GoalChanged) and one.outcome is not None]
         solver = core.solver
-        assert isinstance(solver, UniverseSolver)
+        assert isinstance(solver, SharedSolver)
         actions = solver.found.actions if solver.found is not None else frozenset()
         ends = tuple(f"{one.term} {one.outcome.name.lower()}" for one in ended if one.outcome is not None)
         step = Step(move, tuple(one.stream for one in core.updates), core.cycle, actions, ends)
@@ -206,9 +207,9 @@ class Search:
 
     def _belief(self, core: TrialCore, late: int) -> Belief:
         solver = core.solver
-        assert isinstance(solver, UniverseSolver)
+        assert isinstance(solver, SharedSolver)
         assert solver.found is not None
-        return self._beliefs.of(solver.found.read[1 if late else 0], solver.state, late)
+        return self._beliefs.of(solver.found.read[1 if late else 0], solver.snapshot, late)
 
     @staticmethod
     def _goals_of(core: TrialCore) -> Hashable:
@@ -230,7 +231,7 @@ class Search:
             text = "be its goals cancelled or not; there would be one had they never been asked for"
         self._suspicion.add(Finding(kind, (*node.way, step), text, node.cost + move.cost))
 
-    def _note_forbidden(self, node: Node, core: TrialCore, solver: UniverseSolver) -> None:
+    def _note_forbidden(self, node: Node, core: TrialCore, solver: SharedSolver) -> None:
         cost, way = node.cost, tuple(node.way)
         if solver.found is not None and solver.found.read[2]:
             never = min(solver.found.read[2], key=str)

@@ -2,10 +2,10 @@
 
 from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo.explaining.explainer import Stream
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.solving.solver_protocol import StreamSolver
-from rosoclingo.oclingo.solving.stream_log import StreamLog
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.history import History
+from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.reasoning.events import Event, Problem, UpdateSent
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.journal.kept_core import KeptCore
@@ -39,14 +39,14 @@ class Snapshot(NamedTuple):
     """The state of a core: all but the solver's log, and that."""
 
     record: Record
-    log: StreamLog
+    log: History
 
 
 class _NoRecorder:
     """The log is kept as it is."""
 
     @staticmethod
-    def record(log: StreamLog) -> Record:
+    def record(log: History) -> Record:
         """Return what stands for a log."""
         return {"plan_now": None}
 
@@ -72,7 +72,7 @@ class TrialCore(KeptCore):
     def __init__(
         self,
         program: ReactiveProgram,
-        make_solver: Callable[[], StreamSolver],
+        make_solver: Callable[[], PlanningSolver],
         settings: CoreSettings,
         snapshot: Optional[Snapshot] = None,
     ) -> None:
@@ -95,7 +95,7 @@ class TrialCore(KeptCore):
         return {}
 
     @property
-    def solver(self) -> StreamSolver:
+    def solver(self) -> PlanningSolver:
         """The solver with the last answer."""
         return self._planner.solver
 

@@ -8,7 +8,7 @@ from rosoclingo.reasoning.verifying.confirmation import Confirmation, confirm
 from rosoclingo.reasoning.verifying.findings import Finding
 from rosoclingo.reasoning.verifying.likely_events import likely_repertory
 from rosoclingo.reasoning.verifying.moves import Repertory
-from rosoclingo.reasoning.verifying.question import SECONDS, Kind, Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import SECONDS, Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.stream_search import Progress, Search
 
 

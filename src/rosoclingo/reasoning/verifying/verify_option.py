@@ -12,7 +12,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.service import check_command
 from rosoclingo.oclingo.service.arguments import natural, positive, seconds
-from rosoclingo.reasoning.verifying.question import SECONDS, Kind, Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import SECONDS, Kind, Limits, Wanted
 
 if TYPE_CHECKING:
     from rosoclingo.reasoning.verifying.verification import Verdict

@@ -4,17 +4,17 @@ import pytest
 from core_driver import ERRANDS
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
-from rosoclingo.oclingo.remote.solver_process import SolverProcess
+from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.workers.pool import WorkerPool
 
 
 @pytest.fixture(params=["own", "process"])
 def solver(request):
     program = ReactiveProgram.from_text(ERRANDS)
-    options = {"shortest": True, "oclingo_strings": False}
     if request.param == "own":
-        yield ReactiveSolver(program, **options)
+        yield PlanSolver(program)
         return
-    with SolverProcess(program, **options) as process:
+    with WorkerPool(program, shortest=True) as process:
         yield process.solver()
 
 

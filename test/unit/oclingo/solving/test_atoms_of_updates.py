@@ -1,22 +1,11 @@
 """What updates may say of atoms, one after the other and within one, and what a search that is left leaves behind."""
 
-import time
-
 import pytest
 from stream_logs import copied, cut, texts
-from test_solver import WALK, atoms, play, solver_of
+from stream_play import SOLVERS, WALK, atoms, drop_grounding, play, solver_of
 
-from rosoclingo.oclingo import (
-    DroppedError,
-    ReactiveProgram,
-    ReactiveSolver,
-    SolveOutcome,
-    SolverError,
-    parse_atom,
-    parse_update,
-)
-from rosoclingo.oclingo.solving import transaction
-from rosoclingo.oclingo.solving.grounding import build_grounding
+from rosoclingo.oclingo import DroppedError, ReactiveSolver, SolveOutcome, SolverError, parse_atom, parse_update
+from rosoclingo.planning.solver import PlanSolver
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 
@@ -38,11 +27,11 @@ def test_what_the_parser_ignored_is_told_with_the_answer(external):
     assert ignored == IGNORED.format("c(1)")
 
 
-@pytest.mark.parametrize("restored", [False, True])
-def test_what_a_rule_has_defined_for_good_is_closed(external, restored):
+@pytest.mark.parametrize("again", [False, True])
+def test_what_a_rule_has_defined_for_good_is_closed(external, again):
     play(external, "#step 1. e(1) :- a.")
-    if restored:
-        external.restore(cut(external))
+    if again:
+        drop_grounding(external)
     assert play(external, "e(1).").warnings == (IGNORED.format("e(1)"),)
 
 
@@ -54,9 +43,9 @@ def test_a_definition_for_the_moment_and_one_for_good_in_one_update(external, up
     assert atoms(result) == ["c(1)", "e(1)"]
 
 
-@pytest.mark.parametrize("shortest", [True, False])
-def test_what_a_step_defines_no_update_may_define(shortest):
-    solver = solver_of("#external door. #cumulative t. #external e(t). door :- e(t), t = 1.", shortest=shortest)
+@SOLVERS
+def test_what_a_step_defines_no_update_may_define(kind):
+    solver = solver_of("#external door. #cumulative t. #external e(t). door :- e(t), t = 1.", kind)
     play(solver, "#step 1.")
     assert play(solver, "#step 2. door. e(2).").warnings == (IGNORED.format("door"),)
 
@@ -102,15 +91,13 @@ def test_a_body_may_mention_what_a_later_update_defines(external):
     assert atoms(play(external, "fresh(x).")) == ["c(1)", "e(1)", "fresh(x)"]
 
 
-@pytest.mark.parametrize("shortest", [False, True])
+@SOLVERS
 @pytest.mark.parametrize(
     ("update", "answers"),
     [("sees(5).", [["sees(5)"]]), ("#volatile. sees(5).", [["sees(5)"]]), ("sees(5) :- a.", [[]])],
 )
-def test_a_body_may_mention_what_a_later_update_of_the_same_step_tells_of_an_open_predicate(shortest, update, answers):
-    solver = solver_of(
-        "{ a }. #external sees/1. #cumulative t. u(t) :- sees(t). #volatile t.", shortest=shortest, models=0
-    )
+def test_a_body_may_mention_what_a_later_update_of_the_same_step_tells_of_an_open_predicate(kind, update, answers):
+    solver = solver_of("{ a }. #external sees/1. #cumulative t. u(t) :- sees(t). #volatile t.", kind, models=0)
     play(solver, "#step 1. :- sees(5), a.")
     assert sorted(map(sorted, texts(play(solver, update)))) == answers
 
@@ -125,7 +112,7 @@ def test_a_body_may_mention_what_a_later_step_defines():
 @pytest.mark.parametrize("cycle", ["t-2", "t-1", "t", "t+1", "t+2"])
 def test_actions_of_a_closed_cycle_that_come_with_a_later_grounding_are_forbidden(cycle):
     solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", models=0)
-    solver.close_cycle(3, [])
+    play(solver, "#step 3. #closed 3.")
     result = play(solver, "#step 5.")
     assert len(result.answers) == 16
     assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
@@ -134,8 +121,7 @@ def test_actions_of_a_closed_cycle_that_come_with_a_later_grounding_are_forbidde
 def test_what_no_rule_can_bring_about_is_no_action_of_a_closed_cycle():
     text = "d(x,t). c(t). c(t) :- d(x,t), not _action_lib(go,y,t). { _action_lib(go,Y,t) : d(Y,t) } :- c(t)."
     solver = solver_of(f"#cumulative t. {text} #volatile t.", models=0)
-    play(solver, "#step 1.")
-    solver.close_cycle(1, [])
+    play(solver, "#step 1. #closed 1.")
     assert len(play(solver, "#step 2.").answers) == 2
 
 
@@ -149,16 +135,6 @@ def test_cycles_that_an_update_closes_are_clipped_to_the_present_and_hold_what_i
     assert (result.step, solver.horizon, len(result.answers)) == (2, 2, 4)
 
 
-def test_returns_of_a_cycle_are_closed_with_the_next_cycle():
-    solver = solver_of("#cumulative t. #external _return(go,x,t). c(t) :- _return(go,x,t). #volatile t.")
-    play(solver, "#step 3.")
-    for cycle in (1, 2, 3):
-        solver.close_cycle(cycle, [])
-    late = play(solver, "_return(go,x,2). _return(go,x,3).")
-    assert late.warnings == (IGNORED.format("_return(go,x,2)"),)
-    assert atoms(late) == ["_return(go,x,3)", "c(3)"]
-
-
 def test_what_holds_up_to_a_horizon_that_is_past_is_not_taken(external):
     play(external, "#step 3.")
     for window, taken in ((1, []), (2, []), (3, ["c(1)", "e(1)"])):
@@ -166,10 +142,10 @@ def test_what_holds_up_to_a_horizon_that_is_past_is_not_taken(external):
         assert (atoms(result), result.warnings) == (taken, ())
 
 
-@pytest.mark.parametrize("shortest", [False, True])
-def test_what_is_told_while_there_is_no_answer_for_good_counts_once_that_is_withdrawn(shortest):
+@SOLVERS
+def test_what_is_told_while_there_is_no_answer_for_good_counts_once_that_is_withdrawn(kind):
     text = "{ a }. #cumulative t. #external e(t). { m(t) }. c(t) :- e(t). :- e(1). #volatile t. :- a. :- m(t)."
-    solver = solver_of(text, shortest=shortest)
+    solver = solver_of(text, kind)
     assert play(solver, "#step 1 : 0. e(1).").permanent
     result = play(solver, "#step 3 : 0. e(3). m(3).")
     assert (result.outcome, result.warnings) == (SolveOutcome.UNSATISFIABLE, (IGNORED.format("m(3)"),))
@@ -210,10 +186,10 @@ def test_rules_of_one_update_that_close_a_loop_with_one_of_the_program_support_n
     assert (texts(result), result.warnings) == ({frozenset(), frozenset(["a"])}, ())
 
 
-@pytest.mark.parametrize("shortest", [False, True])
-def test_what_a_step_forgets_are_externals_that_nothing_defines(shortest):
+@SOLVERS
+def test_what_a_step_forgets_are_externals_that_nothing_defines(kind):
     text = "{ a }. #cumulative t. #external e(t). #external f(t). #volatile t : 3. :- a, t = 1."
-    solver = solver_of(text, shortest=shortest, models=0)
+    solver = solver_of(text, kind, models=0)
     assert texts(play(solver, "#step 1. #volatile : 2. e(1). #forget 1.")) == {frozenset(["e(1)"])}
     assert texts(play(solver, "#step 2.")) == {frozenset(["e(1)"])}
     assert texts(play(solver, "#step 3.")) == {frozenset()}
@@ -222,36 +198,35 @@ def test_what_a_step_forgets_are_externals_that_nothing_defines(shortest):
     assert [warning.split()[1] for warning in result.warnings] == ["f(1)"]
 
 
-def test_what_a_log_withdraws_was_never_told(external):
+def test_withdrawn_facts_were_never_told(external):
     play(external, "#step 1. :- a. e(1).")
     play(external, "#step 2. e(2).")
-    external.restore(external.log.less(frozenset([parse_atom("e(1)")])))
-    assert atoms(external.solve()) == ["c(2)", "e(2)"]
+    assert atoms(play(external, "#withdraw e(1).")) == ["c(2)", "e(2)"]
 
 
-def test_readers_ground_no_more_of_an_update_that_was_stopped(external):
+def test_updates_taken_again_ground_no_more_than_a_stopped_search(external):
     looks = iter([False] * 3)
     update = parse_update("#step 9. e(9). #endstep.")
     assert external.update(update, lambda: next(looks, True)).outcome is SolveOutcome.INTERRUPTED
     reader = ReactiveSolver(external.program)
-    reader.restore(copied(external.log))
-    assert reader.state.horizon == external.horizon < 9
+    reader.take_again(update, external.horizon)
+    assert reader.horizon == external.horizon < 9
     assert {"c(9)", "e(9)"} <= set(atoms(play(reader, "#step 9.")))
 
 
-@pytest.mark.parametrize("shortest", [False, True])
-def test_readers_ground_as_much_as_the_writer_did(shortest):
-    ahead = "" if shortest else "q(t) :- p(t+1)."  # which no step sees that is ground alone
-    solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.", shortest=shortest)
-    found = play(solver, "#step 1.")
-    reader = ReactiveSolver(solver.program, shortest=shortest)
-    reader.restore(copied(solver.log))
-    assert reader.state.horizon == solver.horizon >= 5
+@pytest.mark.parametrize("ahead", ["", "q(t) :- p(t+1)."])  # which no step sees that is ground alone
+def test_updates_taken_again_ground_as_much_as_the_search_did(ahead):
+    solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.")
+    update = parse_update("#step 1. #endstep.")
+    found = solver.update(update)
+    reader = ReactiveSolver(solver.program)
+    reader.take_again(update, solver.horizon)
+    assert reader.horizon == solver.horizon >= 5
     assert atoms(reader.solve()) == atoms(found)
 
 
 def test_cycles_before_the_first_are_not_closed():
-    solver = solver_of("#cumulative t. _action_lib(go,x,t-1). #volatile t.", shortest=True)
+    solver = solver_of("#cumulative t. _action_lib(go,x,t-1). #volatile t.")
     result = play(solver, "#step 2. #closed 0..1. :- not _action_lib(go,x,1).")
     assert result.outcome is SolveOutcome.SATISFIABLE
     assert sorted(solver.state.closed_cycles) == [1]
@@ -264,7 +239,7 @@ def test_what_was_executed_in_a_cycle_that_an_update_closes_is_kept():
         answers = play(solver, "#step 2 : 0. #closed 1..1. :- not _action_lib(go,x,1).").answers
         assert len(answers) == 4
         assert not any(parse_atom("_action_lib(go,y,1)") in answer for answer in answers)
-        solver.restore(cut(solver))
+        drop_grounding(solver)
 
 
 ALWAYS, IF_A, NEVER = (
@@ -293,24 +268,35 @@ ALWAYS, IF_A, NEVER = (
         ("#anew. r(x,2).", ALWAYS, ALWAYS),
     ],
 )
-@pytest.mark.parametrize("before", ["", "#step 1."])
+@pytest.mark.parametrize("before", [[], ["#step 1."]])
 @pytest.mark.parametrize("rule", ["w(X,t) :- r(X,t).", ""])
-def test_what_an_update_may_say_of_an_open_predicate(before, rule, update, now, later):
-    """Whether it was ground up to that step before or comes to it with the update; its log and state lead there too."""
-    solver = solver_of(f"{{ a }}. #external r/2. #cumulative t. {rule} #volatile t.", models=0)
+@SOLVERS
+def test_what_an_update_may_say_of_an_open_predicate(kind, rule, before, update, now, later):
+    """Whether the program is ground up to that step before or with the update; the same updates lead readers there."""
+    solver = solver_of(f"{{ a }}. #external r/2. #cumulative t. {rule} #volatile t.", kind, models=0)
     if not rule:
         now, later = ([[atom for atom in one if atom[0] != "w"] for one in answers] for answers in (now, later))
-    if before:
-        play(solver, before)
-    result = play(solver, f"#step 2. {update}")
+    for text in (*before, f"#step 2. {update}"):
+        result = play(solver, text)
     assert sorted(map(sorted, texts(result))) == now
     assert not any("declared external" in warning for warning in result.warnings)
-    readers = [ReactiveSolver(solver.program, models=0) for _ in range(2)]
-    for reader, log in zip(readers, (copied(solver.log), cut(solver))):
-        reader.restore(log)
-    for one in (solver, *readers):
+    for one in (solver, *readers_of(solver, [*before, f"#step 2. {update}"])):
         assert sorted(map(sorted, texts(one.solve()))) == now
         assert sorted(map(sorted, texts(play(one, "#step 3.")))) == later
+
+
+def readers_of(solver, played):
+    """Solvers that know what was played without a search of it."""
+    readers = [type(solver)(solver.program, models=0) for _ in range(2)]
+    if isinstance(solver, PlanSolver):
+        for reader, log in zip(readers, (copied(solver.log), cut(solver))):
+            reader.restore(log)
+        return readers
+    for text in played:
+        for reader in readers:
+            reader.take_again(parse_update(text + " #endstep."), solver.horizon)
+    drop_grounding(readers[1])
+    return readers
 
 
 def test_what_is_told_of_an_open_predicate_again_and_again_is_kept_once():
@@ -328,16 +314,6 @@ def test_the_last_step_that_may_be_grounded():
     assert solver.step == 3
     assert play(solver, "_request(0,3).").outcome is SolveOutcome.SATISFIABLE, "an update without a step stays at it"
     assert solver.solve().outcome is SolveOutcome.SATISFIABLE
-
-
-def test_what_was_executed_may_be_given_in_any_way():
-    solver = solver_of("#cumulative t. { _action_lib(go,(x;y),t) }. #volatile t.", models=0)
-    play(solver, "#step 1.")
-    solver.close_cycle(1, iter([parse_atom("_action_lib(go,x,1)")]))
-    for _ in range(2):
-        answers = play(solver, "#step 1. :- not _action_lib(go,x,1).").answers
-        assert [sorted(map(str, answer)) for answer in answers] == [["_action_lib(go,x,1)"]]
-        solver.restore(cut(solver))
 
 
 def test_a_solver_begins_at_the_first_step():
@@ -358,38 +334,3 @@ def test_a_dropped_update_leaves_what_was_in_force():
     with pytest.raises(DroppedError):
         solver.update(parse_update("#step 1. e(1). #endstep."), None, lambda: True)
     assert atoms(solver.solve()) == ["new(x)"]
-
-
-def test_the_horizon_that_is_told():
-    solver = solver_of(WALK, shortest=True)
-    assert play(solver, "#step 1 : 2. _request(8,1).").horizon == 3, "the last one that was searched"
-    result = play(solver, "#step 1 : 9.")
-    assert (result.outcome, result.horizon) == (SolveOutcome.SATISFIABLE, 8)
-    result = play(solver, "#step 2 : 9. #volatile. :- not at(8,8).")
-    assert result.horizon == 8
-    assert solver.horizon >= 8
-
-
-def test_seconds_are_told_once():
-    solver, start = solver_of(WALK), time.perf_counter()
-    spent = play(solver, "#step 1. _request(6,1).").statistics
-    assert 0 < spent["ground"] + spent["solve"] <= time.perf_counter() - start
-
-
-@pytest.mark.parametrize("head", ["{ _action_lib(go,x,t) ; _action_lib(go,y,t) }.", "{ _action_lib(go,(x;y),t+1) }."])
-@pytest.mark.parametrize(("returned", "groundings"), [("x", 1), ("y", 1), ("lost", 2)])
-def test_what_an_action_may_return_when_all_goes_well_grounds_nothing_anew(head, returned, groundings, monkeypatch):
-    made = []
-
-    def counting(*arguments):
-        made.append(arguments)
-        return build_grounding(*arguments)
-
-    monkeypatch.setattr(transaction, "build_grounding", counting)
-    rules = "done(P,t) :- _return(go,P,t). #program volatile(t). :- t < 6."
-    program = f"#external _return/3. #program cumulative(t). {head} {rules}"
-    solver = ReactiveSolver(ReactiveProgram.from_text(program), shortest=True, oclingo_strings=False)
-    solver.update(parse_update("#step 2. #endstep."))
-    answer = solver.update(parse_update(f"#step 3. _return(go,{returned},2). #endstep.")).answers[0]
-    assert parse_atom(f"done({returned},2)") in answer
-    assert len(made) == groundings

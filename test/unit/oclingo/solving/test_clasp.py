@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 from solver_reference import Parts, Reference
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_term, parse_update
-from rosoclingo.oclingo.explaining.explainer import Stream, explain
 from rosoclingo.oclingo.progression.updates import Assert, Forget, Literal, Retract, Statement, StreamUpdate, Volatile
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.solver import PlanSolver
 
 #: Part of what the mailbot's program became once (in aspif): clasp's equivalence preprocessing loses all its answers.
 EQUIVALENCES = Path(__file__).parents[3] / "data" / "equivalences.aspif"
@@ -91,22 +93,36 @@ class Watched(clingo.Control):
         return super().solve(*arguments, **named)
 
 
-@pytest.mark.parametrize(
-    "options", [{}, {"shortest": True}, {"shortest": True, "plan_time": 0.1, "oclingo_strings": False}], ids=str
-)
-def test_controls_solved_more_than_once_have_no_equivalences(monkeypatch, options):
+@pytest.fixture
+def controls(monkeypatch):
+    """All controls that were made since."""
     monkeypatch.setattr(Watched, "every", [])
     monkeypatch.setattr(clingo, "Control", Watched)
+    return Watched.every
+
+
+def check_arguments(controls):
+    asked = [one for one in controls if one.calls > 1]
+    assert asked
+    assert all("--eq=0" in one.arguments for one in asked)
+
+
+def test_incremental_controls_have_no_equivalence_preprocessing(controls):
+    solver = ReactiveSolver(ReactiveProgram.from_text(WALK))
+    for text in UPDATES:
+        solver.update(parse_update(text))
+    check_arguments(controls)
+
+
+@pytest.mark.parametrize("options", [{}, {"plan_time": 0.1}], ids=str)
+def test_planning_controls_have_no_equivalence_preprocessing(controls, options):
     program = ReactiveProgram.from_text(WALK)
-    solver = ReactiveSolver(program, **options)
+    solver = PlanSolver(program, **options)
     for text in UPDATES:
         solver.update(parse_update(text))
         solver.improve()
-    if options:
-        assert explain(program, Stream(solver.log, parse_update("#step 4. _request(9,4). #endstep."), 3))
-    asked = [one for one in Watched.every if one.calls > 1]
-    assert asked
-    assert all("--eq=0" in one.arguments for one in asked)
+    assert explain(program, Stream(solver.log, parse_update("#step 4. _request(9,4). #endstep."), 3))
+    check_arguments(controls)
 
 
 #: What the rules of a step define, mostly from externals of this step and the one before, and from what.

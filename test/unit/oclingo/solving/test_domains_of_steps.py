@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from stream_logs import texts
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
-from rosoclingo.oclingo.solving import grounding, transaction
+from rosoclingo.oclingo.solving import reactive_grounding, transaction
 
 ROBOT = """
 #external moved/2. #external seen/2. d(l). d(r).
@@ -42,7 +42,7 @@ def play(updates):
 @given(st.lists(st.tuples(st.integers(0, 3), ITEMS), min_size=1, max_size=5))
 def test_answers_are_those_of_a_solver_that_grounds_anew_step_by_step(items):
     updates = [f"#step {step} : 2. {text} #endstep." for step, text in items]
-    with mock.patch.object(grounding, "DOMAIN_LIMIT", -1), mock.patch.object(grounding, "BLOCK", 1):
+    with mock.patch.object(reactive_grounding, "DOMAIN_LIMIT", -1), mock.patch.object(reactive_grounding, "BLOCK", 1):
         expected = play(updates)
     assert play(updates) == expected
 

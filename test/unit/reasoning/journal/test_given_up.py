@@ -7,9 +7,10 @@ from clingo import parse_term
 from core_driver import ERRANDS, shortest
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.explaining.explainer import Stream, explain
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.solving.stream_log import StreamLog
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.history import History
 from rosoclingo.reasoning import CoreSettings, GoalUnmet, given_up
 from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
@@ -87,7 +88,7 @@ def test_a_core_that_goes_on_tells_what_the_one_before_would_have_told(live):
 
 
 def unmet(number, text="#step 1.\n#end step."):
-    stream = Stream(StreamLog(), parse_update(text), 9)
+    stream = Stream(History(), parse_update(text), 9)
     return GoalUnmet(number, f"key {number}", parse_term(f'do("a,b",{number})'), stream)
 
 

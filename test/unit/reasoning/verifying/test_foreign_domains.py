@@ -7,7 +7,7 @@ from foreign_programs import GRIPPER, LIFT, PATROL, SOUND, VACUUM
 from verified_programs import edited, more, play
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
-from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 NO_ANSWER, TAKEN, REPEATED = Kind.NO_ANSWER, Kind.FAILURE_AS_SUCCESS, Kind.REPEATED

@@ -6,11 +6,11 @@ from core_driver import Driver
 from verified_programs import VISITS, edited, more
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
-from rosoclingo.oclingo.solving.stream_log import StreamLog, Taken
+from rosoclingo.planning.history import History, Taken
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.verifying.moves import Answer, Happening, Move
-from rosoclingo.reasoning.verifying.question import Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import Limits, Wanted
 from rosoclingo.reasoning.verifying.trial_core import PUT_OFF, BrokenError, TrialCore
 from rosoclingo.reasoning.verifying.verification import verify
 from rosoclingo.reasoning.verifying.ways import Node, Step, circles
@@ -22,7 +22,7 @@ class Later:
     """A solver whose plan always begins in the next cycle."""
 
     def __init__(self):
-        self.log = StreamLog()
+        self.log = History()
 
     def update(self, update, stopped=None):
         """Answer with an action of the next cycle."""

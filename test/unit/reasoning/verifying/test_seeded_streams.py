@@ -9,7 +9,7 @@ from verified_programs import CARRIES, ECHO, VISITS, edited, more, play
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.verifying.moves import Moves, Repertory
-from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 FAILED = "failed(P,t) :- _action_lib(go,P,t), _return(go,V,t), V != P."

@@ -9,7 +9,7 @@ from verified_programs import play
 
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning.verifying.question import Kind, Limits, Wanted
+from rosoclingo.reasoning.verifying.scope import Kind, Limits, Wanted
 from rosoclingo.reasoning.verifying.verification import verify
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.planning.solver import PlanSolver
 
 STEPS = "\n#program cumulative(t).\n{ act(t) }.\n#program volatile(t).\n"
 
@@ -83,7 +84,7 @@ def check(found, atoms):
 @pytest.mark.slow
 def test_values_hold_what_comes_in_a_run():
     program = ReactiveProgram(lint_programs.program("mailbot"), whole=True)
-    found, solver = ArgumentValues(program.survey), ReactiveSolver(program, shortest=True)
+    found, solver = ArgumentValues(program.survey), PlanSolver(program)
     for text in (
         "#step 1 : 9. _request(goal(office3,office2,1),2).",
         "#step 2 : 9. :- not _action_lib(move_base,office2,1). _return(move_base,office2,1).",

@@ -1,0 +1,92 @@
+"""How a program reads the updates of its stream.
+
+Beside a return that is no success a program may read ``_failed(A,V,C)``, if it declares it. Success is the parameter of
+an action that was committed, anything else is a reason. A program could say so itself,
+
+    failed(A,V,t) :- _return(A,V,t), not _action_lib(A,V,t).
+
+but would be ground for every value that may come; ``_failed/3`` comes when something has failed, and costs nothing
+before. If nothing was committed for the cycle, it comes with each return: the rule above still tells.
+"""
+
+from dataclasses import dataclass, replace
+from typing import FrozenSet, Iterable, Iterator, List, Set
+
+import clingo
+
+from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.strings import strings_apart
+from rosoclingo.oclingo.progression.terms import signature_of
+from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Item, Over, Statement, StreamUpdate
+
+
+@dataclass(frozen=True)
+class Reader:
+    """How updates are read.
+
+    Attributes:
+        program: the reactive logic program.
+        oclingo_strings: take strings as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
+
+    """
+
+    program: ReactiveProgram
+    oclingo_strings: bool = False
+
+    def read(self, update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
+        """Return the update as the program is to see it; ``before`` holds for ever before it."""
+        update = strings_apart(update) if self.oclingo_strings else update
+        return _with_failures(update, before) if FAILED in self.program.open_signatures else update
+
+
+def is_foreseen(update: StreamUpdate, before: Iterable[Statement]) -> bool:
+    """Whether ``update`` holds nothing but commitments and the returns of what was done with success.
+
+    ``before`` are the statements that hold for ever before it.
+    """
+    as_planned = _successes(update, before)
+    plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)
+    statements = [one for _, one in update.sections()]
+    return plain and all(one.head in as_planned or _demands_action(one) for one in statements)
+
+
+def with_their_failures(facts: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
+    """Return ``facts`` and what was told of the returns among them."""
+    return facts | {_failure_of(fact) for fact in facts if signature_of(fact) == RETURN}
+
+
+def _with_failures(update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
+    """Return ``update`` with each failure behind its return, given the statements that hold for ever ``before`` it."""
+    told = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
+    failed = told - _successes(update, before) if told else told
+    if not failed:
+        return update
+    items: List[Item] = []
+    for item in update.items:
+        items.append(item)
+        if isinstance(item, Statement) and item.head in failed and not item.body:
+            items.append(Statement(_failure_of(item.head)))
+    return replace(update, items=tuple(items))
+
+
+def _failure_of(answer: clingo.Symbol) -> clingo.Symbol:
+    """Return ``_failed(A,V,C)`` for ``_return(A,V,C)``."""
+    return clingo.Function(FAILED.name, answer.arguments)
+
+
+def _successes(update: StreamUpdate, before: Iterable[Statement]) -> Set[clingo.Symbol]:
+    """Return the returns that tell of success: those of the actions that must be in every plan."""
+    actions = (one.body[0].atom for one in (*before, *_lasting(update)) if _demands_action(one))
+    return {clingo.Function(RETURN.name, action.arguments) for action in actions}
+
+
+def _lasting(update: StreamUpdate) -> Iterator[Statement]:
+    """Yield the facts and constraints of the update that hold for ever."""
+    for section, statement in update.sections():
+        if isinstance(section, Cumulative) and (statement.head is None or not statement.body):
+            yield statement
+
+
+def _demands_action(statement: Statement) -> bool:
+    return statement.is_commitment and is_action(statement.body[0].atom)

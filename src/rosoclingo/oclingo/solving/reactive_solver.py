@@ -1,0 +1,169 @@
+"""The incremental solver: a reactive logic program that takes stream updates and answers each, as oClingo did.
+
+Behaves as oClingo did (2012), observed on the real program, without its failures: an update is taken or refused as a
+whole, and no text from outside can end it.
+"""
+
+import time
+from dataclasses import replace
+from typing import Callable, List, Optional, Tuple
+
+from rosoclingo.oclingo.errors import SolverError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.update_reader import Reader
+from rosoclingo.oclingo.progression.updates import StreamUpdate
+from rosoclingo.oclingo.solving.reactive_grounding import Answers, Grounding
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult, refusal
+from rosoclingo.oclingo.solving.stream_state import StreamState
+from rosoclingo.oclingo.solving.transaction import Transaction
+
+Stopped = Callable[[], bool]
+
+
+class ReactiveSolver:
+    """Solves a reactive logic program under a stream of updates, at the last step that is ground.
+
+    Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
+    milliseconds of wall time while clingo searches, and before each step is grounded.
+
+    Attributes:
+        state: what follows from the updates.
+
+    """
+
+    def __init__(
+        self,
+        program: ReactiveProgram,
+        models: int = 1,
+        horizon_limit: Optional[int] = None,
+        oclingo_strings: bool = True,
+    ) -> None:
+        """Make a solver.
+
+        Args:
+            program: the reactive logic program.
+            models: how many answers to compute for an update, 0 for all.
+            horizon_limit: no step beyond it is grounded.
+            oclingo_strings: take strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
+
+        """
+        self.program = program
+        self.models = models
+        self._limit = horizon_limit
+        self._reader = Reader(program, oclingo_strings)
+        self.state = StreamState(forgets_done=program.first_step - 1)
+        self._grounding: Optional[Grounding] = None  # fits the state
+        self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
+        self._stop = False
+        program.prepare_steps()
+
+    @property
+    def horizon(self) -> int:
+        """N, the last grounded step."""
+        return self.state.horizon
+
+    @property
+    def reached(self) -> int:
+        """The last step that is ground in the midst of a search; the horizon between two of them."""
+        return max(self.horizon, self._under_way())
+
+    @property
+    def step(self) -> int:
+        """k, the step of the last update."""
+        return self.state.step
+
+    def interrupt(self) -> None:
+        """End the running search, if there is one, with outcome INTERRUPTED; may be called from any thread."""
+        self._stop = True
+
+    def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
+        """Search without an update (before the first one: at horizon 1)."""
+        return self._run(None, stopped, dropped)
+
+    def update(
+        self, update: StreamUpdate, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None
+    ) -> SolveResult:
+        """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
+
+        Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An
+        interrupted search leaves the update in force. ``dropped`` is asked between the pieces in which the program is
+        ground anew, which ``stopped`` does not end: where it says so, DroppedError is raised.
+        """
+        result = self._run(update, stopped, dropped)
+        return replace(result, warnings=update.warnings + result.warnings)
+
+    def take_again(self, update: Optional[StreamUpdate], horizon: int) -> None:
+        """Take what was taken before and led to ``horizon``, without a search."""
+        transaction, read = self._begin(None), self._read(update)
+
+        def take() -> None:
+            """Ground as far as the search did then."""
+            transaction.begin(read, lambda: transaction.state.horizon >= horizon)
+            while transaction.state.horizon < horizon:
+                transaction.grow()
+            list(transaction.remarks())
+
+        self._take(transaction, take)
+
+    def _run(
+        self, update: Optional[StreamUpdate], stopped: Optional[Stopped], dropped: Optional[Stopped]
+    ) -> SolveResult:
+        self._stop = False
+        self._check(update)
+        transaction, read = self._begin(dropped), self._read(update)
+        found: List[SolveResult] = []
+
+        def halt() -> bool:
+            """Tell whether the search is to end."""
+            return self._stop or (stopped is not None and stopped())
+
+        self._take(transaction, lambda: found.append(self._search(transaction, read, halt)))
+        return found[0]
+
+    def _read(self, update: Optional[StreamUpdate]) -> Optional[StreamUpdate]:
+        return None if update is None else self._reader.read(update, self.state.permanent)
+
+    def _check(self, update: Optional[StreamUpdate]) -> None:
+        """Raise SolverError where an update, or the horizon without one of a step, leads beyond the limit."""
+        step, limit = self.horizon if update is None or update.step is None else update.step, self._limit
+        if limit is not None and step > limit:
+            raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
+
+    def _begin(self, dropped: Optional[Stopped]) -> Transaction:
+        return Transaction(self.program, self.state.copy(), self._grounding, self._limit, dropped or (lambda: False))
+
+    def _take(self, transaction: Transaction, action: Callable[[], None]) -> None:
+        """Do an ``action`` that takes the transaction; what a failure leaves of the grounding fits no state."""
+        self._grounding, self._under_way = None, lambda: transaction.state.horizon
+        try:
+            action()
+        except RuntimeError as error:
+            messages = None if transaction.grounding is None else transaction.grounding.messages
+            raise SolverError(refusal(error, messages, self.program)) from None
+        self.state, self._grounding = transaction.state, transaction.grounding
+
+    def _search(self, transaction: Transaction, update: Optional[StreamUpdate], halt: Stopped) -> SolveResult:
+        start, began, seconds = time.perf_counter(), time.process_time(), 0.0
+        satisfiable: Optional[bool] = None
+        answers: Answers = ()
+        permanent = False
+        going = transaction.begin(update, halt)
+        while going and not halt():
+            grounding, asked = transaction.ready(), time.perf_counter()
+            satisfiable, answers = grounding.search(self.models, halt)
+            seconds += time.perf_counter() - asked
+            permanent = satisfiable is False and grounding.conflicting
+            going = satisfiable is False and not permanent and transaction.may_grow()
+            if going:
+                satisfiable = None  # not known until the next horizon is searched
+                if not halt():
+                    transaction.grow()
+        outcome = SolveOutcome.INTERRUPTED
+        if satisfiable is not None:
+            outcome = SolveOutcome.SATISFIABLE if satisfiable else SolveOutcome.UNSATISFIABLE
+        state = transaction.state
+        horizon = max(state.horizon, transaction.last_horizon()) if permanent else state.horizon
+        spent = {"solve": seconds, "ground": time.perf_counter() - start - seconds}
+        spent["needed"] = time.process_time() - began
+        warnings: Tuple[str, ...] = (*transaction.warnings, *transaction.remarks())
+        return SolveResult(outcome, answers, horizon, state.step, warnings, permanent, spent)

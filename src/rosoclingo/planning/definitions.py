@@ -1,0 +1,123 @@
+"""Statements of a snapshot in one control: which of them define their heads, and by which rules."""
+
+from typing import Collection, Container, Dict, Iterable, Set
+
+import clingo
+
+from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo.progression.updates import Literal
+from rosoclingo.oclingo.solving.atom_table import BackendSession
+from rosoclingo.planning.snapshot import Told
+
+_NEVER = -1
+"""The update that has closed an external that no statement defines."""
+
+
+class Definitions:
+    """The statements that were added to a control, and the externals that may still be defined.
+
+    A statement that holds for ever closes its head behind its own update. One that lapses, or may be assumed away, does
+    not.
+
+    Attributes:
+        lapsing: the heads of statements that do not close them.
+
+    """
+
+    def __init__(
+        self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
+    ) -> None:
+        """Take the control, its session, the literals of declared externals, and those of them that rules define."""
+        self._control, self._session, self._declared, self._defined = control, session, declared, defined
+        self._closed: Dict[clingo.Symbol, int] = {}  # head -> the update that has closed it
+        self._heads: Set[clingo.Symbol] = set()  # of all statements
+        self._facts: Set[clingo.Symbol] = set()
+        self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
+        self._asked: Set[clingo.Symbol] = set()
+        self.lapsing: Set[clingo.Symbol] = set()
+
+    def knows(self, atom: clingo.Symbol) -> bool:
+        """Whether some ground rule or external mentions ``atom`` as possible."""
+        return atom in self._control.symbolic_atoms
+
+    def is_true(self, atom: clingo.Symbol) -> bool:
+        """Whether ``atom`` is known as a fact."""
+        known = self._control.symbolic_atoms[atom]
+        return atom in self._facts or (known is not None and bool(known.is_fact))
+
+    def is_external(self, atom: clingo.Symbol) -> bool:
+        """Whether ``atom`` was declared external, and no rule of the program defines it."""
+        # clingo's own ``is_external`` is no help: it is True for what a rule makes equivalent to an external, and lost
+        # once the program can never be satisfied
+        known = self._control.symbolic_atoms[atom]
+        return known is not None and known.literal in self._declared and known.literal not in self._defined
+
+    def is_closed(self, atom: clingo.Symbol, update: int = _NEVER - 1) -> bool:
+        """Whether ``atom`` is closed for a statement of ``update``."""
+        return self._closed.get(atom, update) != update
+
+    def is_open(self, atom: clingo.Symbol, update: int = _NEVER - 1) -> bool:
+        """Whether ``atom`` is an external that a statement of ``update`` may define."""
+        return not self.is_closed(atom, update) and (atom in self._heads or self.is_external(atom))
+
+    def is_asked(self, atom: clingo.Symbol) -> bool:
+        """Whether the body of a statement mentions ``atom``."""
+        return atom in self._asked
+
+    @property
+    def awaited(self) -> Collection[clingo.Symbol]:
+        """The atoms that bodies mention and nothing has brought yet."""
+        return self._absent.keys()
+
+    def add(self, told: Told, guards: Iterable[int], assumable: bool = False) -> None:
+        """Add a statement, whose head may be defined, under ``guards``."""
+        statement, lifetime, update = told
+        head = statement.head
+        self._asked.update(one.atom for one in statement.body)
+        closes = lifetime == FOREVER and not assumable
+        known = None if head is None else self._control.symbolic_atoms[head]
+        if head is not None and known is not None and closes and self.is_external(head):
+            # else clasp takes it for open where its rules turn out to be of no use
+            self._session.release(known.literal)
+        body = [*map(self._body_literal, statement.body), *guards]
+        self._session.backend.add_rule([] if head is None else [self._head_literal(head)], body)
+        if head is None:
+            return
+        self._heads.add(head)
+        if not closes:
+            self.lapsing.add(head)
+        else:
+            self._closed.setdefault(head, update)
+            if not statement.body:
+                self._facts.add(head)
+
+    def close(self, atom: clingo.Symbol) -> None:
+        """Let no further statement define ``atom``: an external that none defines is false for good."""
+        self._closed[atom] = _NEVER
+        known = self._control.symbolic_atoms[atom]
+        if known is not None and atom not in self._heads:
+            self._session.release(known.literal)
+
+    def resolve_absent(self) -> None:
+        """Tie body atoms that came before their step to the atoms that are ground by now."""
+        for atom in [one for one in self._absent if self.knows(one)]:
+            backend = self._session.backend
+            backend.add_rule([self._absent.pop(atom)], [backend.add_atom(atom)])
+
+    def _head_literal(self, atom: clingo.Symbol) -> int:
+        backend = self._session.backend
+        fresh = not self.knows(atom)
+        literal = backend.add_atom(atom)  # clingo sees to it that it does not hold together with its opposite
+        if fresh and atom in self._absent:
+            backend.add_rule([self._absent.pop(atom)], [literal])
+        return int(literal)
+
+    def _body_literal(self, literal: Literal) -> int:
+        atom = literal.atom
+        if self.knows(atom):
+            code = int(self._session.backend.add_atom(atom))
+        else:
+            if atom not in self._absent:
+                self._absent[atom] = self._session.new_external()
+            code = self._absent[atom]
+        return code if literal.positive else -code

@@ -1,0 +1,233 @@
+"""A reactive program whose constraints, and bounds of choices, hold only as far as a search asks for them.
+
+The body of ``:- BODY.``, the I-th rule that can be let go, is given a head, and what was forbidden is so where the
+search keeps the rule at step T, or as a whole:
+
+    __oclingo_broken(I,T,(X,Y)) :- BODY.
+    :- __oclingo_broken(I,T,V), __oclingo_keep(I,T).
+    __oclingo_keep(I,T) :- __oclingo_whole(I).
+
+Both selectors are free to choose, so an answer of the program with some rules is one of the program with fewer: what is
+not asked for forbids nothing. Of ``L { ELEMENTS } U :- BODY.`` the choice stays, and the bounds become a constraint.
+clingo-explaid (``UnsatConstraintComputer``) takes constraints apart in the same way.
+
+Facts can't be let go like that: as choices they are no longer known when the program is ground, which may even have no
+end then. They are left out, and the program is ground anew.
+"""
+
+from copy import copy
+from dataclasses import replace
+from typing import AbstractSet, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+
+import clingo
+from clingo.ast import ASTType, BodyAggregate, BodyAggregateElement, Literal, Sign
+
+from rosoclingo.oclingo.program.domains import names_in
+from rosoclingo.oclingo.program.lint.survey import shows
+from rosoclingo.oclingo.program.nodes import Node, make, parse
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.planning.explaining.named_rules import NamedRule, RuleKind, RuleTexts
+
+BROKEN, KEEP, WHOLE = "__oclingo_broken", "__oclingo_keep", "__oclingo_whole"
+_BASE, _BROKEN = "base", Signature(BROKEN, 3)
+_GUARDS = ("left_guard", "right_guard")
+
+_SELECTORS = """
+{{ {keep}({number},{step}) }}.
+{keep}({number},{step}) :- {whole}({number}).
+:- {broken}({number},{step},V__), {keep}({number},{step}).
+"""
+
+
+class Breach(NamedTuple):
+    """An instance of a rule that an answer breaks: at which step, None in base, with which values of its variables."""
+
+    number: int
+    step: Optional[int]
+    values: Tuple[Tuple[str, str], ...]
+
+
+class RelaxedProgram(ReactiveProgram):
+    """A program whose rules can be let go.
+
+    Attributes:
+        rules: those rules, facts included, by their numbers.
+
+    """
+
+    def __init__(
+        self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
+    ) -> None:
+        """Take the texts of a program as it does."""
+        self.rules: List[NamedRule] = []
+        self._facts: Dict[int, Tuple[Signature, Node]] = {}
+        super().__init__(sources, constants, whole)
+
+    @classmethod
+    def of(cls, program: ReactiveProgram) -> "RelaxedProgram":
+        """Return ``program`` with rules that can be let go."""
+        return cls(program.sources, {name: str(value) for name, value in program.constants.items()})
+
+    def without(self, facts: AbstractSet[int]) -> "RelaxedProgram":
+        """Return the program without these of its facts, given by their numbers."""
+        less, gone = copy(self), [statement for number, (_, statement) in self._facts.items() if number in facts]
+        less.parts = [
+            replace(part, statements=[one for one in part.statements if not any(one is other for other in gone)])
+            for part in self.parts
+        ]
+        return less
+
+    def _collect(self) -> None:
+        texts, names = RuleTexts(self.texts), {one.name for one in self.texts}
+        showing = any(shows(statement) for part in self.parts for statement in part.statements)
+        self.parts = [self._relax(part, texts, names) for part in self.parts]
+        free = "".join(f"{{ {WHOLE}({rule.number}) }}.\n" for rule in self.constraints)
+        self.parts[0].statements += _parse(free + (f"#show {BROKEN}/3." if showing else ""))
+        super()._collect()
+
+    @property
+    def constraints(self) -> List[NamedRule]:
+        """The rules that a search may keep or not."""
+        return [rule for rule in self.rules if rule.kind is not RuleKind.FACT]
+
+    @property
+    def facts(self) -> List[NamedRule]:
+        """The facts of the program's base part."""
+        return [rule for rule in self.rules if rule.kind is RuleKind.FACT]
+
+    def facts_behind(self, rules: AbstractSet[int]) -> List[NamedRule]:
+        """Return the facts that the rules depend on, by whatever way."""
+        places = {one.place for one in self.rules if one.number in rules}
+        found = [(_place(statement), atoms) for part in self.parts for statement, atoms in part.found]
+        wanted = {one.signature for place, atoms in found if place in places for one in atoms}
+        before: Set[Signature] = set()
+        while wanted != before:
+            before = set(wanted)
+            for _, atoms in found:
+                if any(one.head and one.signature in wanted and one.signature != _BROKEN for one in atoms):
+                    wanted.update(one.signature for one in atoms)
+        return [rule for rule in self.facts if self._facts[rule.number][0] in wanted]
+
+    def breaches(self, answer: Iterable[clingo.Symbol]) -> List[Breach]:
+        """Return the instances of rules that an answer breaks, those of earlier steps first."""
+        found = []
+        for number, step, values in (atom.arguments for atom in answer if atom.match(BROKEN, 3)):
+            names = self.rules[number.number].variables
+            at = step.number if step.type is clingo.SymbolType.Number else None
+            found.append(Breach(number.number, at, tuple(zip(names, map(str, values.arguments)))))
+        return sorted(found, key=lambda one: (one.step or 0, one.number, one.values))
+
+    def _relax(self, part: Part, texts: RuleTexts, names: AbstractSet[str]) -> Part:
+        relaxed = Part(part.name, part.parameter, part.header, window=part.window)
+        selectors: List[str] = []
+        for statement in part.statements:
+            own = statement.ast_type == ASTType.Rule and statement.location.begin.filename in names
+            if own and part.name == _BASE and not statement.body and _is_atom(statement.head):
+                relaxed.statements += self._enter_facts(statement, texts)
+                continue
+            apart = _apart(statement) if own else None
+            if apart is None:
+                relaxed.statements.append(statement)
+                continue
+            kind = RuleKind.VOLATILE if part.window else RuleKind.INTEGRITY
+            variables = tuple(sorted(_variables(apart.forbidden) | _guard_variables(statement.head)))
+            rule = self._enter(statement, texts, RuleKind.BOUND if apart.rest else kind, variables)
+            step = part.parameter or _BASE
+            values = ",".join(variables) + ("," if len(variables) == 1 else "")
+            head = _parse(f"{BROKEN}({rule.number},{step},({values})).")[0].head
+            relaxed.statements += [*apart.rest, statement.update(head=head, body=apart.forbidden)]
+            selectors.append(_SELECTORS.format(keep=KEEP, whole=WHOLE, broken=BROKEN, number=rule.number, step=step))
+        relaxed.statements += _parse("".join(selectors))
+        return relaxed
+
+    def _enter(
+        self, statement: Node, texts: RuleTexts, kind: RuleKind, variables: Tuple[str, ...] = (), text: str = ""
+    ) -> NamedRule:
+        begin = statement.location.begin
+        place = (begin.filename, begin.line, begin.column)
+        text, words = text or texts.text(statement), texts.words(statement)
+        self.rules.append(NamedRule(len(self.rules), kind, *place, text, words, variables))
+        return self.rules[-1]
+
+    def _enter_facts(self, statement: Node, texts: RuleTexts) -> Iterator[Node]:
+        """Yield a fact, or each of those that are written as one."""
+        terms = list(atom_terms(statement.head.atom.symbol))
+        for term in terms:
+            rule = self._enter(statement, texts, RuleKind.FACT, text=f"{term}." if len(terms) > 1 else "")
+            atom = statement.head.atom.update(symbol=term)
+            fact = statement.update(head=statement.head.update(atom=atom))
+            self._facts[rule.number] = term_signature(term), fact
+            yield fact
+
+
+class _Apart(NamedTuple):
+    """A statement in two: what is forbidden by it, as the body of a constraint, and what is left of it."""
+
+    forbidden: List[Node]
+    rest: List[Node]
+
+
+def _parse(text: str) -> List[Node]:
+    return parse(text)[1:]  # without "#program base."
+
+
+def _place(statement: Node) -> str:
+    begin = statement.location.begin
+    return f"{begin.filename}:{begin.line}:{begin.column}"
+
+
+def _is_atom(head: Node) -> bool:
+    plain = head.ast_type == ASTType.Literal and head.sign == Sign.NoSign
+    return bool(plain and head.atom.ast_type == ASTType.SymbolicAtom)
+
+
+def _apart(rule: Node) -> Optional[_Apart]:
+    """Take a rule apart; None where it forbids nothing."""
+    head, body = rule.head, list(rule.body)
+    if head.ast_type == ASTType.Literal:
+        if head.atom.ast_type == ASTType.BooleanConstant:
+            return _Apart(body, []) if not head.atom.value and head.sign == Sign.NoSign else None
+        if head.sign == Sign.NoSign:
+            return None
+        sign = Sign.NoSign if head.sign == Sign.Negation else Sign.Negation
+        return _Apart([*body, head.update(sign=sign)], [])
+    guards = [getattr(head, name, None) for name in _GUARDS]
+    if all(guard is None for guard in guards):
+        return None
+    free = rule.update(head=head.update(left_guard=None, right_guard=None))
+    counted = make(Literal, rule.location, Sign.Negation, _in_body(head))
+    return _Apart([*body, counted], [free])
+
+
+def _in_body(aggregate: Node) -> Node:
+    """Return a head's aggregate as one of a body."""
+    if aggregate.ast_type == ASTType.Aggregate:
+        return aggregate
+    elements = [
+        make(BodyAggregateElement, one.terms, [one.condition.literal, *one.condition.condition])
+        for one in aggregate.elements
+    ]
+    guards = aggregate.left_guard, aggregate.right_guard
+    return make(BodyAggregate, aggregate.location, guards[0], aggregate.function, elements, guards[1])
+
+
+def _guard_variables(head: Node) -> Set[str]:
+    guards = (getattr(head, name, None) for name in _GUARDS)
+    return {name for guard in guards if guard is not None for name in _named(guard)}
+
+
+def _named(node: Node) -> Iterator[str]:
+    """Yield the names of variables, but for those that nobody has named."""
+    yield from (name for name in names_in(node) if name != "_" and not name.startswith("Any__"))
+
+
+def _variables(body: Iterable[Node]) -> Set[str]:
+    """Return the variables that instances of a body differ in: those in aggregates and conditions are their own."""
+    atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
+    plain = [atom for atom in atoms if not hasattr(atom, "elements")]
+    guards = [getattr(atom, name, None) for atom in atoms if hasattr(atom, "elements") for name in _GUARDS]
+    return {name for node in (*plain, *guards) if node is not None for name in _named(node)}

@@ -1,0 +1,126 @@
+"""Snapshots and symbols as plain values that JSON knows."""
+
+from typing import Any, Callable, Dict, FrozenSet, Iterable, List, Sequence, Tuple, Union
+
+import clingo
+
+from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime, Term
+from rosoclingo.oclingo.progression.parser import parse_update
+from rosoclingo.oclingo.progression.strings import MARK, from_marked, marked
+from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.planning.snapshot import ClosedHeads, Fact, Forgotten, Past, Snapshot, Told
+
+Message = Dict[str, Any]
+
+
+def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
+    """Return ``symbols``, separated by commas."""
+    texts = ((str(one), one) for one in symbols)
+    return ",".join(str(marked(one)) if '"' in text else text for text, one in texts)
+
+
+def symbol_list(text: str) -> List[clingo.Symbol]:
+    """Return the symbols that :func:`symbols_to_text` printed, in order.
+
+    All are read with one call of clingo's own reader, as the arguments of one tuple; one by one takes twice the time.
+    """
+    symbols = clingo.parse_term(f"({text},)").arguments if text else []
+    return [from_marked(one) for one in symbols] if MARK in text else symbols
+
+
+def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
+    """Return the set of the symbols that :func:`symbols_to_text` printed."""
+    return frozenset(symbol_list(text))
+
+
+def snapshot_to_message(snapshot: Snapshot) -> Message:
+    """Return ``snapshot`` for :func:`snapshot_from_message`."""
+    return {
+        "step": snapshot.step,
+        "horizon": snapshot.horizon,
+        "bound": snapshot.bound,
+        "settled": snapshot.settled,
+        "number": snapshot.number,
+        **_told_to_message(snapshot.told),
+        "closed": [[cycle, symbols_to_text(executed)] for cycle, executed in snapshot.closed.items()],
+        "keep_from": snapshot.keep_from,
+        "past": None if snapshot.past is None else _past_to_message(snapshot.past),
+    }
+
+
+def snapshot_from_message(message: Message) -> Snapshot:
+    """Return the snapshot that :func:`snapshot_to_message` took."""
+    return Snapshot(
+        step=message["step"],
+        horizon=message["horizon"],
+        bound=message["bound"],
+        settled=message["settled"],
+        number=message["number"],
+        told=_told_from_message(message),
+        closed={cycle: symbols_from_text(executed) for cycle, executed in message["closed"]},
+        keep_from=message["keep_from"],
+        past=None if message["past"] is None else _past_from_message(message["past"]),
+    )
+
+
+def _told_to_message(told: Sequence[Fact]) -> Message:
+    """Return statements with their updates, the lifetimes of those that lapse, and all others, by place."""
+    entries = [one for one in told if isinstance(one, Told)]
+    lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
+    return {
+        "statements": _statements_to_text(one.statement for one in entries),
+        "updates": [one.update for one in entries],
+        "lifetimes": [one for one in lifetimes if one[1] != FOREVER],
+        "others": [[place, *_other_to_values(one)] for place, one in enumerate(told) if not isinstance(one, Told)],
+    }
+
+
+def _told_from_message(message: Message) -> Tuple[Fact, ...]:
+    lifetimes = {place: _lifetime_from_value(value) for place, value in message["lifetimes"]}
+    pairs = zip(_statements_from_text(message["statements"]), message["updates"])
+    told: List[Fact] = [Told(one, lifetimes.get(place, FOREVER), number) for place, (one, number) in enumerate(pairs)]
+    for place, atoms, steps in message["others"]:
+        found = symbols_from_text(atoms)
+        told.insert(place, Forgotten(steps[0], steps[1], found) if steps else ClosedHeads(found))
+    return tuple(told)
+
+
+def _other_to_values(one: Union[Forgotten, ClosedHeads]) -> List[Any]:
+    if isinstance(one, ClosedHeads):
+        return [symbols_to_text(one.atoms), []]
+    return [symbols_to_text(one.spared), [one.first, one.last]]
+
+
+def _statements_to_text(statements: Iterable[Statement]) -> str:
+    texts = ((str(one), one) for one in statements)
+    return "\n".join(str(_mapped(one, marked)) if '"' in text else text for text, one in texts)
+
+
+def _statements_from_text(text: str) -> List[Statement]:
+    items = parse_update(f"{text}\n#endstep.").items
+    found = [item for item in items if isinstance(item, Statement)]
+    return [_mapped(one, from_marked) for one in found] if MARK in text else found
+
+
+def _mapped(statement: Statement, change: Callable[[clingo.Symbol], clingo.Symbol]) -> Statement:
+    head = None if statement.head is None else change(statement.head)
+    return Statement(head, tuple(Literal(change(one.atom), one.positive) for one in statement.body))
+
+
+def _lifetime_to_value(lifetime: Lifetime) -> Any:
+    return [symbols_to_text([lifetime.term])] if isinstance(lifetime, Term) else lifetime
+
+
+def _lifetime_from_value(value: Any) -> Lifetime:
+    return Term(symbol_list(value[0])[0]) if isinstance(value, list) else value
+
+
+def _past_to_message(past: Past) -> Message:
+    steps = [step for step, _ in past.shown]
+    atoms = symbols_to_text([atom for _, atom in past.shown])
+    return {"first": past.first, "facts": symbols_to_text(past.facts), "steps": steps, "shown": atoms}
+
+
+def _past_from_message(message: Message) -> Past:
+    shown = zip(message["steps"], symbol_list(message["shown"]))
+    return Past(message["first"], symbols_from_text(message["facts"]), tuple(shown))

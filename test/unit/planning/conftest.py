@@ -1,0 +1,29 @@
+"""What tests of the planner share."""
+
+import pytest
+
+from rosoclingo.planning import compaction, grounding, solver
+from rosoclingo.planning.grounding import Grounding
+
+
+@pytest.fixture
+def compacts_at_once(monkeypatch):
+    """Retire whatever can be retired with every update, step by step."""
+    monkeypatch.setattr(compaction, "MOST_STEPS", 1)
+    monkeypatch.setattr(solver, "MOST_STEPS", 1)
+    monkeypatch.setattr(grounding, "PIECE", 1)
+    monkeypatch.setattr(grounding, "CLOSED_PIECE", 1)
+    monkeypatch.setattr(solver, "BLOCK", 1)
+
+
+@pytest.fixture
+def searches(monkeypatch):
+    """The ranges of horizons that clingo was asked for."""
+    found, ask = [], Grounding.ask
+
+    def note(this, question, stopped):
+        found.append((question.first, question.last))
+        return ask(this, question, stopped)
+
+    monkeypatch.setattr(Grounding, "ask", note)
+    return found

@@ -1,0 +1,157 @@
+"""What no number of steps helps, against brute force: in small worlds each state that can be is soon reached."""
+
+from pathlib import Path
+
+import clingo
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.explaining.why_not import WhyNot
+from rosoclingo.planning.history import History
+
+PAPER = Path(__file__).resolve().parents[4] / "encodings" / "paper.lp"
+STEPS = 2
+THINGS = "abcd"
+ALL = 2 ** len(THINGS) + 2  # steps in which each state of these things is reached that ever is
+
+
+class World:
+    """Things that are true or not; actions that need some, make one true and another one false."""
+
+    def __init__(self, first, actions, forbidden, wanted):
+        self.first, self.actions, self.forbidden, self.wanted = first, actions, forbidden, wanted
+        lines = [f"has({one},0)." for one in first]
+        lines += [f"needs({n},{one})." for n, (needed, _, _) in enumerate(actions) for one in needed]
+        lines += [f"gives({n},{one})." for n, (_, one, _) in enumerate(actions)]
+        lines += [f"takes({n},{one})." for n, (_, _, one) in enumerate(actions) if one]
+        lines += [f"act(0..{len(actions) - 1}).", "#defined needs/2.", "#defined takes/2."]
+        self.lines = [
+            *lines,
+            "#program cumulative(t).",
+            "{ _action_lib(do,N,t) : able(N,t) } 1.",
+            "able(N,t) :- act(N), not lacks(N,t).",
+            "lacks(N,t) :- needs(N,X), not has(X,t-1).",
+            *(
+                f"has({one},t) :- _action_lib(do,{n},t)" + "".join(f", has({x},t-1)" for x in needed) + "."
+                for n, (needed, one, _) in enumerate(actions)
+            ),
+            "has(X,t) :- has(X,t-1), not taken(X,t).",
+            "taken(X,t) :- _action_lib(do,N,t), takes(N,X).",
+            *(f":- has({one},t), has({other},t)." for one, other in forbidden),
+        ]
+
+    @property
+    def text(self):
+        return "\n".join([*self.lines, "#program volatile(t).", f":- not has({self.wanted},t).", ""])
+
+    def holds(self, atom, heeding=True):
+        """Whether an atom holds at the end of some plan, whatever its length."""
+        lines = [line for line in self.lines if heeding or not line.startswith(":-")]
+        control = clingo.Control(["-Wnone"])
+        control.add("base", [], "\n".join(lines))
+        control.ground([("base", [])])
+        for step in range(1, ALL):
+            control.ground([("cumulative", [clingo.Number(step)])])
+            goal = clingo.parse_term(atom.replace(",t)", f",{step})"))
+            if control.solve(assumptions=[(goal, True)]).satisfiable:
+                return True
+        return False
+
+
+def explained(world, steps):
+    program = ReactiveProgram.from_text(world.text, "world.lp")
+    return explain(program, Stream(History(), parse_update("#step 1. #endstep."), steps))
+
+
+def check(world, steps=STEPS):
+    found = explained(world, steps)
+    if found is None:
+        assert world.holds(f"has({world.wanted},t)")
+        return None
+    assert WhyNot.from_message(found.to_message()) == found
+    if found.never:
+        assert not world.holds(f"has({world.wanted},t)")
+    for one in found.lacking:
+        assert not world.holds(one.atom, heeding=False)
+        for miss in one.misses:
+            assert "_" in miss.lacks.replace("_action_lib", "") or not world.holds(miss.lacks, heeding=False)
+    return found
+
+
+SOME = st.lists(st.sampled_from(THINGS), max_size=2, unique=True)
+ACTION = st.tuples(SOME, st.sampled_from(THINGS), st.sampled_from([None, *THINGS]))
+PAIR = st.tuples(st.sampled_from(THINGS), st.sampled_from(THINGS)).filter(lambda pair: pair[0] < pair[1])
+WORLDS = st.builds(
+    World, SOME, st.lists(ACTION, min_size=1, max_size=3), st.lists(PAIR, max_size=1), st.sampled_from(THINGS)
+)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=max(5, settings.default.max_examples // 3))
+@given(WORLDS)
+def test_what_is_said_to_be_never_so_never_is(world):
+    check(world)
+
+
+@pytest.mark.slow
+def test_an_effect_that_nothing_has_is_found_to_its_beginning():
+    found = check(World("a", [("a", "b", None), ("c", "d", None)], [], "d"))
+    assert found.never
+    assert [one.atom for one in found.lacking] == ["has(d,t)"]
+    first = found.lacking[0].misses[0]
+    assert (first.text, first.lacks) == ("has(d,t) :- _action_lib(do,1,t), has(c,t-1).", "has(c,t)")
+    assert "has(c,t)" in {one.atom for one in found.lacking[0].misses}
+
+
+def test_what_only_takes_long_is_not_said_to_be_never():
+    found = check(World("a", [("a", "b", "a"), ("b", "c", "b"), ("c", "d", "c")], [], "d"), 1)
+    assert not found.never
+    assert found.lacking == ()
+
+
+@pytest.mark.slow
+def test_what_two_constraints_keep_apart_is_not_known():
+    found = check(World("a", [("a", "b", None), ("b", "c", None), ("bc", "d", None)], [("a", "b")], "d"))
+    assert found.lacking == ()
+    assert not found.never
+
+
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize(
+    ("goal", "atom", "last"),
+    [
+        ("goal(office1,office9,1)", "delivered(1,t)", "next(_,office9)"),
+        ("goal(office9,office1,1)", "picked(1,t)", "next(_,office9)"),  # what is waiting is handed on until then
+    ],
+)
+def test_the_paper_has_no_such_office(goal, atom, last):
+    program = ReactiveProgram.from_files([PAPER])
+    found = explain(program, Stream(History(), parse_update(f"#step 1. _request({goal},2). #endstep."), STEPS))
+    assert found.never
+    assert [(one.atom, one.misses[-1].lacks) for one in found.lacking] == [(atom, last)]
+
+
+COUNTING = """
+at(0,0).
+#program cumulative(t).
+{ go(t) }.
+at(N+1,t) :- at(N,t-1), go(t).
+at(N,t) :- at(N,t-1), not go(t).
+late(t) :- t > 20.
+late(t) :- late(t-1).
+#program volatile(t).
+:- not late(t).
+"""
+
+
+@pytest.mark.slow
+def test_a_program_without_an_end_or_with_a_clock_is_not_judged():
+    program = ReactiveProgram.from_text(COUNTING, "count.lp")
+    found = explain(program, Stream(History(), parse_update("#step 1. #endstep."), STEPS))
+    assert not found.never
+    assert found.lacking == ()

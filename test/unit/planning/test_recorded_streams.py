@@ -1,0 +1,46 @@
+"""Recorded streams get the recorded answers: a sample of them, all with ROSOCLINGO_STREAMS=1000."""
+
+import os
+from statistics import median
+
+import pytest
+from recorded_streams import DOMAINS, KINDS, LATE, first_plans, play, recorded, what_if, why
+
+SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "30"))
+
+
+def streams(kind):
+    """The sampled streams of a kind."""
+    return [one for one in recorded()[:SAMPLE] if one["kind"] == kind]
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("kind", KINDS)
+def test_updates_get_the_recorded_answers(kind):
+    for record in streams(kind):
+        for (update, *expected), found in zip(record["updates"], play(record)):
+            assert found == expected, (record.get("program"), update)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("kind", DOMAINS)
+def test_questions_get_the_recorded_verdicts(kind):
+    for record in streams(kind):
+        assert what_if(record) == record["verdicts"], record["updates"]
+        if "why" in record:
+            assert why(record) in (record["why"], LATE), record["updates"]
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_first_plans_are_not_longer_in_the_median():
+    ratios = []
+    for record in recorded()[:SAMPLE]:
+        for (_, _, shortest, *_), before, now in zip(record["updates"], record.get("first", ()), first_plans(record)):
+            assert (before is None) == (now is None), record["updates"]
+            if now is not None:
+                assert now >= shortest, "no plan is shorter than the shortest"
+                ratios.append(now / before)
+    assert median(ratios) <= 1.0

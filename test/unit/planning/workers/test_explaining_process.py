@@ -1,0 +1,71 @@
+"""Why there is no plan, asked of a process of its own: the same reasons, and an end in time."""
+
+import pytest
+
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_update
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.workers import child, explaining_process
+from rosoclingo.planning.workers.explaining_process import explain_apart
+
+PROGRAM = (
+    "#program cumulative(t).\n#external on(t).\n{ up(t) }.\n:- up(t), on(t-1).\n#program volatile(t).\n:- not up(t).\n"
+)
+#: Grounding of step 2 has no end.
+EXPLODING = (
+    "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n#volatile t.\n:- e(1).\n"
+)
+
+
+def stream(text, steps, *before):
+    log = History().then(*(Taken(parse_update(one), 1) for one in before))
+    return Stream(log, parse_update(text), steps)
+
+
+@pytest.mark.slow
+def test_a_process_finds_the_same_reasons():
+    program = ReactiveProgram.from_text(PROGRAM, "lift.lp")
+    asked = stream("#step 2. on(2). #end step.", 1, "#step 1. on(1). #end step.")
+    found = explain_apart(program, asked, 300.0)
+    assert found == explain(program, asked)
+    assert [one.text for one in found.told] == ["on(1).", "on(2)."]
+    assert explain_apart(program, stream("#step 1. #end step.", 1), 300.0) is None
+
+
+def test_facts_go_with_what_was_done_because_of_them():
+    text = """\
+#program base.
+p(1..3).
+#program cumulative(t).
+#external _request/2. #external shut/2.
+{ _action_lib(go,P,t) : p(P) } 1 :- _request(go,C), C <= t+1.
+at(P,t) :- _action_lib(go,P,t).
+:- at(P,t), shut(P,C), C <= t.
+#program volatile(t).
+:- _request(go,C), not at(3,t).
+"""
+    before = ["#step 1. _request(go,2). #end step."]
+    update = "#step 2. :- not _action_lib(go,1,1). shut(3,1). shut(3,2). #end step."
+    found = explain(ReactiveProgram.from_text(text), stream(update, 2, *before))
+    assert [one.text for one in found.told] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
+
+
+@pytest.mark.once
+@pytest.mark.slow
+def test_what_takes_too_long_is_ended(monkeypatch):
+    monkeypatch.setattr(explaining_process, "PATIENCE", (0.1, 0.2))
+    program = ReactiveProgram.from_text(EXPLODING)
+    with pytest.raises(DroppedError, match="not found out in 1 s"):
+        explain_apart(program, stream("#step 1. e(1). #end step.", 3), 1.0)
+    with pytest.raises(DroppedError):
+        explain_apart(program, stream("#step 1. e(1). #end step.", 3), 300.0, lambda: True)
+
+
+def test_a_process_that_cannot_be_started_is_told(monkeypatch):
+    def refused(*_arguments, **_more):
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(child.subprocess, "Popen", refused)
+    with pytest.raises(SolverError, match="no more processes"):
+        explain_apart(ReactiveProgram.from_text(PROGRAM), stream("#step 1. #end step.", 1), 1.0)
