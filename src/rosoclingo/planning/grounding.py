@@ -174,6 +174,7 @@ class Grounding:
         with self._refusing():
             self._control.ground(parts)
         self.ground_parts.append((steps, parts))
+        self._literals: Dict[clingo.Symbol, int] = {}  # of what was looked up since, 0 if no rule defines it
         self._externals.note(self._observer.fresh, step)
         self._observer.fresh.clear()
         self._heads.sort(self._externals.declared)
@@ -359,7 +360,9 @@ class Grounding:
 
     @property
     def known(self) -> List[clingo.Symbol]:
-        """All atoms that may be true by what is ground."""
+        """All atoms that may be true by what is ground and, after a search, by what follows from it."""
+        self._session.close()
+        self._control.cleanup()
         return [one.symbol for one in self._control.symbolic_atoms]
 
     @property
@@ -516,11 +519,13 @@ class Grounding:
 
     def _predict(self, model: clingo.Model, rules: ReturnRules) -> Predicted:
         """Return what is predicted of a model whose shown atoms are known."""
-        atoms = self._control.symbolic_atoms
+        literals = self._literals
 
         def is_true(atom: clingo.Symbol) -> Optional[bool]:
-            known = atoms[atom]
-            return model.is_true(known.literal) if known is not None and known.literal else None
+            if atom not in literals:
+                known = self._control.symbolic_atoms[atom]
+                literals[atom] = 0 if known is None else known.literal
+            return model.is_true(literals[atom]) if literals[atom] else None
 
         def may_be_told(atom: clingo.Symbol) -> bool:
             return not self.definitions.is_asked(atom) and self.definitions.is_open(atom)

@@ -45,9 +45,9 @@ class HorizonLiterals:
 
     def _literal(self, step: int) -> int:
         """Return the literal ``beyond(step)``, making it and those before it."""
-        backend = self._session.backend
         while self._last < step:
             self._last += 1
+            backend = self._session.backend  # to open one has clasp prepare the program again
             literal = self._beyond[self._last] = backend.add_atom()
             backend.add_rule([literal], choice=True)
             if self._last - 1 in self._beyond:

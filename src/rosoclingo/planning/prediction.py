@@ -58,6 +58,7 @@ def predict(
     return Predicted(frozenset(returns), frozenset(certain))
 
 
+@lru_cache(maxsize=10_000)  # most answers of a search have the same actions
 def _of(name: str, number: int, action: clingo.Symbol) -> clingo.Symbol:
     """Return the atom by which rule ``number`` tells something of the return of ``action``."""
     return clingo.Function(name, [clingo.Number(number), *action.arguments])
