@@ -198,15 +198,30 @@ def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
     process.start()
 
     class Killed:
-        """Kills the child now and then, before it has answered an update."""
+        """Kills the worker now and then, before it has answered an update; now and then the one after it as well."""
 
-        left = 0
+        left = kills = 0
 
         def __call__(self):
             self.left -= 1
-            if self.left in (0, -2, -3) and draw.random() < 0.8 and process.pid is not None:
+            again = False
+            if self.left in (0, -2, -3) and draw.random() < 0.8:
+                self.kill()
+                again = draw.random() < 0.5
+            killed = process.pid
+
+            def look():
+                nonlocal killed
+                if again and process.pid != killed:
+                    killed = process.pid
+                    self.kill()
+
+            return look
+
+        def kill(self):
+            if process.pid is not None:
                 os.kill(process.pid, signal.SIGKILL)
-            return lambda: None
+                self.kills += 1
 
     watch = Killed()
     try:
@@ -228,6 +243,7 @@ def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
         arm.check()
         assert all(driver.states(str(number))[-1] == GoalState.SUCCEEDED.value for number in range(12))
         assert arm.things == {f"thing{number}" for number in range(12)}
+        assert watch.kills > 5
         assert any("dropped" in text for text in driver.problems)
     finally:
         process.close()
