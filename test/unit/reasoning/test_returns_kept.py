@@ -190,6 +190,35 @@ def test_a_return_that_the_solver_refuses_is_left_out_with_its_action():
     assert "_action_lib(arm,cup,1)" not in driver.journal.stream
 
 
+class Killer:
+    """Kills the worker now and then, before it has answered an update; now and then the one after it as well."""
+
+    def __init__(self, process, draw):
+        self.process, self.draw = process, draw
+        self.left = self.kills = 0
+
+    def __call__(self):
+        self.left -= 1
+        again = False
+        if self.left in (0, -2, -3) and self.draw.random() < 0.8:
+            self.kill()
+            again = self.draw.random() < 0.5
+        killed = self.process.pid
+
+        def look():
+            nonlocal killed
+            if again and self.process.pid != killed:
+                killed = self.process.pid
+                self.kill()
+
+        return look
+
+    def kill(self):
+        if self.process.pid is not None:
+            os.kill(self.process.pid, signal.SIGKILL)
+            self.kills += 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
@@ -197,33 +226,7 @@ def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
     process = WorkerPool(PROGRAM, shortest=True, oclingo_strings=False, spare=True)
     process.start()
 
-    class Killed:
-        """Kills the worker now and then, before it has answered an update; now and then the one after it as well."""
-
-        left = kills = 0
-
-        def __call__(self):
-            self.left -= 1
-            again = False
-            if self.left in (0, -2, -3) and draw.random() < 0.8:
-                self.kill()
-                again = draw.random() < 0.5
-            killed = process.pid
-
-            def look():
-                nonlocal killed
-                if again and process.pid != killed:
-                    killed = process.pid
-                    self.kill()
-
-            return look
-
-        def kill(self):
-            if process.pid is not None:
-                os.kill(process.pid, signal.SIGKILL)
-                self.kills += 1
-
-    watch = Killed()
+    watch = Killer(process, draw)
     try:
         driver = Driver(
             program=PROGRAM, settings=CoreSettings(), solver=lambda program: process.solver(), watch=watch, start=False
