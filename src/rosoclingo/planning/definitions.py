@@ -5,15 +5,14 @@ from typing import Collection, Container, Dict, Iterable, Set
 import clingo
 
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.updates import Literal
-from rosoclingo.oclingo.solving.atom_table import BackendSession
+from rosoclingo.oclingo.solving.atom_table import BackendSession, ControlAtoms
 from rosoclingo.planning.snapshot import Told
 
 _NEVER = -1
 """The update that has closed an external that no statement defines."""
 
 
-class Definitions:
+class Definitions(ControlAtoms):
     """The statements that were added to a control, and the externals that may still be defined.
 
     A statement that holds for ever closes its head behind its own update. One that lapses, or may be assumed away, does
@@ -28,29 +27,11 @@ class Definitions:
         self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
     ) -> None:
         """Take the control, its session, the literals of declared externals, and those of them that rules define."""
-        self._control, self._session, self._declared, self._defined = control, session, declared, defined
+        super().__init__(control, session, declared, defined)
         self._closed: Dict[clingo.Symbol, int] = {}  # head -> the update that has closed it
         self._heads: Set[clingo.Symbol] = set()  # of all statements
-        self._facts: Set[clingo.Symbol] = set()
-        self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
         self._asked: Set[clingo.Symbol] = set()
         self.lapsing: Set[clingo.Symbol] = set()
-
-    def knows(self, atom: clingo.Symbol) -> bool:
-        """Whether some ground rule or external mentions ``atom`` as possible."""
-        return atom in self._control.symbolic_atoms
-
-    def is_true(self, atom: clingo.Symbol) -> bool:
-        """Whether ``atom`` is known as a fact."""
-        known = self._control.symbolic_atoms[atom]
-        return atom in self._facts or (known is not None and bool(known.is_fact))
-
-    def is_external(self, atom: clingo.Symbol) -> bool:
-        """Whether ``atom`` was declared external, and no rule of the program defines it."""
-        # clingo's own ``is_external`` is no help: it is True for what a rule makes equivalent to an external, and lost
-        # once the program can never be satisfied
-        known = self._control.symbolic_atoms[atom]
-        return known is not None and known.literal in self._declared and known.literal not in self._defined
 
     def is_closed(self, atom: clingo.Symbol, update: int = _NEVER - 1) -> bool:
         """Whether ``atom`` is closed for a statement of ``update``."""
@@ -97,27 +78,3 @@ class Definitions:
         known = self._control.symbolic_atoms[atom]
         if known is not None and atom not in self._heads:
             self._session.release(known.literal)
-
-    def resolve_absent(self) -> None:
-        """Tie body atoms that came before their step to the atoms that are ground by now."""
-        for atom in [one for one in self._absent if self.knows(one)]:
-            backend = self._session.backend
-            backend.add_rule([self._absent.pop(atom)], [backend.add_atom(atom)])
-
-    def _head_literal(self, atom: clingo.Symbol) -> int:
-        backend = self._session.backend
-        fresh = not self.knows(atom)
-        literal = backend.add_atom(atom)  # clingo sees to it that it does not hold together with its opposite
-        if fresh and atom in self._absent:
-            backend.add_rule([self._absent.pop(atom)], [literal])
-        return int(literal)
-
-    def _body_literal(self, literal: Literal) -> int:
-        atom = literal.atom
-        if self.knows(atom):
-            code = int(self._session.backend.add_atom(atom))
-        else:
-            if atom not in self._absent:
-                self._absent[atom] = self._session.new_external()
-            code = self._absent[atom]
-        return code if literal.positive else -code

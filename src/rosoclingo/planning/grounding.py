@@ -350,7 +350,7 @@ class Grounding:
 
     @property
     def is_conflicting(self) -> bool:
-        """Whether it can never be satisfied, whatever externals and further steps bring."""
+        """Whether the program is unsatisfiable for any externals and further steps."""
         return bool(self._control.is_conflicting)
 
     @property

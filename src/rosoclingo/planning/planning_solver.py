@@ -1,4 +1,4 @@
-"""What a solver of plans is asked, wherever it works."""
+"""The interface of a solver of plans, in this process or in a worker."""
 
 from typing import Callable, FrozenSet, Optional, Protocol, Sequence
 

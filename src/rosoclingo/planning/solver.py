@@ -11,6 +11,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import Reader, is_foreseen
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.compaction import MOST_STEPS, compacted, end_of_past
 from rosoclingo.planning.grounding import Grounding
@@ -21,7 +22,7 @@ from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, Stopped
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import Verdict, probe
-from rosoclingo.planning.strategies.shortest import Found, shortest
+from rosoclingo.planning.strategies.shortest import SearchResult, shortest
 from rosoclingo.planning.strategies.soon import CLOCK, Clock, Soon, TimeLimit
 
 BLOCK = 8
@@ -230,7 +231,7 @@ class PlanSolver(PredictingSolver):
         self._stop = False
         halt = self._halting(stopped)
         before = self.snapshot
-        self._check(update)
+        check_horizon_limit(update, self.horizon, self._horizon_limit)
         snapshot = before.after(update, self._reader)
         asking = self._asking(snapshot, halt, dropped)
         self._searched, self._under_way = None, lambda: asking.horizon
@@ -244,7 +245,7 @@ class PlanSolver(PredictingSolver):
         self, asking: Asking, before: Snapshot, update: Optional[StreamUpdate], halt: Stop
     ) -> Tuple[SolveResult, History]:
         start, began = time.perf_counter(), time.process_time()
-        outcome, found = SolveOutcome.INTERRUPTED, Found(UNKNOWN)
+        outcome, found = SolveOutcome.INTERRUPTED, SearchResult(UNKNOWN)
         try:
             if self._plan_time is None:
                 found = asking.run(shortest(asking, self.models, self._hint), halt)
@@ -303,12 +304,6 @@ class PlanSolver(PredictingSolver):
 
         block = BLOCK if (may_idle(self.program, halt) if self._idles is None else self._idles) else 1
         return Asking(self.program, snapshot, build, block, self._horizon_limit)
-
-    def _check(self, update: Optional[StreamUpdate]) -> None:
-        """Raise SolverError if an update, or the horizon without one of a step, leads beyond the limit."""
-        step, limit = self.horizon if update is None or update.step is None else update.step, self._horizon_limit
-        if limit is not None and step > limit:
-            raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
 
     def _halting(self, stopped: Optional[Stop]) -> Stop:
         """Return what a search asks: whether it was interrupted, or is ``stopped``."""
@@ -407,7 +402,7 @@ class PlanSolver(PredictingSolver):
         program is ground once, whatever is untold. Raises SolverError as :meth:`update` does.
         """
         self._stop = False
-        self._check(update)
+        check_horizon_limit(update, self.horizon, self._horizon_limit)
         found = self.probe(update, doubted, untold, self._halting(stopped), dropped)
         return Verdict(found.satisfiable, found.core)
 

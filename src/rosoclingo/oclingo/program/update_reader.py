@@ -52,7 +52,7 @@ def is_foreseen(update: StreamUpdate, before: Iterable[Statement]) -> bool:
 
 
 def with_their_failures(facts: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
-    """Return ``facts`` and what was told of the returns among them."""
+    """Return ``facts`` and the ``_failed`` facts of the returns among them."""
     return facts | {_failure_of(fact) for fact in facts if signature_of(fact) == RETURN}
 
 

@@ -139,7 +139,7 @@ class Closed:
 
 @dataclass(frozen=True)
 class Over:
-    """``#over i.``: nothing will be told of the steps before i (see ``ReactiveSolver.forget_before``)."""
+    """``#over i.``: later updates hold no facts about the steps before i, and their externals are closed."""
 
     step: int
 

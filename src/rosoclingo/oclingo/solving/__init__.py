@@ -46,8 +46,7 @@ Simplified to its loop it is this, which runs (the tests play the lift of doc/oc
             atom = self.control.symbolic_atoms[one.atom]
             return atom.literal if one.positive else -atom.literal
 
-The files beside this one add to it: reactive_solver.py is that class, with bounds and time limits; transaction.py
-takes an update into stream_state.py, as a whole or not at all; reactive_grounding.py is clingo with the program in it,
-clasp_search.py asks clingo questions that can be stopped, atom_table.py has the atoms and the rules that are added
-behind clingo's grounder. The solver of plans is another one, see rosoclingo.planning.
+reactive_solver.py extends this class by bounds and time limits. transaction.py applies an update to stream_state.py as
+a whole or not at all. reactive_grounding.py holds the clingo control, clasp_search.py runs searches that can be
+stopped, and atom_table.py adds rules to the control through its backend. The solver of plans is in rosoclingo.planning.
 """

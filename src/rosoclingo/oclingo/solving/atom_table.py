@@ -47,28 +47,72 @@ class BackendSession:
         self.backend.add_external(literal, RELEASED)
 
 
-class AtomTable:
-    """Atoms of one control, seen as what updates may say of them."""
+class ControlAtoms:
+    """Atoms of one control, and the literals that rules added through its session have for them.
+
+    A body atom that is not ground yet gets a stand-in, which is tied to the atom once it is ground.
+    """
 
     def __init__(
         self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
     ) -> None:
         """Take the control, its session, the literals of declared externals, and those of them that rules define."""
         self._control, self._session, self._declared, self._defined = control, session, declared, defined
-        self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
-        self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
-        self._closed: Set[clingo.Symbol] = set()
         self._facts: Set[clingo.Symbol] = set()
-        self._absent: Dict[clingo.Symbol, int] = {}  # body atom that nothing knows yet -> its stand-in
+        self._absent: Dict[clingo.Symbol, int] = {}  # body atom that is not ground yet -> its stand-in
 
     def knows(self, atom: clingo.Symbol) -> bool:
-        """Tell whether some grounded rule or external mentions ``atom`` as possible."""
+        """Return whether some ground rule or external mentions ``atom`` as possible."""
         return atom in self._control.symbolic_atoms
 
     def is_true(self, atom: clingo.Symbol) -> bool:
-        """Tell whether ``atom`` is known as a fact."""
+        """Return whether ``atom`` is known as a fact."""
         known = self._control.symbolic_atoms[atom]
         return atom in self._facts or (known is not None and bool(known.is_fact))
+
+    def is_external(self, atom: clingo.Symbol) -> bool:
+        """Return whether ``atom`` was declared external, and no rule of the program defines it."""
+        # clingo's own ``is_external`` is no help: it is True for what a rule makes equivalent to an external, and lost
+        # once the program can never be satisfied
+        known = self._control.symbolic_atoms[atom]
+        return known is not None and known.literal in self._declared and known.literal not in self._defined
+
+    def resolve_absent(self) -> None:
+        """Tie the stand-ins of body atoms to the atoms that have been ground since."""
+        for atom in [one for one in self._absent if self.knows(one)]:
+            backend = self._session.backend
+            backend.add_rule([self._absent.pop(atom)], [backend.add_atom(atom)])
+
+    def _head_literal(self, atom: clingo.Symbol) -> int:
+        backend = self._session.backend
+        fresh = not self.knows(atom)
+        literal = backend.add_atom(atom)  # clingo sees to it that it does not hold together with its opposite
+        if fresh and atom in self._absent:
+            backend.add_rule([self._absent.pop(atom)], [literal])
+        return int(literal)
+
+    def _body_literal(self, literal: Literal) -> int:
+        atom = literal.atom
+        if self.knows(atom):
+            code = int(self._session.backend.add_atom(atom))
+        else:
+            if atom not in self._absent:
+                self._absent[atom] = self._session.new_external()
+            code = self._absent[atom]
+        return code if literal.positive else -code
+
+
+class AtomTable(ControlAtoms):
+    """Atoms of one control, seen as what updates may say of them."""
+
+    def __init__(
+        self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
+    ) -> None:
+        """Take the control, its session, the literals of declared externals, and those of them that rules define."""
+        super().__init__(control, session, declared, defined)
+        self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
+        self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
+        self._closed: Set[clingo.Symbol] = set()
 
     def is_open(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that a rule may define now."""
@@ -76,10 +120,7 @@ class AtomTable:
             return True
         if atom in self._closed:
             return False
-        # clingo's own ``is_external`` is no help: it is True for what a rule makes equivalent to an external, and lost
-        # once the program can never be satisfied
-        known = self._control.symbolic_atoms[atom]
-        return known is not None and known.literal in self._declared and known.literal not in self._defined
+        return self.is_external(atom)
 
     def is_closed(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is an external that was closed, or defined for good."""
@@ -107,17 +148,11 @@ class AtomTable:
         """Take what was defined up to now as defined: to be called before a search."""
         self._defining.clear()
 
-    def resolve_absent(self) -> None:
-        """Tie body atoms of updates that came before their step to the atoms that are grounded by now."""
-        for atom in [one for one in self._absent if self.knows(one)]:
-            backend = self._session.backend
-            backend.add_rule([self._absent.pop(atom)], [backend.add_atom(atom)])
-
     def _head(self, atom: clingo.Symbol, guard: Optional[int]) -> int:
         """Return the literal to define for ``atom``."""
         if atom not in self._defining:
             cell = self._cells.pop(atom, None)
-            self._defining[atom] = cell if cell is not None else self._new_or_known(atom)
+            self._defining[atom] = cell if cell is not None else self._head_literal(atom)
         literal = self._defining[atom]
         if guard is None:
             self._closed.add(atom)
@@ -127,24 +162,6 @@ class AtomTable:
             following = self._cells[atom] = self._session.new_external()
             self._session.backend.add_rule([literal], [following])
         return literal
-
-    def _new_or_known(self, atom: clingo.Symbol) -> int:
-        backend = self._session.backend
-        fresh = not self.knows(atom)
-        literal = backend.add_atom(atom)  # clingo sees to it that it does not hold together with its opposite
-        if fresh and atom in self._absent:
-            backend.add_rule([self._absent.pop(atom)], [literal])
-        return int(literal)
-
-    def _body_literal(self, literal: Literal) -> int:
-        atom = literal.atom
-        if self.knows(atom):
-            code = int(self._session.backend.add_atom(atom))
-        else:
-            if atom not in self._absent:
-                self._absent[atom] = self._session.new_external()
-            code = self._absent[atom]
-        return code if literal.positive else -code
 
 
 class Externals(Observer):

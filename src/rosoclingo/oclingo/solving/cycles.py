@@ -51,7 +51,7 @@ class ActionIndex(CycleIndex):
     ) -> None:
         """Take the signature, and the ``first`` cycle of all: those before it hold what the program says for sure.
 
-        Of actions in doubt ``told`` has the literal under which they were executed.
+        ``told`` maps each assumable action to the literal under which it was executed.
         """
         super().__init__(control, signature)
         self._session, self._first = session, first

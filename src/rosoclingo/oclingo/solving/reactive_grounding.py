@@ -27,13 +27,13 @@ Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
 
 DOMAIN_LIMIT = 100
-"""Atoms of an open signature that are declared with each step, at most; more would cost more than to ground anew."""
+"""Atoms of an open signature that are declared with each step, at most; beyond it regrounding is cheaper."""
 
 BLOCK = 64
-"""Steps that are ground at once where the program is ground anew."""
+"""Steps that are ground at once during regrounding."""
 
 
-class Grounding:
+class ReactiveGrounding:
     """A control with base and the steps first..:attr:`horizon` grounded.
 
     Nothing in it refers to it, so that its memory, which may be much, is free as soon as nobody else does.
@@ -67,7 +67,7 @@ class Grounding:
         self._clasp = ClaspSearch(self._control, program)
         self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
         self._windows: List[Tuple[clingo.Symbol, int, int]] = []  # guards of volatile rules, with when they hold
-        self._hidden: Set[clingo.Symbol] = set()  # what is no part of an answer
+        self._hidden: Set[clingo.Symbol] = set()  # auxiliary atoms, left out of answers
         self.horizon = program.first_step - 1
         self.declare(open_atoms, facts)
         self._ground([("base", [])], 1)
@@ -135,7 +135,7 @@ class Grounding:
 
     @property
     def conflicting(self) -> bool:
-        """Whether what has been added can never be satisfied, whatever externals and further steps bring."""
+        """Whether the program is unsatisfiable for any externals and further steps."""
         return bool(self._control.is_conflicting)
 
     def search(self, models: int, stopped: Callable[[], bool]) -> Tuple[Optional[bool], Answers]:
@@ -161,7 +161,7 @@ class Grounding:
         return bool(result.satisfiable or answers), tuple(answers)
 
 
-def build_grounding(program: ReactiveProgram, state: StreamState, dropped: Callable[[], bool]) -> Grounding:
+def build_grounding(program: ReactiveProgram, state: StreamState, dropped: Callable[[], bool]) -> ReactiveGrounding:
     """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
 
     Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
@@ -170,7 +170,7 @@ def build_grounding(program: ReactiveProgram, state: StreamState, dropped: Calla
     """
     facts = state.facts
     open_atoms = dict.fromkeys(state.open_atoms)
-    grounding = Grounding(program, open_atoms, facts)
+    grounding = ReactiveGrounding(program, open_atoms, facts)
     block = BLOCK if program.steps_apart else 1
     while grounding.horizon < state.horizon:
         if dropped():
@@ -182,7 +182,7 @@ def build_grounding(program: ReactiveProgram, state: StreamState, dropped: Calla
         grounding.close_cycle(cycle, executed)
     given = set(open_atoms) & facts
     for statement in state.permanent:
-        if statement.head not in given:  # a rule for what is given as a fact says no more
+        if statement.head not in given:  # a fact subsumes the rules with its head
             grounding.add(statement, FOREVER)
     for entry in state.lapsing:
         grounding.add(entry.statement, entry.lifetime)

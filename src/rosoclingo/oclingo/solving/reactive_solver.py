@@ -12,8 +12,9 @@ from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.solving.reactive_grounding import Answers, Grounding
+from rosoclingo.oclingo.solving.reactive_grounding import Answers, ReactiveGrounding
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult, refusal
+from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.oclingo.solving.stream_state import StreamState
 from rosoclingo.oclingo.solving.transaction import Transaction
 
@@ -23,7 +24,7 @@ Stopped = Callable[[], bool]
 class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates, at the last step that is ground.
 
-    Not thread-safe, but for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
+    Not thread-safe, except for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
     milliseconds of wall time while clingo searches, and before each step is grounded.
 
     Attributes:
@@ -52,7 +53,7 @@ class ReactiveSolver:
         self._limit = horizon_limit
         self._reader = Reader(program, oclingo_strings)
         self.state = StreamState(forgets_done=program.first_step - 1)
-        self._grounding: Optional[Grounding] = None  # fits the state
+        self._grounding: Optional[ReactiveGrounding] = None  # fits the state
         self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
         self._stop = False
         program.prepare_steps()
@@ -86,8 +87,8 @@ class ReactiveSolver:
         """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
         Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An
-        interrupted search leaves the update in force. ``dropped`` is asked between the pieces in which the program is
-        ground anew, which ``stopped`` does not end: where it says so, DroppedError is raised.
+        interrupted search leaves the update in force. ``stopped`` does not end regrounding; ``dropped`` does,
+        which is called between its pieces and has DroppedError raised.
         """
         result = self._run(update, stopped, dropped)
         return replace(result, warnings=update.warnings + result.warnings)
@@ -109,7 +110,7 @@ class ReactiveSolver:
         self, update: Optional[StreamUpdate], stopped: Optional[Stopped], dropped: Optional[Stopped]
     ) -> SolveResult:
         self._stop = False
-        self._check(update)
+        check_horizon_limit(update, self.horizon, self._limit)
         transaction, read = self._begin(dropped), self._read(update)
         found: List[SolveResult] = []
 
@@ -122,12 +123,6 @@ class ReactiveSolver:
 
     def _read(self, update: Optional[StreamUpdate]) -> Optional[StreamUpdate]:
         return None if update is None else self._reader.read(update, self.state.permanent)
-
-    def _check(self, update: Optional[StreamUpdate]) -> None:
-        """Raise SolverError where an update, or the horizon without one of a step, leads beyond the limit."""
-        step, limit = self.horizon if update is None or update.step is None else update.step, self._limit
-        if limit is not None and step > limit:
-            raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")
 
     def _begin(self, dropped: Optional[Stopped]) -> Transaction:
         return Transaction(self.program, self.state.copy(), self._grounding, self._limit, dropped or (lambda: False))

@@ -34,8 +34,8 @@ class SolveResult:
         warnings: what was ignored and why.
         permanent: True if no further step and no external can make the program satisfiable.
         shortest: True if it is proven that no answer has a lesser horizon.
-        foreseen: returns of success with which the answer stays what it is: an update that tells nothing else than them
-            and what was done is answered without a search.
+        foreseen: success returns that leave the answer unchanged. An update with only these and the matching
+            commitments needs no search.
         statistics: seconds of wall time spent in ``ground`` and ``solve``; and seconds of processor time that were
             ``needed`` for an answer, less what went on improving it.
 

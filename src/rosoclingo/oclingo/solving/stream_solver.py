@@ -1,7 +1,8 @@
-"""What a solver of a stream is asked, wherever it works."""
+"""The interface of a solver of streams."""
 
 from typing import Callable, Optional, Protocol
 
+from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 
@@ -30,3 +31,10 @@ class StreamSolver(Protocol):
 
     def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
         """Take ``update`` and search for answers until there is one, the bound is reached or ``stopped`` says so."""
+
+
+def check_horizon_limit(update: Optional[StreamUpdate], horizon: int, limit: Optional[int]) -> None:
+    """Raise SolverError if the step of ``update``, or ``horizon`` without one, is beyond ``limit``."""
+    step = horizon if update is None or update.step is None else update.step
+    if limit is not None and step > limit:
+        raise SolverError(f"step {step} is beyond the horizon limit {limit}; raise the limit or send a lower step")

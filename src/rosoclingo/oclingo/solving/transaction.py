@@ -29,7 +29,7 @@ from rosoclingo.oclingo.progression.updates import (
     StreamUpdate,
     Volatile,
 )
-from rosoclingo.oclingo.solving.reactive_grounding import Grounding, build_grounding
+from rosoclingo.oclingo.solving.reactive_grounding import ReactiveGrounding, build_grounding
 from rosoclingo.oclingo.solving.stream_state import Lapsing, StreamState
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
@@ -50,7 +50,7 @@ class Transaction:
         self,
         program: ReactiveProgram,
         state: StreamState,
-        grounding: Optional[Grounding],
+        grounding: Optional[ReactiveGrounding],
         limit: Optional[int] = None,
         dropped: Callable[[], bool] = lambda: False,
     ) -> None:
@@ -108,7 +108,7 @@ class Transaction:
         if self.grounding is not None:
             self.grounding.close_cycle(cycle, executed)
 
-    def ready(self) -> Grounding:
+    def ready(self) -> ReactiveGrounding:
         """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
         if self.grounding is None or self.state.cyclic:
             self.grounding = self._build()
@@ -152,13 +152,13 @@ class Transaction:
             self._advance(grounding, self.state.horizon + 1)
         return True
 
-    def _advance(self, grounding: Grounding, horizon: int) -> None:
+    def _advance(self, grounding: ReactiveGrounding, horizon: int) -> None:
         """Ground up to ``horizon``, with all that falls due there."""
         self.state.horizon = horizon
         grounding.ground_to(horizon)
         self._fall_due(grounding)
 
-    def _fall_due(self, grounding: Grounding) -> None:
+    def _fall_due(self, grounding: ReactiveGrounding) -> None:
         state = self.state
         horizon = state.horizon
         self._lapse(lambda lifetime: isinstance(lifetime, int) and lifetime < horizon)
@@ -220,13 +220,13 @@ class Transaction:
         else:
             self.warnings.append(_NOT_EXTERNAL.format(head))
 
-    def _standing(self) -> Grounding:
+    def _standing(self) -> ReactiveGrounding:
         """Return the grounding without making it anew for loops: within an update all rules come together."""
         if self.grounding is None:
             self.grounding = self._build()
         return self.grounding
 
-    def _is_new(self, atom: clingo.Symbol, grounding: Grounding) -> bool:
+    def _is_new(self, atom: clingo.Symbol, grounding: ReactiveGrounding) -> bool:
         """Whether the program has no word of ``atom``, so that an update may define it freely."""
         signature = signature_of(atom)
         known = self.program.signatures | self.program.open_signatures
@@ -286,7 +286,7 @@ class Transaction:
         if not self._lapse(lambda lifetime: lifetime == Term(term)):
             self.warnings.append(f"Term {term} has not been asserted. The retraction is ignored.")
 
-    def _build(self) -> Grounding:
+    def _build(self) -> ReactiveGrounding:
         """Ground the program anew and put in force all that the state holds."""
         self.grounding = build_grounding(self.program, self.state, self._dropped)
         self._fall_due(self.grounding)

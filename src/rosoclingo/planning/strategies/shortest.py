@@ -8,7 +8,7 @@ from rosoclingo.planning.question import Question, Reply, Strategy
 _Asks = Generator[Question, Reply, Reply]
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """What a search came to.
 
     Attributes:
@@ -24,7 +24,7 @@ class Found(NamedTuple):
     answered: Optional[float] = None
 
 
-def shortest(asking: Asking, models: int, hint: int) -> Strategy[Found]:
+def shortest(asking: Asking, models: int, hint: int) -> Strategy[SearchResult]:
     """Search at the horizons that are ground, then grow until there is an answer or no more may be ground.
 
     ``models`` answers are found, 0 for all; ``hint`` is a likely horizon, that of the last answer.
@@ -33,7 +33,7 @@ def shortest(asking: Asking, models: int, hint: int) -> Strategy[Found]:
     while reply.satisfiable is False and not reply.hopeless and asking.may_grow:
         first = asking.horizon + 1
         reply = yield from _least(asking, models, first, asking.last(asking.horizon + asking.block))
-    return Found(reply, bool(reply.satisfiable))
+    return SearchResult(reply, bool(reply.satisfiable))
 
 
 def _least(asking: Asking, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:

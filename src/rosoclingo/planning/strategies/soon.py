@@ -14,7 +14,7 @@ from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import UNKNOWN, Given, Question, Reply, Stop, StoppedError, Strategy
 from rosoclingo.planning.strategies.improve import FEW_STEPS
-from rosoclingo.planning.strategies.shortest import Found
+from rosoclingo.planning.strategies.shortest import SearchResult
 from rosoclingo.planning.strategies.trim import trimmed
 
 T = TypeVar("T")
@@ -87,7 +87,7 @@ class Soon:
         self._tried: List[int] = []  # those before it
         self._deadline: Optional[Stop] = None  # once there is a plan
 
-    def run(self) -> Strategy[Found]:
+    def run(self) -> Strategy[SearchResult]:
         """Search until there is a plan, and for a shorter one in the time that is left."""
         answered = None
         try:
@@ -95,14 +95,14 @@ class Soon:
                 self._time.plan_is_kept(self._plan is not None and self._plan.shortest)
             reply = self._best or (yield from self._find())
             if self._best is None:
-                return Found(reply)
+                return SearchResult(reply)
             answered, self._deadline = time.process_time(), self._time.is_over
             yield from self._shorten()
             yield from self._choose()
         except StoppedError:
             if self._best is None:
                 raise
-        return Found(self._best, self._least >= self._best.horizon, answered)
+        return SearchResult(self._best, self._least >= self._best.horizon, answered)
 
     # ---- The last plan -----------------------------------------------------------------------------------------------
 

@@ -36,7 +36,7 @@ _MOST = 16
 """Answers of one update whose present actions differ, at most."""
 
 
-class Found(NamedTuple):
+class SharedAnswer(NamedTuple):
     """An answer: the actions of the present step, what is shown, its horizon, and what was read of the model."""
 
     actions: FrozenSet[clingo.Symbol]
@@ -51,7 +51,7 @@ class Choices:
     def __init__(self, script: Sequence[int] = ()) -> None:
         self._script, self.counts = script, []  # type: Sequence[int], List[int]
 
-    def choose(self, found: Sequence[Found]) -> Found:
+    def choose(self, found: Sequence[SharedAnswer]) -> SharedAnswer:
         """Return the answer that it is the turn of."""
         if len(found) == 1:
             return found[0]
@@ -170,7 +170,7 @@ class Streams:
             if self._halt():
                 raise StoppedError
 
-    def answers(self, snapshot: Snapshot, bound: int, hint: int, several: bool) -> List[Found]:
+    def answers(self, snapshot: Snapshot, bound: int, hint: int, several: bool) -> List[SharedAnswer]:
         """Return the answers of the least horizon whose present actions differ, or one of them."""
         least = self.least(snapshot, bound, hint)
         if least is None:
@@ -188,7 +188,7 @@ class Streams:
                 reads=(lambda model: _true(model, actions), *self._readers(grounding, step)),
             ),
         )
-        found = [Found(read[0], shown, horizon, read[1:]) for shown, read in zip(reply.answers, reply.read)]
+        found = [SharedAnswer(read[0], shown, horizon, read[1:]) for shown, read in zip(reply.answers, reply.read)]
         return sorted(found, key=lambda one: sorted(one.actions))
 
     def _grounding(self, last: int, told: FrozenSet[clingo.Symbol] = frozenset()) -> Grounding:
@@ -232,7 +232,7 @@ class SharedSolver(PredictingSolver):
     def __init__(self, streams: Streams) -> None:
         super().__init__()
         self._streams = streams
-        self.found: Optional[Found] = None
+        self.found: Optional[SharedAnswer] = None
 
     @property
     def snapshot(self) -> Snapshot:

@@ -35,7 +35,7 @@ class BrokenError(Exception):
         self.kind, self.stream, self.withheld = kind, stream, withheld
 
 
-class Snapshot(NamedTuple):
+class CoreSnapshot(NamedTuple):
     """The state of a core: all but the solver's log, and that."""
 
     record: Record
@@ -74,7 +74,7 @@ class TrialCore(KeptCore):
         program: ReactiveProgram,
         make_solver: Callable[[], PlanningSolver],
         settings: CoreSettings,
-        snapshot: Optional[Snapshot] = None,
+        snapshot: Optional[CoreSnapshot] = None,
     ) -> None:
         """Begin, or go on from a snapshot."""
         self.events: List[Event] = []
@@ -85,9 +85,9 @@ class TrialCore(KeptCore):
         if snapshot is not None:
             self._planner = self._planner.at(snapshot.log)
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> CoreSnapshot:
         """Return the state."""
-        return Snapshot(self.record(), self._planner.log)
+        return CoreSnapshot(self.record(), self._planner.log)
 
     @staticmethod
     def _record_beliefs() -> Record:

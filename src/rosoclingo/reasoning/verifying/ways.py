@@ -6,7 +6,7 @@ from clingo import Symbol
 
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.verifying.moves import Done, Move
-from rosoclingo.reasoning.verifying.trial_core import Snapshot
+from rosoclingo.reasoning.verifying.trial_core import CoreSnapshot
 
 
 class Step(NamedTuple):
@@ -47,8 +47,8 @@ class Node:
 
     """
 
-    def __init__(self, snapshot: Snapshot, before: Optional["Node"], step: Optional[Step]) -> None:
-        self.snapshot: Optional[Snapshot] = snapshot
+    def __init__(self, snapshot: CoreSnapshot, before: Optional["Node"], step: Optional[Step]) -> None:
+        self.snapshot: Optional[CoreSnapshot] = snapshot
         self.before, self.step = before, step
         self.cost: int = 0 if before is None or step is None else before.cost + step.move.cost
         self.length: int = 0 if before is None or step is None else before.length + len(step.updates)
