@@ -1,8 +1,6 @@
-"""The history of a stream: all that was taken, as a list of plain values.
+"""The history of a stream: accepted updates, adopted plans and checkpoints, as a list of plain values.
 
-All else follows from it. To undo is to go on from a shorter history; a worker in another process, a record on disk and
-a replay read the same list, as lines of JSON. What a search found out is part of it: the horizon that an update led to,
-and, as a checkpoint, which steps are no longer ground.
+It is the only state: undo is a shorter history; workers, the journal and replay read the same list, as lines of JSON.
 """
 
 import hashlib
@@ -15,7 +13,7 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import DatedActions
 from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate
+from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate, Withdraw
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.text import (
@@ -77,25 +75,21 @@ def cycle_of(action: clingo.Symbol) -> int:
 
 @dataclass(frozen=True)
 class Taken:
-    """``update`` was taken and led to ``horizon``, the last step ground; None stands for a search without an update."""
+    """``update`` was accepted and led to ``horizon``, the last ground step; None stands for a search without an update.
+
+    ``predicted``: the answer before it is one after it as well, so that it took no search.
+    """
 
     update: Optional[StreamUpdate]
     horizon: int
+    predicted: bool = False
 
 
 @dataclass(frozen=True)
-class Close:
-    """``cycle`` is over: no answer holds an action of it that is not in ``executed``."""
+class Adopted:
+    """``plan`` is in force, and later searches begin with it. It does not change the snapshot."""
 
-    cycle: int
-    executed: FrozenSet[clingo.Symbol]
-
-
-@dataclass(frozen=True)
-class Withdrawal:
-    """From now on it is as if none of ``facts`` had been told; an action among them was not executed."""
-
-    facts: FrozenSet[clingo.Symbol]
+    plan: Plan
 
 
 class Checkpoint:
@@ -129,52 +123,39 @@ class Checkpoint:
         return self.message["step"], self.message["horizon"], self.message["keep_from"]
 
 
-Entry = Union[Taken, Close, Over, Withdrawal, Checkpoint]
+Entry = Union[Taken, Adopted, Checkpoint]
 
 
 class History:
-    """A history up to some entry: a value, of which longer ones are made.
+    """A history up to its last entry: an immutable list of which longer ones are made.
 
     Attributes:
-        entry: the last entry; None where nothing was taken yet.
-        before: the log without it; None as well where what lies before a checkpoint is let go.
-        length: the number of entries since the last checkpoint.
+        entry: the last entry; None for the empty history.
+        before: the history without it; None as well if what lies before a checkpoint was released.
+        length: the number of updates since the last checkpoint.
         step: k, the step of the last update.
-        horizon: N, the last grounded step.
-        over: what concerns steps before it is over.
-        plan: the last plan, where a search may begin; None where none is known. It is no part of the history.
-        foreseen: whether the answer before the last entry is known to be one after it; no part of the history, either.
+        horizon: N, the last ground step.
+        over: steps before it are over.
+        plan: the plan in force, None for none.
 
     """
 
-    __slots__ = (
-        "_key",
-        "_snapshot",
-        "before",
-        "entry",
-        "foreseen",
-        "horizon",
-        "length",
-        "over",
-        "plan",
-        "step",
-    )
+    __slots__ = ("_key", "_snapshot", "before", "entry", "horizon", "length", "over", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
-        """Make the log ``before`` with one more ``entry``; without arguments that of a stream that begins."""
+        """Append ``entry`` to the history ``before``; without arguments the history is empty."""
         self.before, self.entry = before, entry
         self._snapshot: Optional[Snapshot] = None
         self._key: Optional[bytes] = None
-        self.length: int = 0 if before is None else before.length + 1
+        self.length: int = 0 if before is None else before.length + isinstance(entry, Taken)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
         self.over: int = 0 if before is None else before.over
         self.plan: Optional[Plan] = None if before is None else before.plan
-        self.foreseen = False
         if isinstance(entry, Taken):
             self._reach(entry)
-        elif isinstance(entry, Over):
-            self.over = max(self.over, entry.step)
+        elif isinstance(entry, Adopted):
+            self.plan = entry.plan
         elif isinstance(entry, Checkpoint):
             self.length, (self.step, self.horizon, self.over) = 0, entry.reach
 
@@ -209,13 +190,36 @@ class History:
             log = History(log, entry)
         return log
 
-    def less(self, facts: FrozenSet[clingo.Symbol]) -> "History":
-        """Return the log after which it is as if none of ``facts`` had been told."""
-        return self.then(Withdrawal(facts)) if facts else self
+    def without(self, facts: FrozenSet[clingo.Symbol]) -> "History":
+        """Return the history after which it is as if none of ``facts`` had been asserted.
 
-    def checkpoint(self, snapshot: Snapshot) -> "History":
-        """Return the history with a checkpoint of its ``snapshot``, or of one that is worth the same."""
-        return self.then(Checkpoint(snapshot)).cut()
+        An action among them was not executed.
+        """
+        withdrawn = StreamUpdate(items=tuple(map(Withdraw, sorted(facts))))
+        return self.then(Taken(withdrawn, self.horizon)) if facts else self
+
+    def adopt(self, plan: Optional[Plan]) -> "History":
+        """Return the history with ``plan`` in force; this one if there is none, or it is in force already."""
+        return self if plan is None or plan == self.plan else self.then(Adopted(plan))
+
+    def checkpoint(self, checkpoint: Checkpoint) -> "History":
+        """Return the history with a checkpoint of its snapshot, or of an equivalent one; its plan stays in force."""
+        plan = () if self.plan is None else (Adopted(self.plan),)
+        return self.then(checkpoint, *plan).cut()
+
+    @property
+    def without_plan(self) -> "History":
+        """The history without the plans that were adopted at its end."""
+        log = self
+        while isinstance(log.entry, Adopted) and log.before is not None:
+            log = log.before
+        return log
+
+    @property
+    def predicted(self) -> bool:
+        """Whether the last update took no search."""
+        last = self.last
+        return last is not None and isinstance(last.entry, Taken) and last.entry.predicted
 
     def cut(self) -> "History":
         """Let go of what lies before the last checkpoint but one: nobody goes back that far."""
@@ -264,12 +268,15 @@ class History:
 
     @property
     def key(self) -> bytes:
-        """What stands for the entries; logs in two processes that have the same ones have the same key."""
+        """A hash of the entries that the snapshot follows from; plans are left out."""
         key = b""
         for log in self._path():
-            if log._key is None and log.entry is not None:
-                log._key = key_after(key, entry_to_message(log.entry))
-            key = log._key or b""
+            if log._key is None:
+                entry = log.entry
+                log._key = (
+                    key if entry is None or isinstance(entry, Adopted) else key_after(key, entry_to_message(entry))
+                )
+            key = log._key
         return key
 
     def _path(self) -> List["History"]:
@@ -294,41 +301,28 @@ def fold(snapshot: Snapshot, entry: Optional[Entry], reader: Reader) -> Snapshot
     """Return the snapshot after one more entry."""
     if isinstance(entry, Taken):
         return snapshot.after(entry.update, reader).searched(entry.horizon, reader.program)
-    if isinstance(entry, Close):
-        return snapshot.with_closed(entry.cycle, entry.executed)
-    if isinstance(entry, Over):
-        return snapshot.kept_from(entry.step)
-    if isinstance(entry, Withdrawal):
-        return snapshot.less(entry.facts)
-    return snapshot if entry is None else entry.snapshot
+    return entry.snapshot if isinstance(entry, Checkpoint) else snapshot
 
 
 def entry_to_message(entry: Entry) -> Message:
     """Return ``entry`` as a plain value that JSON knows."""
     if isinstance(entry, Taken):
         text = None if entry.update is None else str(entry.update)
-        return {"do": "update", "update": text, "horizon": entry.horizon}
-    if isinstance(entry, Close):
-        return {"do": "close", "cycle": entry.cycle, "executed": symbols_to_text(sorted(entry.executed))}
-    if isinstance(entry, Over):
-        return {"do": "forget", "step": entry.step}
-    if isinstance(entry, Withdrawal):
-        return {"do": "withdraw", "facts": symbols_to_text(sorted(entry.facts))}
+        return {"do": "update", "update": text, "horizon": entry.horizon, "predicted": entry.predicted}
+    if isinstance(entry, Adopted):
+        actions, horizon, shortest = entry.plan
+        return {"do": "adopt", "actions": symbols_to_text(sorted(actions)), "horizon": horizon, "shortest": shortest}
     return {"do": "checkpoint", "snapshot": entry.message}
 
 
 def entry_from_message(message: Message) -> Entry:
-    """Return the entry that :func:`entry_to_message` took."""
+    """Return the entry of :func:`entry_to_message`."""
     do = message["do"]
     if do == "update":
         text = message["update"]
-        return Taken(None if text is None else parse_update(text), message["horizon"])
-    if do == "close":
-        return Close(message["cycle"], symbols_from_text(message["executed"]))
-    if do == "forget":
-        return Over(message["step"])
-    if do == "withdraw":
-        return Withdrawal(symbols_from_text(message["facts"]))
+        return Taken(None if text is None else parse_update(text), message["horizon"], message["predicted"])
+    if do == "adopt":
+        return Adopted(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
     return Checkpoint(message=message["snapshot"])
 
 

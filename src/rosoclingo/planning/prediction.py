@@ -99,8 +99,7 @@ def log_after(
     for update in updates:
         if not goes_on(plan, foreseen, log.step, update):
             return None
-        log = log.then(Taken(update, log.horizon))
-        log.foreseen = True
+        log = log.then(Taken(update, log.horizon, predicted=True))
     return log
 
 

@@ -197,7 +197,7 @@ class Snapshot:
         program = reader.program
         update = reader.read(update, self.permanent)
         found = Snapshot.first(program) if Anew() in update.items else self
-        found = found._look_back(update, program).less(update.withdrawn)
+        found = found._look_back(update, program).without(update.withdrawn)
         step = found.step if update.step is None else update.step
         bound = found.bound
         if update.step is not None:
@@ -236,15 +236,7 @@ class Snapshot:
         forgotten = _sparing(_forgotten_by(program, self.horizon + 1, horizon), self.told)
         return replace(self, horizon=horizon, told=(*self.told, *forgotten)) if horizon != self.horizon else self
 
-    def with_closed(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> "Snapshot":
-        """Return the snapshot in which ``cycle`` is closed."""
-        return replace(self, closed={**self.closed, cycle: executed})
-
-    def kept_from(self, step: int) -> "Snapshot":
-        """Return the snapshot in which steps before ``step`` may be retired."""
-        return replace(self, keep_from=max(self.keep_from, step))
-
-    def less(self, facts: FrozenSet[clingo.Symbol]) -> "Snapshot":
+    def without(self, facts: FrozenSet[clingo.Symbol]) -> "Snapshot":
         """Return the snapshot that would be, had none of ``facts`` been told; an action in it was not executed.
 
         What has followed from them in retired steps stays.

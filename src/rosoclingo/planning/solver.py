@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
 
@@ -15,7 +15,7 @@ from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.compaction import MOST_STEPS, compacted, end_of_past
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import Close, History, Over, Plan, Taken
+from rosoclingo.planning.history import Adopted, Checkpoint, History, Plan, Taken
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.prediction import log_after
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError
@@ -45,7 +45,7 @@ class PredictingSolver:
 
     def __init__(self) -> None:
         self.log = History()
-        self._answer: Optional[Tuple[History, SolveResult, Optional[Plan]]] = None  # the last one, after which history
+        self._answer: Optional[Tuple[History, SolveResult]] = None  # the last one, and the history that it answers
         self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
 
     @property
@@ -78,59 +78,36 @@ class PredictingSolver:
         """Whether the answer to ``update`` is there, should it come next."""
         return False
 
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle``: no answer will hold an ``_action_lib(A,P,cycle)`` that is not in ``executed``.
-
-        Its returns may still come with the next update; those of the cycle closed before it are closed.
-        """
-        self.log = self.log.then(Close(cycle, frozenset(executed)))
-
-    def forget_before(self, step: int) -> None:
-        """Let the steps before ``step`` be over: no update will concern them any more.
-
-        What is decided at them is kept as facts and no longer ground, which keeps a long stream as fast as a short one;
-        their externals are closed, so that a fact for one of them is ignored with a warning.
-        """
-        self.log = self.log.then(Over(step))
-
-    def _has_answered(self, result: SolveResult, plan: Optional[Plan] = None) -> None:
-        """Note the answer to all that the history holds, and the plan in it, which is read from it if it is None."""
-        self._answer = self.log, result, plan
+    def _adopt(self, result: SolveResult) -> None:
+        """Adopt the plan in ``result``, the answer to the whole history."""
+        self.log = self.log.adopt(Plan.in_result(result))
+        self._answer = self.log, result
 
     @property
     def _known_answer(self) -> Optional[SolveResult]:
-        """The answer to all that the history holds, None if it is not known."""
+        """The answer to the whole history, None if it is not known."""
         return self._answer[1] if self._answer is not None and self._answer[0] is self.log else None
 
-    @property
-    def _known_plan(self) -> Optional[Plan]:
-        """The plan in the known answer, if updates with which it goes on are predicted."""
-        answer = self._known_answer
-        if answer is None or not answer.foreseen:
-            return None
-        if self._answer is not None and self._answer[2] is None:
-            self._has_answered(answer, Plan.in_result(answer))
-        return None if self._answer is None else self._answer[2]
-
     def _replace_log(self, log: History) -> None:
-        """Go on with a history that is worth the same: its answer is known as before."""
+        """Continue with an equivalent history: its answer is known as before."""
         answer, self.log = self._known_answer, log
-        if answer is not None:
-            self._has_answered(answer)
+        self._answer = None if answer is None else (log, answer)
 
     def _log_after(self, updates: Sequence[StreamUpdate]) -> Optional[History]:
         """Return the history after ``updates`` that are all predicted; None if one takes a search."""
-        answer, plan = self._known_answer, self._known_plan
-        return None if answer is None or plan is None else log_after(self.log, plan, answer.foreseen, updates)
+        answer, plan = self._known_answer, self.log.plan
+        if answer is None or plan is None or not answer.foreseen:
+            return None
+        return log_after(self.log, plan, answer.foreseen, updates)
 
     def _go_on(self, update: Optional[StreamUpdate]) -> Optional[SolveResult]:
         """Take ``update`` if it is predicted, and return the answer; None if it takes a search."""
         log, result = None if update is None else self._log_after([update]), self._known_answer
         if log is None or result is None:
             return None
-        plan, self.log = self._known_plan, log
+        self.log = log
         result = replace(result, step=self.step, warnings=(), statistics=dict.fromkeys(result.statistics, 0.0))
-        self._has_answered(result, plan)
+        self._answer = log, result
         return result
 
 
@@ -237,8 +214,8 @@ class PlanSolver(PredictingSolver):
         self._searched, self._under_way = None, lambda: asking.horizon
         result, self.log = self._search(asking, before, update, halt)
         self._searched = _Searched(self.log, asking)
+        self._adopt(result)
         self._retire(self._log_limit)
-        self._has_answered(result)
         return result
 
     def _search(
@@ -276,9 +253,7 @@ class PlanSolver(PredictingSolver):
             found.proven,
             self._predicted(asking, reply, found.proven),
         )
-        log = self.log.then(Taken(update, asking.horizon))
-        log.plan = Plan.in_result(result) or log.plan
-        return result, log
+        return result, self.log.then(Taken(update, asking.horizon))
 
     def _asking(
         self,
@@ -361,8 +336,7 @@ class PlanSolver(PredictingSolver):
         returns = self._predicted(asking, reply, proven=False) - told
         answers, step = reply.answers, self.step
         result = SolveResult(SolveOutcome.SATISFIABLE, answers, reply.horizon, step, (), False, spent, False, returns)
-        self.log.plan = Plan.in_result(result)
-        self._has_answered(result)
+        self._adopt(result)
         return result
 
     def _latest(self, halt: Stop) -> Tuple[Asking, FrozenSet[clingo.Symbol]]:
@@ -372,16 +346,21 @@ class PlanSolver(PredictingSolver):
         """
         told = self._told_since_search()
         if self._searched is None or told is None:
-            self._searched, told = _Searched(self.log, self._asking(self.snapshot, halt, halt)), frozenset()
+            told = frozenset()
+            self._searched = _Searched(self.log.without_plan, self._asking(self.snapshot, halt, halt))
         return self._searched.asking, told
 
     def _told_since_search(self) -> Optional[FrozenSet[clingo.Symbol]]:
         """Return the returns that were told since the last search, None if anything else was or there was none."""
         told, log = set(), self.log
         while self._searched is not None and log is not self._searched.log:
-            if not log.foreseen or log.before is None or not isinstance(log.entry, Taken) or log.entry.update is None:
+            entry = log.entry
+            if isinstance(entry, Taken) and entry.predicted and entry.update is not None:
+                told |= {head for head in entry.update.heads if head is not None}
+            elif not isinstance(entry, Adopted):
                 return None
-            told |= {head for head in log.entry.update.heads if head is not None}
+            if log.before is None:
+                return None
             log = log.before
         return None if self._searched is None else frozenset(told)
 
@@ -454,7 +433,7 @@ class PlanSolver(PredictingSolver):
     def begin_log_anew(self) -> None:
         """Put a checkpoint at the end of the history, in which steps that are over are retired."""
         plan = self.log.plan
-        if self._steps_over >= MOST_STEPS and self.log.foreseen and plan is not None:
+        if self._steps_over >= MOST_STEPS and self.log.predicted and plan is not None:
             self._answer_again(plan)
         self._retire(-1)
 
@@ -465,7 +444,7 @@ class PlanSolver(PredictingSolver):
         actions = grounding.actions(self.program.first_step, grounding.horizon)
         given = [(action, action in plan.actions) for action in actions]
         grounding.ask(Question(horizon, horizon, given), lambda: False)
-        self._searched = _Searched(self.log, asking)
+        self._searched = _Searched(self.log.without_plan, asking)
 
     @property
     def _steps_over(self) -> int:
@@ -479,13 +458,13 @@ class PlanSolver(PredictingSolver):
         That is always so for a limit below 0.
         """
         snapshot, searched, short = self.snapshot, self._searched, None
-        if searched is not None and searched.log is self.log and self._steps_over >= MOST_STEPS:
+        fits = searched is not None and searched.log is self.log.without_plan
+        if searched is not None and fits and self._steps_over >= MOST_STEPS:
             self._tried = end_of_past(self.program, snapshot)
             grounding = searched.asking.grounding
             short = None if grounding is None else compacted(grounding, snapshot)
         if short is None and limit >= 0 and not self.log.is_longer(limit, snapshot):
             return
-        fits = searched is not None and searched.log is self.log
-        self._replace_log(self.log.checkpoint(short or snapshot))
+        self._replace_log(self.log.checkpoint(Checkpoint(short or snapshot)))
         if searched is not None and fits:
-            self._searched = searched._replace(log=self.log)
+            self._searched = searched._replace(log=self.log.without_plan)

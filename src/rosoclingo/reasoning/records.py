@@ -5,9 +5,8 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.planning.history import Checkpoint, History, Plan, entry_from_message, entry_to_message
+from rosoclingo.planning.history import Checkpoint, History, entry_from_message, entry_to_message
 from rosoclingo.planning.text import symbol_list, symbols_to_text
-from rosoclingo.planning.workers.wire import plan_from_message, plan_to_message
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import Action, action_of
 
@@ -76,17 +75,8 @@ def keys_of(record: Record, name: str) -> List[str]:
     return list(group(record, name))
 
 
-@lru_cache(maxsize=4)  # it stays from step to step while actions run
-def _plan_message(plan: Optional[Plan]) -> Dict[str, Any]:
-    return plan_to_message(plan)
-
-
 class LogRecorder:
-    """The entries of a solver's log as sections: each has a name of its own, as long as it is part of the log.
-
-    Beside them stand the last plans where the next search begins, that of the log and that of the one before its last
-    update: the one from which the solver may go on instead.
-    """
+    """The entries of a history as sections: each keeps its name as long as it is part of the history."""
 
     def __init__(self) -> None:
         self._sections: Dict[History, Tuple[str, Any]] = {}
@@ -98,12 +88,7 @@ class LogRecorder:
         for one in _needed(log):
             sections[one] = self._sections.get(one) or self._section(one)
         self._sections = sections
-        before = _before(log)
-        found = dict(sections.values())
-        found["plan_now"] = _plan_message(log.plan)
-        if before is not None and before.plan is not log.plan:
-            found["plan_before"] = _plan_message(before.plan)
-        return found
+        return dict(sections.values())
 
     def _section(self, log: History) -> Tuple[str, Any]:
         assert log.entry is not None
@@ -113,12 +98,7 @@ class LogRecorder:
 
 def log_of(record: Record) -> History:
     """Return the log of :meth:`LogRecorder.record`."""
-    log = History().then(*map(entry_from_message, group(record, "log").values()))
-    log.plan = plan_from_message(record["plan_now"])
-    before = _before(log)
-    if before is not None:
-        before.plan = plan_from_message(record["plan_before"]) if "plan_before" in record else log.plan
-    return log
+    return History().then(*map(entry_from_message, group(record, "log").values()))
 
 
 def _before(log: History) -> Optional[History]:

@@ -241,9 +241,9 @@ class Planner:
         """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
         before, taken = self._before, self.taken
         if before is None or taken is None:
-            return self._beside(self.log.less(without))
+            return self._beside(self.log.without(without))
         horizon = max(before.horizon, taken.step or before.step)
-        return self._beside(before.less(without).then(Taken(taken.less(without), horizon)))
+        return self._beside(before.without(without).then(Taken(taken.less(without), horizon)))
 
     def at(self, log: History) -> "Planner":
         """Return a planner beside this one that has taken what is in ``log``."""
@@ -251,7 +251,7 @@ class Planner:
 
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
         """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
-        planner = self._beside((self._before or History()).less(without))
+        planner = self._beside((self._before or History()).without(without))
         return planner, planner.update(update.less(without))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:

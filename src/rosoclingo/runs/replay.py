@@ -140,7 +140,7 @@ class Replay:
         if told is not None and told.actions and log.plan is not None:
             step = update.step or 1
             if log.plan.since(step).actions != told.actions:
-                log.plan = Plan(told.actions, told.horizon)
+                self._solver.restore(log.adopt(Plan(told.actions, told.horizon)))
 
     def _judged(self, cycle: RecordedCycle, plans: Sequence["_Told"], result: SolveResult) -> CycleReport:
         """Compare what was decided in a cycle with what was found now."""
@@ -206,8 +206,8 @@ class Replay:
 
     def _answer_with(self, number: int, told: "_Told") -> Optional[Shown]:
         """Return an answer with exactly the actions that were told from a cycle on; None where there is none."""
-        log, others = self._solver.log, frozenset()  # type: ignore[var-annotated]
-        log.plan = Plan(told.actions, told.horizon)
+        others: Actions = frozenset()
+        self._solver.restore(self._solver.log.adopt(Plan(told.actions, told.horizon)))
         while True:
             result = self._ask(number, told.horizon, told.actions, others)
             if result.outcome is not SolveOutcome.SATISFIABLE:

@@ -84,7 +84,7 @@ def drive(solver, cycles, margin, improves=False):
         answer, before = ask(solver, text + "#endstep.")
         answers.append(answer)
         if improves:
-            solver.log.plan = solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False)
+            solver.restore(solver.log.adopt(solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False)))
             while solver.improve() is not None:
                 pass
     return answers
@@ -332,7 +332,7 @@ def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
 def outcome_without(solver, request):
     """The outcome after the same history without a request."""
     beside = PlanSolver(solver.program)
-    beside.restore(solver.log.less(frozenset([request])))
+    beside.restore(solver.log.without(frozenset([request])))
     return beside.solve().outcome
 
 
@@ -395,7 +395,7 @@ class Trip:
         recent = sorted(one for one in self.told | self.committed if one.arguments[-1].number >= self.over)
         if recent:
             facts = self.draw(st.sets(st.sampled_from(recent), min_size=1, max_size=2))
-            self.solver.restore(self.solver.log.less(frozenset(facts)))
+            self.solver.restore(self.solver.log.without(frozenset(facts)))
             self.committed -= facts
             self.told -= facts
 

@@ -65,7 +65,8 @@ def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news
         if walk.step > 1:
             solver.close_cycle(walk.step - 1, done)
         solver.update(update)
-        plan = solver.log.plan = worse(solver.log.plan, walk.step, idle)
+        plan = worse(solver.log.plan, walk.step, idle)
+        solver.restore(solver.log.adopt(plan))
         entries = solver.log.entries
         while (result := solver.improve(stop_after(looks))) is not None:
             better = Plan.in_result(result)
@@ -173,15 +174,15 @@ def improve_at_random(name, data):
         if result.outcome is not SolveOutcome.SATISFIABLE:
             return
         assert_answer(solver, result)
-        predicted = solver.log.foreseen
+        predicted = solver.log.predicted
         if draw.random() < 0.2:
             solver.begin_log_anew()
         for looks in draw.sample([3, None, None, None], draw.randint(0, 4)):
             plan = solver.log.plan
-            solver.log.plan = worse(plan, solver.step, draw.randint(0, 2))
+            solver.restore(solver.log.adopt(worse(plan, solver.step, draw.randint(0, 2))))
             better = solver.improve(stop_after(looks))
             if better is None:
-                solver.log.plan = plan
+                solver.restore(solver.log.adopt(plan))
                 continue
             event("shorter after a predicted update" if predicted else "shorter")
             assert Plan.in_result(better) == solver.log.plan
@@ -193,14 +194,14 @@ def test_predicted_updates_cost_no_search_after_improvement_and_checkpoint(name,
     solver = roomy(name, 24)
     goals = {"line": ["-3", "6"], "mailbot": ["goal(office4,office1,1)", "goal(office1,office4,2)"]}[name]
     solver.update(StreamUpdate(1, 60, tuple(fact(parse_atom(f"_request({goal},2)")) for goal in goals)))
-    solver.log.plan = worse(solver.log.plan, 1, 3)
+    solver.restore(solver.log.adopt(worse(solver.log.plan, 1, 3)))
     better = solver.improve()
     assert better.foreseen
     solver.begin_log_anew()
     searches.clear()
     for _ in range(9):
         result = solver.update(news(solver))
-        assert solver.log.foreseen
+        assert solver.log.predicted
         assert_answer(solver, result)
     assert result.answers == better.answers
     assert len(searches) == 9, "those of the comparison"
@@ -213,11 +214,11 @@ def test_improving_goes_on_asking_the_same_grounding_after_predicted_updates(mon
     solver.update(StreamUpdate(1, 60, tuple(fact(parse_atom(f"_request({one},2)")) for one in (-4, 9))))
     for _ in range(3):
         solver.update(news(solver))
-        solver.log.plan = worse(solver.log.plan, solver.step, 1)
+        solver.restore(solver.log.adopt(worse(solver.log.plan, solver.step, 1)))
         built.clear()
         assert solver.improve() is not None
         assert built == []
-    solver.log.plan = worse(solver.log.plan, solver.step, 1)
+    solver.restore(solver.log.adopt(worse(solver.log.plan, solver.step, 1)))
     solver.close_cycle(solver.step, at(solver.log.plan, solver.step, solver.step))
     assert_answer(solver, solver.improve())
     assert len(built) == 2, "anew, as something else was told, and for the comparison"
@@ -228,11 +229,11 @@ def test_idle_steps_that_have_passed_stay_idle():
     solver = roomy("line", 20)
     result = solver.update(StreamUpdate(1, 40, (fact(parse_atom("_request(3,2)")),)))
     solver.restore(History.parse(solver.log.text()))  # it knows of no answer that the next update might leave as it is
-    solver.log.plan = Plan(frozenset(moved(one, 4) for one in Plan.in_result(result).actions), result.horizon + 4)
+    solver.restore(solver.log.adopt(Plan(frozenset(moved(one, 4) for one in Plan.in_result(result).actions), result.horizon + 4)))
     predicted = []
     for step in (2, 3):
         solver.update(StreamUpdate(step, 40, (Closed(step - 1, step - 1),)))
-        predicted.append(solver.log.foreseen)
+        predicted.append(solver.log.predicted)
     assert predicted == [False, True]
     better = solver.improve()
     assert min(map(cycle_of, Plan.in_result(better).actions)) > 3
@@ -257,7 +258,7 @@ def test_a_shorter_plan_that_returns_since_the_search_exclude_is_refused(told):
     solver = PlanSolver(ReactiveProgram.from_text(JUMPS), plan_time=0.0)
     solver.update(StreamUpdate(1, 40, (fact(parse_atom("_request(6,2)")),)))
     solver.restore(History.parse(solver.log.text()))  # it knows of no answer that the next update might leave as it is
-    solver.log.plan = Plan(frozenset(parse_atom(f"_action_lib(go,{place},{place})") for place in range(1, 7)), 6)
+    solver.restore(solver.log.adopt(Plan(frozenset(parse_atom(f"_action_lib(go,{place},{place})") for place in range(1, 7)), 6)))
     predicted = []
     for _ in range(2):
         update = news(solver)
@@ -265,7 +266,7 @@ def test_a_shorter_plan_that_returns_since_the_search_exclude_is_refused(told):
             kept = [one for one in update.items if one != fact(parse_atom("_return(go,2,2)"))]
             update = StreamUpdate(update.step, update.bound, tuple(kept))
         result = solver.update(update)
-        predicted.append(solver.log.foreseen)
+        predicted.append(solver.log.predicted)
     assert predicted == [False, True]
     assert result.horizon == 6
     better = solver.improve()
@@ -295,7 +296,7 @@ def test_nothing_is_tried_where_there_is_nothing_to_shorten():
 def idling(solver, further=""):
     """The solver with a plan that idles for two steps."""
     solver.update(parse_update(f"#step 1. _request(3,1). {further} #endstep."))
-    solver.log.plan = worse(solver.log.plan, 1, 2)
+    solver.restore(solver.log.adopt(worse(solver.log.plan, 1, 2)))
     return solver
 
 
@@ -333,7 +334,7 @@ def test_a_solver_that_has_read_the_history_improves_its_plan():
     first, second = idling(solver_of()), solver_of()
     second.restore(History.parse(first.log.text()))
     assert second.improve() is None, "it knows of no plan"
-    second.log.plan = first.log.plan
+    second.restore(second.log.adopt(first.log.plan))
     assert second.improve().horizon < first.log.plan.horizon
 
 
@@ -358,14 +359,14 @@ def test_all_idle_steps_go_at_once_with_the_first_that_a_window_fills():
     solver.update(parse_update("#step 1. _request(40,1). #endstep."))
     plan = solver.log.plan
     idle = {one: sum(cycle_of(one) > last for last in (4, 22, 30)) for one in plan.actions}
-    solver.log.plan = Plan(frozenset(moved(one, steps) for one, steps in idle.items()), plan.horizon + 3)
+    solver.restore(solver.log.adopt(Plan(frozenset(moved(one, steps) for one, steps in idle.items()), plan.horizon + 3)))
     assert solver.improve().horizon == plan.horizon
 
 
 def test_the_next_update_goes_on_from_the_better_plan():
     solver = solver_of()
     solver.update(parse_update("#step 1. _request(3,1). #endstep."))
-    solver.log.plan = worse(solver.log.plan, 1, 1)
+    solver.restore(solver.log.adopt(worse(solver.log.plan, 1, 1)))
     better = Plan.in_result(solver.improve())
     (action,) = at(better, 1, 1)
     result = solver.update(StreamUpdate(2, items=parse_update(f"#step 2. :- not {action}. #endstep.").items))
@@ -377,7 +378,8 @@ def test_the_next_update_goes_on_from_the_better_plan():
 def test_no_question_is_asked_after_a_stop(looks, monkeypatch):
     solver = solver_of()
     solver.update(parse_update("#step 1. _request(5,1). _request(-4,1). #endstep."))
-    plan = solver.log.plan = worse(solver.log.plan, 1, 2)
+    plan = worse(solver.log.plan, 1, 2)
+    solver.restore(solver.log.adopt(plan))
     stop, stopped, ask = stop_after(looks), [], Grounding.ask
 
     def look():

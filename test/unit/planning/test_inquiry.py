@@ -100,7 +100,7 @@ def afresh(solver, text, update, untold):
     fresh = solver_of(text)
     entries = solver.log.entries
     log = fresh.log.then(*(Taken(one.update.less(untold), one.horizon) for one in entries))
-    fresh.restore(log.less(untold))
+    fresh.restore(log.without(untold))
     return fresh.update(update.less(untold)).outcome is SolveOutcome.SATISFIABLE
 
 

@@ -92,7 +92,7 @@ def test_the_answer_is_one_that_a_search_finds(rules, news, plan_time):
             return
         before, update = solver.log, told(solver, fails, wanted)
         result = solver.update(update)
-        if solver.log.foreseen:
+        if solver.log.predicted:
             event("foreseen")
             rest = solver.log.plan.since(update.step).actions
             found = searched(solver, before, update, rest)
@@ -114,11 +114,11 @@ def test_success_takes_no_search_as_long_as_something_is_left_to_do(plan_time, s
         assert (result.step, result.horizon, result.answers) == (step, 3, first.answers)
         assert result.shortest
         assert (solver.step, solver.snapshot.step) == (step, step)
-        assert solver.log.foreseen
+        assert solver.log.predicted
     assert searches == []
     assert solver.update(told(solver)).horizon == 4
     assert searches != []
-    assert not solver.log.foreseen
+    assert not solver.log.predicted
 
 
 NOW, THEN = parse_atom("_action_lib(go,1,1)"), parse_atom("_action_lib(go,2,2)")
@@ -176,7 +176,7 @@ def test_a_log_that_went_on_otherwise_is_searched(searches):
     solver, wanted = solver_of(WALK + FAILS), [parse_atom("_request(3,1)"), parse_atom("_request(-1,1)")]
     both = solver.update(StreamUpdate(1, 20, tuple(map(Statement, wanted))))
     before, update = solver.log, told(solver)
-    solver.restore(solver.log.less(frozenset(wanted[1:])))
+    solver.restore(solver.log.without(frozenset(wanted[1:])))
     searches.clear()
     assert solver.update(update).outcome is SolveOutcome.SATISFIABLE
     assert searches != []
@@ -262,12 +262,12 @@ def test_a_solver_that_has_read_another_ones_log_retires_steps(compacts_at_once)
     walked(solver, 4)
     second = reader_of(solver, log_limit=1)
     assert second.snapshot.past is None
-    second.log.plan = solver.log.plan
+    second.restore(second.log.adopt(solver.log.plan))
     update = told(solver, fails=True)
     assert second.update(update).answers == solver.update(update).answers
     third = reader_of(second)
     assert third.snapshot.past.first == 4
-    third.log.plan = second.log.plan
+    third.restore(third.log.adopt(second.log.plan))
     update = told(second, fails=True)
     assert second.update(update).answers == third.update(update).answers
 
@@ -278,7 +278,7 @@ def test_a_plan_that_was_improved_is_foreseen(searches):
     assert len(asked(solver).foreseen) == 1
     plan = solver.log.plan
     last = max(plan.actions, key=cycle_of)
-    solver.log.plan = Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)
+    solver.restore(solver.log.adopt(Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)))
     better = solver.improve()
     assert Plan.in_result(better).actions == plan.actions
     assert better.foreseen == {success_of(action) for action in plan.actions}
@@ -294,7 +294,7 @@ def test_what_is_answered_without_a_search_took_no_time_and_warns_of_nothing():
     first = solver.update(StreamUpdate(1, 20, items))
     assert len(first.warnings) == 1
     result = solver.update(told(solver))
-    assert solver.log.foreseen
+    assert solver.log.predicted
     assert result.warnings == ()
     assert result.statistics == dict.fromkeys(first.statistics, 0.0)
 
@@ -304,7 +304,7 @@ def test_an_update_without_a_return_that_is_due_goes_on():
     solver = solver_of(WALK)
     first = asked(solver)
     result = solver.update(StreamUpdate(2, 20, (Closed(1, 1), *map(commitment, due(solver)))))
-    assert solver.log.foreseen
+    assert solver.log.predicted
     assert result.answers == first.answers
 
 
@@ -331,7 +331,7 @@ def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
     foreseen = []
     for _ in range(2):
         assert solver.update(told(solver)).shortest
-        foreseen.append(solver.log.foreseen)
+        foreseen.append(solver.log.predicted)
     assert foreseen == [True, False]
 
 

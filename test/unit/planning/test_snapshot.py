@@ -67,15 +67,15 @@ def snapshot():
 
 
 def test_withdrawn_facts_leave_no_trace_but_what_was_shown():
-    less = snapshot().less(frozenset([A, GO]))
+    less = snapshot().without(frozenset([A, GO]))
     assert list(less.permanent) == [fact(B), RULE, DENIAL]
     assert list(less.lapsing) == [fact(B), RULE]
     others = [one for one in less.told if not isinstance(one, Told)]
     assert others == [one for one in snapshot().told if not isinstance(one, Told)]
     assert less.closed == {1: frozenset(), 2: frozenset()}
     assert less.past == Past(2, frozenset([B]), ((1, A),))
-    assert snapshot().less(frozenset()) == snapshot()
-    assert replace(snapshot(), past=None).less(frozenset([A])).past is None
+    assert snapshot().without(frozenset()) == snapshot()
+    assert replace(snapshot(), past=None).without(frozenset([A])).past is None
 
 
 def test_size_counts_statements_and_atoms():

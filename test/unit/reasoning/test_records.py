@@ -5,8 +5,7 @@ import json
 import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_update
-from rosoclingo.oclingo.progression.updates import Over
-from rosoclingo.planning.history import Checkpoint, History, Plan, Taken
+from rosoclingo.planning.history import Adopted, Checkpoint, History, Plan, Taken
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import action_of
@@ -17,6 +16,10 @@ def update(step):
     return Taken(parse_update(f"#step {step}. #endstep."), step)
 
 
+def plan(step):
+    return Plan(frozenset([parse_atom(f"_action_lib(go,a,{step})")]), step, shortest=True)
+
+
 def checkpoint(step):
     return Checkpoint(Snapshot(step=step, horizon=step))
 
@@ -25,7 +28,7 @@ ENTRIES = {
     **{f"update {step}": update(step) for step in (1, 2, 3)},
     **{f"checkpoint {step}": checkpoint(step) for step in (0, 1, 2, 3)},
     "search": Taken(None, 1),
-    **{f"over {step}": Over(step) for step in (1, 2)},
+    **{f"plan {step}": Adopted(plan(step)) for step in (1, 2)},
 }
 
 
@@ -57,14 +60,14 @@ def written(record):
     [
         ([], 0),
         (["search"], 0),
-        (["over 1", "search", "over 2"], 0),
-        (["over 1", "checkpoint 1", "over 2", "search"], 1),
-        (["checkpoint 1", "over 1", "checkpoint 2"], 2),
-        (["over 1", "update 1", "search", "update 2", "over 2"], 0),
+        (["plan 1", "search", "plan 2"], 0),
+        (["plan 1", "checkpoint 1", "plan 2", "search"], 1),
+        (["checkpoint 1", "plan 1", "checkpoint 2"], 2),
+        (["plan 1", "update 1", "search", "update 2", "plan 2"], 0),
         (["update 1", "checkpoint 1", "update 2"], 1),
-        (["update 1", "checkpoint 1", "over 1", "update 2", "search"], 1),
+        (["update 1", "checkpoint 1", "plan 1", "update 2", "search"], 1),
         (["update 1", "checkpoint 1"], 0),
-        (["over 1", "checkpoint 0", "over 2", "update 1", "checkpoint 1", "over 1"], 1),
+        (["plan 1", "checkpoint 0", "plan 2", "update 1", "checkpoint 1", "plan 1"], 1),
         (["update 1", "checkpoint 1", "search", "checkpoint 2", "update 2", "checkpoint 3", "search"], 3),
     ],
 )
@@ -81,36 +84,25 @@ def test_what_is_kept_begins_at_a_checkpoint_before_the_last_update(entries, pas
 
 def test_each_entry_has_a_name_of_its_own_as_long_as_it_is_kept():
     recorder = LogRecorder()
-    log = log_with("over 1", "update 1")
+    log = log_with("plan 1", "update 1")
     first = recorder.record(log)
     assert keys_of(first, "log") == ["1", "2"]
     log = log.then(ENTRIES["checkpoint 1"], ENTRIES["update 2"])
     second = recorder.record(log)
     assert keys_of(second, "log") == ["3", "4"]
     assert recorder.record(log) == second
-    other = recorder.record(log.then(ENTRIES["over 2"]))
+    other = recorder.record(log.then(ENTRIES["plan 2"]))
     assert {**other, **second} == other
     assert keys_of(other, "log") == ["3", "4", "5"]
-    assert group(other, "log")["5"] == {"do": "forget", "step": 2}
+    assert group(other, "log")["5"]["do"] == "adopt"
     assert group({"log:1": 1, "logs:2": 2, "log": 3, "a:log:1": 4}, "log") == {"1": 1}
 
 
-NOW, THEN = (Plan(frozenset([parse_atom(f"_action_lib(go,a,{step})")]), step, shortest=True) for step in (1, 2))
-
-
-@pytest.mark.parametrize(("before", "now"), [(NOW, THEN), (NOW, NOW), (None, NOW), (NOW, None), (None, None)])
-def test_the_plans_where_a_search_may_begin(before, now):
-    log = log_with("over 1", "update 1", "over 2")
-    log.last.before.plan, log.plan = before, now
-    record = written(LogRecorder().record(log))
-    assert ("plan_before" in record) == (before is not now)
-    kept = log_of(record)
-    assert (kept.last.before.plan, kept.plan) == (before, now)
-    alone = log_with("search")
-    alone.plan = now
-    record = written(LogRecorder().record(alone))
-    assert "plan_before" not in record
-    assert log_of(record).plan == now
+@pytest.mark.parametrize("entries", [["plan 1", "update 1", "plan 2"], ["plan 1", "update 1"], ["update 1"]])
+def test_log_record_keeps_the_plan_of_both_histories(entries):
+    log = log_with(*entries)
+    kept = log_of(written(LogRecorder().record(log)))
+    assert (kept.last.before.plan, kept.plan) == (log.last.before.plan, log.plan)
 
 
 def test_task_plans():

@@ -208,7 +208,7 @@ def test_a_state_without_a_failed_action(make):
         action, answer = parse_term("_action_lib(walk,1,1)"), parse_term("_return(walk,failed,1)")
         solver.close_cycle(1, [action])
         solver.update(StreamUpdate(2, 5, (commitment(action), fact(answer))))
-        solver.restore(solver.log.less(frozenset([action, answer])))
+        solver.restore(solver.log.without(frozenset([action, answer])))
         solver.close_cycle(2, [])
         actions = solver.update(StreamUpdate(3, 5)).answers[0]
     assert [str(one) for one in actions if one.name == "_action_lib"] == ["_action_lib(walk,1,3)"]

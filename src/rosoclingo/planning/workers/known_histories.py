@@ -27,10 +27,9 @@ class Told:
         start = None if known is None else self._numbers.get(known)
         unknown.reverse()
         entries = [one.entry for one in unknown if one.entry is not None]
-        predicted = [one.foreseen for one in unknown if one.entry is not None]
         number = self._keep(log)
         forgotten = [self._numbers.popitem(last=False)[1] for _ in range(len(self._numbers) - MOST)]
-        told = {"from": start, "entries": [*map(entry_to_message, entries)], "predicted": predicted}
+        told = {"from": start, "entries": [*map(entry_to_message, entries)]}
         return {"history": {**told, "number": number, "forgotten": forgotten}}
 
     def note(self, log: History, number: int) -> None:
@@ -58,9 +57,7 @@ class KnownHistories:
     def take(self, message: Message) -> History:
         """Return the history that the parent tells of."""
         log = self._histories.get(message["from"], History())
-        for entry, predicted in zip(message["entries"], message["predicted"]):
-            log = log.then(entry_from_message(entry))
-            log.foreseen = predicted
+        log = log.then(*map(entry_from_message, message["entries"]))
         for number in message["forgotten"]:
             self._histories.pop(number, None)
         self._histories[message["number"]] = log

@@ -3,10 +3,10 @@
 from typing import Callable, Optional
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.updates import StreamUpdate, Withdraw
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.planning.history import History, Taken, Withdrawal
+from rosoclingo.planning.history import History, Taken
 from rosoclingo.planning.question import Stop
 
 
@@ -50,9 +50,6 @@ class LoggedSolver:
         for one in entries:
             if isinstance(one, Taken):
                 self._solver.take_again(one.update, one.horizon)
-            elif isinstance(one, Withdrawal):
-                update = StreamUpdate(items=tuple(map(Withdraw, sorted(one.facts))))
-                self._solver.take_again(update, self._solver.horizon)
         self._read = self.log
 
     def solve(self, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None) -> SolveResult:

@@ -133,14 +133,12 @@ class WorkerPool:
 
     # ---- Asking ------------------------------------------------------------------------------------------------------
 
-    def search(
-        self, log: History, update: Optional[StreamUpdate], plan: Message, stopped: Optional[Stopped]
-    ) -> List[Message]:
+    def search(self, log: History, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> List[Message]:
         """Return the reply to ``update`` after ``log``, or those that were prefetched: more than one if it improved."""
         replies = [] if update is None else self._prefetched(Prefetch(log, update), stopped)
         if not replies:
             text = None if update is None else str(update)
-            replies = [self.ask(log, {"do": "update", "update": text, "plan": plan}, stopped)]
+            replies = [self.ask(log, {"do": "update", "update": text}, stopped)]
             if self._keeps_standby:
                 self._have_standby()
         return replies

@@ -9,13 +9,12 @@ import clingo
 from rosoclingo.oclingo.errors import NotReadyError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.planning.history import Checkpoint, Plan, Taken
+from rosoclingo.planning.history import Checkpoint, Taken
 from rosoclingo.planning.solver import LONG_PREDICTED, PredictingSolver
 from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.planning.workers.child import Stopped
 from rosoclingo.planning.workers.wire import (
     Message,
-    plan_to_message,
     question_to_message,
     result_from_message,
     verdict_from_message,
@@ -58,7 +57,7 @@ class ProcessSolver(PredictingSolver):
         done: the standby may be at something else, and then it has to be asked again.
         """
         log = self._log_after(before) if before else self.log
-        return log is not None and self._pool.prefetch(Prefetch(log, update, log.plan, improves=bool(before)))
+        return log is not None and self._pool.prefetch(Prefetch(log, update, improves=bool(before)))
 
     def has_prepared(self, update: StreamUpdate) -> bool:
         """Whether the answer to ``update`` is there, should it come next."""
@@ -71,12 +70,12 @@ class ProcessSolver(PredictingSolver):
         """
         if self.log.plan is None or self.log.plan.shortest:
             return None
-        reply = self._ask_idly({"do": "improve", "plan": plan_to_message(self.log.plan)}, stopped)
+        reply = self._ask_idly({"do": "improve"}, stopped)
         if not reply:
             return None
         result = result_from_message(reply)
-        self.log.plan = Plan.in_result(result)
-        self._has_answered(result)
+        self._adopt(result)
+        self._pool.came_to(self.log)
         return result
 
     def shorten_log(self, stopped: Optional[Stopped] = None) -> None:
@@ -88,7 +87,7 @@ class ProcessSolver(PredictingSolver):
             return
         reply = self._ask_idly({"do": "shorten"}, stopped)
         if reply:
-            self._replace_log(self.log.then(Checkpoint(message=reply["checkpoint"])).cut())
+            self._replace_log(self.log.checkpoint(Checkpoint(message=reply["checkpoint"])))
             self._pool.came_to(self.log)
 
     def inquire(
@@ -110,17 +109,15 @@ class ProcessSolver(PredictingSolver):
 
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
         results: List[SolveResult] = []
-        for reply in self._pool.search(self.log, update, plan_to_message(self.log.plan), stopped):
+        for reply in self._pool.search(self.log, update, stopped):
             if "grounded" in reply:  # a search; a plan that was shortened later takes no entry
                 self.log = self.log.then(Taken(None if results else update, reply["grounded"]))
             if reply.get("checkpoint") is not None:
-                self.log = self.log.then(Checkpoint(message=reply["checkpoint"])).cut()
+                self.log = self.log.checkpoint(Checkpoint(message=reply["checkpoint"]))
             results.append(result_from_message(reply))
         better = [one for one in results if one.answers and one.horizon <= results[0].horizon]
         first, result = results[0], (better or results[:1])[-1]
         result = replace(result, warnings=first.warnings, statistics=first.statistics)
-        if self._pool.plans:
-            self.log.plan = Plan.in_result(result) or self.log.plan
-        self._has_answered(result)
+        self._adopt(result)
         self._pool.came_to(self.log)
         return result

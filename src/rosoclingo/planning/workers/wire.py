@@ -5,7 +5,7 @@ Symbols travel as text, see :mod:`~rosoclingo.planning.text`.
 
 import json
 from pathlib import Path
-from typing import FrozenSet, Iterable, List, Optional
+from typing import FrozenSet, Iterable, List
 
 import clingo
 
@@ -17,7 +17,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.planning.compaction import SHOWN_STEPS
 from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import History, Plan, entry_from_message, entry_to_message
+from rosoclingo.planning.history import History, entry_from_message, entry_to_message
 from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 
@@ -130,20 +130,6 @@ def stream_from_message(message: Message) -> Stream:
     """Return the stream that :func:`stream_to_message` took."""
     log = History().then(*map(entry_from_message, message["log"]))
     return Stream(log, parse_update(message["update"]), message["steps"], message["oclingo_strings"])
-
-
-def plan_to_message(plan: Optional[Plan]) -> Message:
-    """Return ``plan`` for :func:`plan_from_message`."""
-    if plan is None:
-        return {}
-    return {"actions": symbols_to_text(sorted(plan.actions)), "horizon": plan.horizon, "shortest": plan.shortest}
-
-
-def plan_from_message(message: Message) -> Optional[Plan]:
-    """Return the plan that :func:`plan_to_message` took."""
-    if not message:
-        return None
-    return Plan(frozenset(symbols_from_text(message["actions"])), message["horizon"], message["shortest"])
 
 
 def faults_to_message(faults: Iterable[Fault]) -> Message:

@@ -4,10 +4,10 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.planning.history import History, Plan
+from rosoclingo.planning.history import History
 from rosoclingo.planning.workers.child import Growth, Stopped, WorkerLostError, WorkerProcess
 from rosoclingo.planning.workers.known_histories import Told
-from rosoclingo.planning.workers.wire import Message, faults_from_message, plan_to_message
+from rosoclingo.planning.workers.wire import Message, faults_from_message
 
 POLL_LOADING = 0.02
 """Seconds of wall time between two looks at the stop request while a child takes the program."""
@@ -20,14 +20,13 @@ Patience = Tuple[float, float]
 
 
 class Prefetch(NamedTuple):
-    """What may be asked for next: ``update`` after ``log``, with a plan to begin with.
+    """A question that can come next: ``update`` after ``log``.
 
     If it ``improves``, the plan that is found is shortened until it is asked for.
     """
 
     log: History
     update: StreamUpdate
-    plan: Optional[Plan] = None
     improves: bool = False
 
     def is_like(self, other: "Prefetch") -> bool:
@@ -37,7 +36,8 @@ class Prefetch(NamedTuple):
 
     def is_worse(self, other: "Prefetch") -> bool:
         """Whether the plan of the ``other`` is a shorter one."""
-        return self.plan is not None and other.plan is not None and other.plan.horizon < self.plan.horizon
+        mine, theirs = self.log.plan, other.log.plan
+        return mine is not None and theirs is not None and theirs.horizon < mine.horizon
 
 
 class Worker:
@@ -125,7 +125,7 @@ class Worker:
         if self._stale:
             return  # it is to be asked again when what it is at has ended
         told = {"do": "prefetch", "update": str(wanted.update), "pause": PAUSE, "improves": wanted.improves}
-        self.child.send(self._about(wanted.log, {**told, "plan": plan_to_message(wanted.plan)}))
+        self.child.send(self._about(wanted.log, told))
         self._prefetch, self._due, self._replies = wanted, 1 + wanted.improves, []
 
     def is_about(self, wanted: Prefetch) -> bool:

@@ -31,7 +31,6 @@ from rosoclingo.planning.workers.wire import (
     Message,
     encode,
     faults_to_message,
-    plan_from_message,
     program_from_message,
     result_to_message,
     stream_from_message,
@@ -126,7 +125,6 @@ class WorkerMain:
             command = self._commands.next()
             if "history" in command:
                 self.solver.restore(self._known.take(command["history"]))
-                self.solver.log.plan = plan_from_message(command.get("plan", {})) or self.solver.log.plan
             try:
                 reply = self._handlers[command["do"]](command)
             except SolverError as error:
@@ -163,7 +161,7 @@ class WorkerMain:
             result = self.solver.solve(stopped, self._commands.dropped)
         else:
             result = self.solver.update(parse_update(update), stopped, self._commands.dropped)
-        entry = self.solver.log.entry
+        entry = self.solver.log.without_plan.entry
         checkpoint = entry.message if isinstance(entry, Checkpoint) else None
         told = result_to_message(result, self.solver.program, isinstance(self.solver, PlanSolver))
         return {**told, "grounded": self.solver.horizon, "checkpoint": checkpoint}
@@ -210,7 +208,7 @@ class WorkerMain:
     def _shorten(self, _command: Message) -> Message:
         """Put a checkpoint at the end of the history."""
         self._planner.begin_log_anew()
-        entry = self.solver.log.entry
+        entry = self.solver.log.without_plan.entry
         assert isinstance(entry, Checkpoint)
         return {"checkpoint": entry.message}
 

@@ -13,7 +13,7 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Se
 from rosoclingo.common import durable
 
 #: What this version writes, and reads.
-FORMAT = 3
+FORMAT = 4
 
 #: A state by sections: plain values that JSON knows, in the order in which they came.
 State = Dict[str, Any]

@@ -69,10 +69,9 @@ class SteeredSolver(PlanSolver):
         )
         self.restore(before)
         other = super().update(steered, stopped, dropped)
-        log = before.then(Taken(update, other.horizon if other.answers else result.horizon))
-        log.plan = Plan.in_result(other) or Plan.in_result(result)
-        self.restore(log)
-        return other if other.answers else result
+        found = other if other.answers else result
+        self.restore(before.then(Taken(update, found.horizon)).adopt(Plan.in_result(found)))
+        return found
 
 
 def _actions_of(result: SolveResult) -> FrozenSet[clingo.Symbol]:

@@ -257,9 +257,7 @@ class SharedSolver(PredictingSolver):
         warnings = self._ignored(update)
         spent = {"solve": 0.0, "ground": 0.0, "needed": 0.0}
         result = SolveResult(outcome, answers, horizon, snapshot.step, warnings, statistics=spent, shortest=True)
-        log = self.log.then(Taken(update, horizon))
-        log.plan = Plan.in_result(result) or log.plan
-        self.log = log
+        self.log = self.log.then(Taken(update, horizon)).adopt(Plan.in_result(result))
         return result
 
     def _after(self, update: StreamUpdate) -> Snapshot:
@@ -293,7 +291,7 @@ class SharedSolver(PredictingSolver):
         stopped: Optional[Callable[[], bool]] = None,
     ) -> Verdict:
         """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
-        snapshot = self._after(replace(update, bound=None)).less(untold)
+        snapshot = self._after(replace(update, bound=None)).without(untold)
         bound = 0 if update.bound is None else update.bound
         found = self._streams.least(snapshot, bound, self.log.horizon)
         return Verdict(found is not None, frozenset() if found is not None else doubted)

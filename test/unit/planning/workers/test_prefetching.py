@@ -223,10 +223,10 @@ def test_a_plan_that_has_become_better_is_prepared_for(here):
         solver.update(ASK)
         (go,) = (action for action in best.actions if cycle_of(action) == 1)
         idle = parse_atom("_action_lib(idle,1,2)")
-        solver.log.plan = Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)
+        solver.restore(solver.log.adopt(Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)))
         solver.prepare(after_first("no"))
         wait_until_prepared(one)
-        solver.log.plan = best
+        solver.restore(solver.log.adopt(best))
         solver.prepare(after_first("no"))
         wait_until_prepared(one)
         assert solver.update(after_first("no")).horizon == best.horizon + 1

@@ -25,7 +25,7 @@ def test_plans_are_shortened_in_a_process_as_well():
         solver.update(parse_update("#step 1. _request(3,1). #endstep."))
         (action,) = (one for one in solver.log.plan.actions if cycle_of(one) == 1)
         worse = Plan(solver.log.plan.later().actions | {action}, solver.log.plan.horizon + 1)
-        solver.log.plan = worse
+        solver.restore(solver.log.adopt(worse))
         kill(process)
         assert solver.improve(lambda: True) is None
         assert solver.log.plan == worse
@@ -54,7 +54,7 @@ def test_a_stop_of_what_shortens_a_plan_is_not_waited_for():
         solver.update(parse_update("#step 1. _request(3,1). #endstep."))
         (action,) = (one for one in solver.log.plan.actions if cycle_of(one) == 1)
         worse = Plan(solver.log.plan.later().actions | {action}, solver.log.plan.horizon + 1)
-        solver.log.plan = worse
+        solver.restore(solver.log.adopt(worse))
         os.kill(process.pid, signal.SIGSTOP)
         for _ in range(2):
             assert solver.improve(lambda: True) is None
@@ -76,7 +76,7 @@ def test_plans_soon_come_from_a_process_as_well():
         assert solver.log.plan == Plan.in_result(soon)
         (action,) = (one for one in Plan.in_result(soon).actions if cycle_of(one) == 1)
         worse = Plan(Plan.in_result(soon).later().actions | {action}, soon.horizon + 1)
-        solver.log.plan = worse
+        solver.restore(solver.log.adopt(worse))
         kill(process)
         again = solver.update(parse_update(f"#step 2. :- not {action}. fail(1). #endstep."))
         assert Plan.in_result(again).since(2).actions == worse.since(2).actions
