@@ -421,17 +421,13 @@ class PlanSolver(PredictingSolver):
 
     # ---- The history -------------------------------------------------------------------------------------------------
 
-    def read(self) -> None:
-        """Fold the history; it takes no search."""
-        self.snapshot  # noqa: B018
-
     def shorten_log(self, stopped: Optional[Stop] = None) -> None:
-        """Put a checkpoint at the end of the history, if it has grown long by what was predicted."""
+        """Put a checkpoint at the end of the history if many predicted updates have followed the last one."""
         if self.log.length > LONG_PREDICTED and not (stopped is not None and stopped()):
-            self.begin_log_anew()
+            self.checkpoint()
 
-    def begin_log_anew(self) -> None:
-        """Put a checkpoint at the end of the history, in which steps that are over are retired."""
+    def checkpoint(self) -> None:
+        """Put a checkpoint at the end of the history, and compact it if enough steps are over."""
         plan = self.log.plan
         if self._steps_over >= MOST_STEPS and self.log.predicted and plan is not None:
             self._answer_again(plan)

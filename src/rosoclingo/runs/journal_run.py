@@ -90,8 +90,7 @@ def _told(state: State) -> int:
 
 
 def horizon_of(state: State) -> int:
-    """The last step that the plan reaches."""
-    if state["plan_now"]:
-        return int(state["plan_now"]["horizon"])
-    entries = [one for one in group(state, "log").values() if one["do"] == "update"]
-    return int(entries[-1]["horizon"])
+    """Return the horizon of the plan in force, of the last search if there is none."""
+    entries = list(group(state, "log").values())
+    plans = [one for one in entries if one["do"] == "adopt"]
+    return int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])

@@ -249,7 +249,7 @@ def test_predicted_updates_are_compacted_between_searches(searches):
         for one, over in ((solver, f"#over {step - 1}."), (other, "")):
             one.update(parse_update(f"#step {step} : 20. #closed {step - 1}. {over} {told} #endstep."))
     assert len(searches) == asked
-    solver.begin_log_anew()
+    solver.checkpoint()
     assert len(searches) == asked + 1, "the predicted answer is asked for, with all its actions given"
     assert solver.snapshot.past.first >= 6
     assert other.snapshot.past is None
@@ -317,7 +317,7 @@ def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
         assert result.outcome is other.outcome, text
         if result.outcome is not SolveOutcome.SATISFIABLE:
             return
-        compacting.begin_log_anew()
+        compacting.checkpoint()
         for one in [one for one in asked if one.arguments[1].number > step - 3]:
             verdicts = [outcome_without(solver, one) for solver in (compacting, whole)]
             assert verdicts[0] is verdicts[1], (text, str(one))
@@ -389,7 +389,7 @@ class Trip:
     def compact(self):
         self.over = max(self.over, self.step - self.draw(st.integers(0, 2)))
         self.solver.forget_before(self.over)
-        self.solver.begin_log_anew()
+        self.solver.checkpoint()
 
     def withdraw(self):
         recent = sorted(one for one in self.told | self.committed if one.arguments[-1].number >= self.over)

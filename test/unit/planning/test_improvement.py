@@ -176,7 +176,7 @@ def improve_at_random(name, data):
         assert_answer(solver, result)
         predicted = solver.log.predicted
         if draw.random() < 0.2:
-            solver.begin_log_anew()
+            solver.checkpoint()
         for looks in draw.sample([3, None, None, None], draw.randint(0, 4)):
             plan = solver.log.plan
             solver.restore(solver.log.adopt(worse(plan, solver.step, draw.randint(0, 2))))
@@ -197,7 +197,7 @@ def test_predicted_updates_cost_no_search_after_improvement_and_checkpoint(name,
     solver.restore(solver.log.adopt(worse(solver.log.plan, 1, 3)))
     better = solver.improve()
     assert better.foreseen
-    solver.begin_log_anew()
+    solver.checkpoint()
     searches.clear()
     for _ in range(9):
         result = solver.update(news(solver))

@@ -211,8 +211,7 @@ def words(update):
 
 def told(planner):
     """The entries of the planner's log, as texts."""
-    entries = planner.log.entries
-    return [words(one.update) if isinstance(one, Taken) else f"less {','.join(map(str, one.facts))}" for one in entries]
+    return [words(one.update) for one in planner.log.entries]
 
 
 def fed(planner, *texts):
@@ -246,7 +245,7 @@ def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
     assert (planner.log.horizon, beside.log.horizon) == (11, 10)
     beside.update(parse_update("#step 3. #endstep."))
     taken = ["#step 2 : 8. #closed 1. _seen(c).", "#step 3 : 8. #closed 2."]
-    assert told(beside) == ["#step 1 : 8. _seen(a).", "less _seen(b)", *taken]
+    assert told(beside) == ["#step 1 : 8. _seen(a).", "#withdraw _seen(b).", *taken]
     assert len(told(planner)) == 2
 
 
@@ -259,7 +258,7 @@ def test_another_update_in_place_of_the_last_one():
     planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
     beside, result = planner.instead(other, frozenset({parse_atom("_seen(d)")}))
-    assert told(beside) == ["#step 1 : 8. _seen(a).", "less _seen(d)", "#step 2 : 8. #closed 1. _seen(e)."]
+    assert told(beside) == ["#step 1 : 8. _seen(a).", "#withdraw _seen(d).", "#step 2 : 8. #closed 1. _seen(e)."]
     assert result.step == 2
     assert beside.taken.step == 2
     again, _ = planner.instead(planner.taken)

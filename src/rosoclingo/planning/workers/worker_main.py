@@ -207,7 +207,7 @@ class WorkerMain:
 
     def _shorten(self, _command: Message) -> Message:
         """Put a checkpoint at the end of the history."""
-        self._planner.begin_log_anew()
+        self._planner.checkpoint()
         entry = self.solver.log.without_plan.entry
         assert isinstance(entry, Checkpoint)
         return {"checkpoint": entry.message}

@@ -47,8 +47,8 @@ class _NoRecorder:
 
     @staticmethod
     def record(log: History) -> Record:
-        """Return what stands for a log."""
-        return {"plan_now": None}
+        """Return nothing: the snapshot holds the history itself."""
+        return {}
 
 
 class _UnnotedFailures(UntakenFailures):
