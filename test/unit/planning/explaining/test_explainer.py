@@ -162,11 +162,6 @@ def test_explain_names_facts_of_the_stream():
     assert [(one.text, one.hinders) for one in found.told] in ([("closed(2).", True)], [("closed(3).", True)])
 
 
-def test_explain_blames_a_bound_of_a_choice():
-    volatile = [VOLATILE[0], ":- not at(2,t)."]
-    assert names(check(Case(FACTS[:5], volatile=volatile))) == [CHOICES[0], *volatile]
-
-
 @pytest.mark.slow
 def test_explain_lists_rules_that_forbid_it_as_well():
     found = check(Case([*FACTS[:4], "shut(2)."], ["closed(2)"], constraints=CONSTRAINTS[:2]))

@@ -106,20 +106,6 @@ def test_reach_follows_a_missing_effect_to_its_beginning():
     assert "has(c,t)" in {one.atom for one in found.lacking[0].misses}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("world", "steps"),
-    [
-        (World("a", [("a", "b", "a"), ("b", "c", "b"), ("c", "d", "c")], [], "d"), 1),
-        (World("a", [("a", "b", None), ("b", "c", None), ("bc", "d", None)], [("a", "b")], "d"), STEPS),
-    ],
-    ids=["only takes long", "two constraints keep it apart"],
-)
-def test_reach_judges_nothing_that_it_does_not_know(world, steps):
-    found = check(world, steps)
-    assert (found.never, found.lacking) == (False, ())
-
-
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("goal", "atom", "last"),

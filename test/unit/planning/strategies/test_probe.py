@@ -138,17 +138,6 @@ def verdicts(solver, text, assumable):
     return [probe(solver, text, assumable, disabled).satisfiable for disabled in ("", assumable)]
 
 
-@pytest.mark.parametrize(
-    ("disabled", "core"),
-    [("", "knock(d)"), ("knock(d) knock(c)", "bolt(a) bolt(b) knock(c)"), ("knock(d) bolt(a) knock(c)", None)],
-)
-def test_probe_names_the_facts_without_answer(disabled, core):
-    text, assumable = "bolt(a). bolt(b). knock(c). knock(d).", "bolt(a) bolt(b) knock(c) knock(d)"
-    verdict = probe(planner_of(BOLT), f"#step 1 : 9. {text}", assumable, disabled)
-    assert verdict.satisfiable is (core is None)
-    assert verdict.core >= atoms(core or "")
-
-
 def test_probe_blames_no_fact_for_other_faults():
     assert probe(planner_of(BOLT), "#step 1 : 3. bolt(a). knock(d).", "bolt(a)", "bolt(a)") == (False, frozenset())
 
@@ -194,37 +183,6 @@ def test_probe_finds_answers_that_further_steps_end():
 )
 def test_probe_waits_for_atoms_of_further_steps(rules, asks):
     assert verdicts(planner_of("#external go/0. " + rules), f"#step 2 : 20. go. {asks}", "go") == [True, True]
-
-
-def test_probe_takes_facts_that_each_step_defines_again():
-    """A fact can be defined by the rules of several steps, another atom only by one; assumable facts are not facts."""
-    text = "#external shut/1. #program cumulative(t). { in(t) }. bar :- shut(a). :- in(t), bar. "
-    solver = planner_of(text + "#program volatile(t). :- not in(t), t < 90.")
-    assert verdicts(solver, "#step 1 : 50. shut(a).", "shut(a)") == [False, True]
-
-
-WALK = """
-#external _return/3. #external _failed/3.
-#program cumulative(t).
-{ _action_lib(go,x,t) }.
-been(t) :- _action_lib(go,x,t).
-been(t) :- been(t-1).
-"""
-
-
-@pytest.mark.parametrize("cycles", [(1,), (1, 2)])
-def test_probe_without_an_action_leaves_it_unexecuted(cycles):
-    solver = planner_of(WALK + "#program volatile(t). :- not _action_lib(go,x,1), t > 1.")
-    *before, last = [f"#step {one + 1} : 3. #closed {one}. :- not _action_lib(go,x,{one})." for one in cycles]
-    for text in before:
-        play(solver, text)
-    assert verdicts(solver, last, "_action_lib(go,x,1)") == [True, False]
-
-
-def test_probe_without_a_return_has_no_failure():
-    solver = planner_of(WALK + "failed(t) :- _failed(A,R,t). #program volatile(t). :- failed(1).")
-    text = "#step 2 : 3. :- not _action_lib(go,x,1). _return(go,jam,1)."
-    assert verdicts(solver, text, "_return(go,jam,1)") == [False, True]
 
 
 def test_probe_takes_asserted_facts_until_their_retraction():
