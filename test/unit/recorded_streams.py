@@ -61,12 +61,12 @@ class Domain(NamedTuple):
 
 
 @lru_cache(maxsize=None)
-def of_text(text: str) -> ReactiveProgram:
+def _of_text(text: str) -> ReactiveProgram:
     return ReactiveProgram.from_text(text)
 
 
 def _foreign(name: str, *facts: str) -> Domain:
-    return Domain(lambda: of_text(SOUND[name][0]), lambda draw, _: draw.choice(SOUND[name][1]), facts)
+    return Domain(lambda: _of_text(SOUND[name][0]), lambda draw, _: draw.choice(SOUND[name][1]), facts)
 
 
 def _mail(draw: Random, number: int) -> str:
@@ -93,7 +93,7 @@ DOMAINS: Dict[str, Domain] = {
     ),
     "paper": Domain(lambda: shipped("paper.lp"), _mail, (), ("failed",)),
     "errands": Domain(
-        lambda: of_text(ERRANDS), lambda draw, n: f"do({draw.choice(('walk', 'walk', 'far', 'never'))},{n})", ()
+        lambda: _of_text(ERRANDS), lambda draw, n: f"do({draw.choice(('walk', 'walk', 'far', 'never'))},{n})", ()
     ),
     "golog": Domain(
         lambda: shipped("golog/elevator.golog"), lambda draw, n: f"run({draw.choice(CALLS)},{n})", ("_pressed(3,{})",)
@@ -136,7 +136,7 @@ def reading(kind: str, result: SolveResult) -> List[Any]:
 
 def program_of(record: Record) -> ReactiveProgram:
     """Return the program of a stored stream."""
-    return DOMAINS[record["kind"]].program() if record["kind"] in DOMAINS else of_text(record["program"])
+    return DOMAINS[record["kind"]].program() if record["kind"] in DOMAINS else _of_text(record["program"])
 
 
 def play(record: Record) -> Iterator[List[Any]]:

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 from stream_logs import texts
-from stream_play import planner_of, play
+from stream_play import WALK, planner_of, play
 
-from rosoclingo.oclingo import ReactiveProgram, commitment, fact, parse_atom, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
 from rosoclingo.planning.snapshot import ClosedHeads, Forgotten, Past, Snapshot, Told
 
@@ -148,9 +148,17 @@ def test_closed_cycle_gets_no_action_at_later_steps(cycle):
     assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
 
 
-def test_closed_cycles_close_the_returns_before_the_last():
-    solver = planner_of("#cumulative t. #external _return(go,x,t). c(t) :- _return(go,x,t). #volatile t.")
-    play(solver, "#step 3.")
-    late = play(solver, "#step 4. #closed 1..3. _return(go,x,2). _return(go,x,3).")
-    assert ignored(late) == ["_return(go,x,2)"]
-    assert texts(late) == {frozenset(["_return(go,x,3)", "c(3)"])}
+@pytest.mark.parametrize(("done", "late"), [("", "12"), (":- not _action_lib(go,x,1).", "2")])
+def test_returns_may_come_for_the_last_cycle_with_actions(done, late):
+    """And for the last cycle."""
+    text = "#cumulative t. #external _return(go,x,t). { _action_lib(go,x,t) }. #volatile t."
+    solver = planner_of(text)
+    play(solver, f"#step 2. #closed 1. {done}")
+    result = play(solver, "#step 4. #closed 2..3. _return(go,x,1). _return(go,x,2). _return(go,x,3).")
+    assert ignored(result) == [f"_return(go,x,{cycle})" for cycle in late]
+
+
+def test_step_without_bound_ends_that_of_the_last():
+    solver = planner_of(WALK)
+    found = [play(solver, text).outcome for text in ("#step 1 : 1. _request(4,1).", "#step 1.")]
+    assert found == [SolveOutcome.UNSATISFIABLE, SolveOutcome.SATISFIABLE]
