@@ -6,6 +6,7 @@ from typing import FrozenSet, List, Optional, Set
 import clingo
 
 from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom
+from rosoclingo.oclingo.progression.updates import Closed
 from rosoclingo.planning.history import cycle_of
 
 BASE = "at(0,0)."
@@ -70,7 +71,8 @@ class Walk:
         told = [parse_atom(f"_request({place},{self.step})") for place in wanted]
         told += [parse_atom(f"fail({self.step - 1})")] if fails and actions else []
         self.facts.update(told)
-        return StreamUpdate(self.step, bound, (*map(commitment, actions), *map(fact, told)))
+        past = (Closed(self.step - 1, self.step - 1),) if self.step > 1 else ()
+        return StreamUpdate(self.step, bound, (*past, *map(commitment, actions), *map(fact, told)))
 
     def allows(self, horizon: int, plan: Optional[FrozenSet[clingo.Symbol]] = None) -> bool:
         """Tell whether there is an answer of that horizon, with ``plan`` and nothing else to come if it is given."""

@@ -107,10 +107,11 @@ def test_answers_hold_the_actions_that_past_and_horizon_allow(program, data, mar
         steps = [one for one in (cycle - 1, cycle, cycle + 2) if one >= max(1, cycle - margin)]
         told = data.draw(st.sets(st.sampled_from(steps), max_size=2))
         events |= told
-        solver.forget_before(cycle - margin)
         if data.draw(st.booleans()):
             solver.restore(cut(solver))
-        items = [f"e({one})." for one in sorted(told)] + [f":- not {one}." for one in committed]
+        past = [f"#closed {cycle - 1}."] if closed else []
+        past += [f"#over {cycle - margin}."] if cycle > margin else []
+        items = [*past, *(f"e({one})." for one in sorted(told)), *(f":- not {one}." for one in committed)]
         result = solver.update(parse_update(f"#step {cycle} : {BOUND}. {' '.join(items)} #endstep."))
         expected, horizon = [], cycle - 1
         while not expected and horizon < cycle + BOUND:
@@ -127,4 +128,3 @@ def test_answers_hold_the_actions_that_past_and_horizon_allow(program, data, mar
         plan = sorted(data.draw(st.sampled_from(sorted(expected, key=sorted)))) if expected else []
         committed = [action for action in plan if action.arguments[2].number == cycle]
         closed[cycle] = set(committed)
-        solver.close_cycle(cycle, committed)

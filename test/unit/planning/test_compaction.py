@@ -18,10 +18,10 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_update,
 )
-from rosoclingo.oclingo.progression.updates import Forget, Literal, Statement
+from rosoclingo.oclingo.progression.updates import Forget, Literal, Over, Statement, StreamUpdate
 from rosoclingo.planning import compaction, grounding
 from rosoclingo.planning import solver as solver_module
-from rosoclingo.planning.history import Checkpoint, History
+from rosoclingo.planning.history import Checkpoint, History, Taken
 from rosoclingo.planning.solver import PlanSolver
 
 pytestmark = pytest.mark.usefixtures("compacts_at_once")
@@ -61,14 +61,20 @@ def walk():
     return PlanSolver(PROGRAM)
 
 
-def ask(solver, text, closing=()):
-    """Feed an update and close its cycle with the action planned for it, if any; return the answer as text."""
+def past(cycle, before, margin=None):
+    """The items by which the update of a cycle closes the one before; steps that lie so far back are over."""
+    items = [f"#closed {cycle - 1}."] if cycle > 1 else []
+    items += [f"#over {cycle - margin}."] if margin is not None and cycle > margin else []
+    return " ".join([*items, *(f":- not {action}." for action in before)])
+
+
+def ask(solver, text):
+    """Feed an update; return the answer as text, and the actions planned for its cycle."""
     result = solver.update(parse_update(text))
     assert result.outcome is SolveOutcome.SATISFIABLE
     answer = result.answers[0]
     step = result.step
     executed = [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number == step]
-    solver.close_cycle(step, [*executed, *closing])
     return sorted(map(str, answer)), executed
 
 
@@ -77,10 +83,8 @@ def drive(solver, cycles, margin, improves=False):
     answers, before = [], []
     for cycle in range(1, cycles + 1):
         goal = "abc"[cycle % 3]
-        text = f"#step {cycle}. " + "".join(f":- not {atom}. " for atom in before)
+        text = f"#step {cycle}. {past(cycle, before, margin)} "
         text += f"_request(goal({goal},{cycle}),{cycle + 1}). " if cycle % 2 else ""
-        if margin is not None:
-            solver.forget_before(cycle - margin)
         answer, before = ask(solver, text + "#endstep.")
         answers.append(answer)
         if improves:
@@ -127,10 +131,8 @@ def test_snapshot_does_not_grow_wherever_a_step_has_its_actions(offset, name):
     text = f"#program cumulative(t). now(t). {head}. #program volatile(t)."
     solver = PlanSolver(ReactiveProgram.from_text(text), models=0)
     for cycle in range(1, 16):
-        solver.forget_before(cycle)
-        answers = solver.update(parse_update(f"#step {cycle} : 0. #endstep.")).answers
+        answers = solver.update(parse_update(f"#step {cycle} : 0. {past(cycle, (), 0)} #endstep.")).answers
         assert len(answers) == (2 if 0 <= offset < cycle else 1), "each cycle is closed without an action"
-        solver.close_cycle(cycle, [])
     assert solver.snapshot.past.first >= 14 - max(offset, 0)
     assert name == "T" or len(solver.snapshot.closed) <= 6
 
@@ -143,9 +145,8 @@ def test_cycles_without_possible_actions_are_retired(monkeypatch):
     solver = PlanSolver(ReactiveProgram.from_text(text))
     before = []
     for cycle in range(1, 41):
-        text = f"#step {cycle}. " + "".join(f":- not {atom}. " for atom in before)
+        text = f"#step {cycle}. {past(cycle, before, 3)} "
         text += f"_request(goal({'abc'[cycle // 5 % 3]},{cycle}),{cycle + 1}). " if cycle % 5 == 1 else ""
-        solver.forget_before(cycle - 3)
         _, before = ask(solver, text + "#endstep.")
     assert solver.snapshot.past.first >= 36
 
@@ -161,8 +162,7 @@ def test_choices_of_base_that_the_past_has_decided_stay_so():
     text = "#base.\n{ a }.\n#cumulative t.\nc(t) :- not a.\n:- c(t-1).\n#volatile t.\n"
     solver = PlanSolver(ReactiveProgram.from_text(text), models=0)
     for step in (3, 4, 5):
-        solver.forget_before(step)
-        answers = solver.update(parse_update(f"#step {step} : 0. #endstep.")).answers
+        answers = solver.update(parse_update(f"#step {step} : 0. #over {step}. #endstep.")).answers
         assert answers == (frozenset([parse_atom("a")]),)
     assert solver.snapshot.past.first > 2
     assert len(list(solver.snapshot.permanent)) == 1
@@ -197,12 +197,10 @@ def test_facts_are_too_late_for_a_reader_as_well():
 def test_facts_that_later_steps_see_are_never_too_late():
     solver = walk()
     drive(solver, 10, 2)
-    result = solver.update(parse_update("#step 11. sees(x,3). #endstep."))
-    assert not result.warnings
-    assert parse_atom("seen(x,11)") in result.answers[0]
-    solver.forget_before(11)
-    for step in (12, 13, 14):
-        assert parse_atom(f"seen(x,{step})") in solver.update(parse_update(f"#step {step}. #endstep.")).answers[0]
+    for step, items in ((11, "sees(x,3)."), (12, "#over 11."), (13, ""), (14, "")):
+        result = solver.update(parse_update(f"#step {step}. {items} #endstep."))
+        assert not result.warnings
+        assert parse_atom(f"seen(x,{step})") in result.answers[0]
 
 
 def test_reader_of_a_checkpoint_goes_on_from_compacted_steps():
@@ -283,13 +281,12 @@ def test_compacting_solver_answers_as_one_that_forgets(parts, data, margin):
         first = max(first, min(step, update.step) - margin)
         step = max(step, update.step)
         items = [one for one in update.items if not isinstance(one, Statement) or concerns(one, first)]
-        compacting.forget_before(first)
         forget = [Forget(1, first - 1)] if first > 1 else []
         choices = ["a", "b"] if number == 0 and data.draw(st.booleans()) else []
         settle = [Statement(None, (Literal(parse_atom(name), data.draw(st.booleans())),)) for name in choices]
         settle += decide(data.draw, range(decided, step + 1))
         decided = step + 1
-        found = compacting.update(replace(update, items=(*settle, *items), step=step))
+        found = compacting.update(replace(update, items=(Over(first), *settle, *items), step=step))
         expected = forgetting.update(replace(update, items=(*settle, *forget, *items), step=step))
         assert found.outcome is expected.outcome
         assert set(found.answers) == set(expected.answers), (parts.text(), str(update), first)
@@ -311,18 +308,18 @@ def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
         items += stream.events()
         stream.step = step = step + 1
         asked |= {parse_atom(one) for one in items if one.startswith("_request(goal")}
-        compacting.forget_before(step - 4)
-        text = f"#step {step} : {STEPS}. " + " ".join(f"{item}." for item in items) + " #endstep."
-        result, other = compacting.update(parse_update(text)), whole.update(parse_update(text))
-        assert result.outcome is other.outcome, text
+        update = parse_update(f"#step {step} : {STEPS}. " + " ".join(f"{item}." for item in items) + " #endstep.")
+        over = replace(update, items=(Over(step - 4), *update.items))
+        result, other = compacting.update(over), whole.update(update)
+        assert result.outcome is other.outcome, str(update)
         if result.outcome is not SolveOutcome.SATISFIABLE:
             return
         compacting.checkpoint()
         for one in [one for one in asked if one.arguments[1].number > step - 3]:
             verdicts = [outcome_without(solver, one) for solver in (compacting, whole)]
-            assert verdicts[0] is verdicts[1], (text, str(one))
+            assert verdicts[0] is verdicts[1], (str(update), str(one))
             if str(one.arguments[0].arguments[-1]) in picked:
-                assert verdicts[0] is SolveOutcome.UNSATISFIABLE, (text, str(one))
+                assert verdicts[0] is SolveOutcome.UNSATISFIABLE, (str(update), str(one))
         items = stream.outcomes(result)
         returned = [parse_atom(item) for item in items if item.startswith("_return(pickup")]
         picked |= {str(one.arguments[1]) for one in returned} - {"1", "2", "777"}  # what corrections name
@@ -388,7 +385,8 @@ class Trip:
 
     def compact(self):
         self.over = max(self.over, self.step - self.draw(st.integers(0, 2)))
-        self.solver.forget_before(self.over)
+        over = Taken(StreamUpdate(items=(Over(self.over),)), self.solver.horizon)
+        self.solver.restore(self.solver.log.then(over))
         self.solver.checkpoint()
 
     def withdraw(self):

@@ -102,8 +102,7 @@ def test_constraints_on_choices_of_base_hold_for_good():
     text = "{ a ; b }. #program cumulative(t). :- t = 1, #sum { 1,x : a ; 1,y : b } > 1. #program volatile(t)."
     stream = planner_of(text, models=0)
     for step in (1, 2, 3, 4):
-        stream.forget_before(step)
-        assert len(play(stream, f"#step {step}.").answers) == 3
+        assert len(play(stream, f"#step {step}. #over {step}.").answers) == 3
 
 
 @pytest.mark.usefixtures("compacts_at_once")
@@ -111,8 +110,7 @@ def test_definition_that_lapses_later_is_still_seen():
     stream = planner_of("#program cumulative(t). #external e(t). late(t) :- e(t-4). #program volatile(t).")
     play(stream, "#step 1. #volatile : 9. e(1).")
     for step in (2, 3, 4, 5):
-        stream.forget_before(step)
-        found = atoms(play(stream, f"#step {step}."))
+        found = atoms(play(stream, f"#step {step}. #over {step}."))
     assert found == ["e(1)", "late(5)"]
 
 
@@ -120,9 +118,7 @@ def test_definition_that_lapses_later_is_still_seen():
 def test_stream_keeps_a_contradiction():
     stream = planner_of("#program cumulative(t). 1 { _action_lib(go,x,t) } 1. #program volatile(t).")
     play(stream, "#step 1.")
-    stream.close_cycle(1, [])
-    stream.forget_before(2)
-    assert play(stream, "#step 2 : 0.").outcome is SolveOutcome.UNSATISFIABLE
+    assert play(stream, "#step 2 : 0. #closed 1. #over 2.").outcome is SolveOutcome.UNSATISFIABLE
 
 
 @pytest.mark.parametrize(

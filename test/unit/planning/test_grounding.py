@@ -98,15 +98,15 @@ def test_atoms_of_open_predicates_are_of_no_step_and_not_forgotten():
 def test_returns_of_all_cycles_before_the_last_closed_one_are_closed(is_restored):
     solver = solver_of("#cumulative t. #external _return(go,x,t). c(t) :- _return(go,x,t). #volatile t.")
     for step in (1, 2, 3, 4):
-        play(solver, f"#step {step}.")
-        solver.close_cycle(step, [])
+        play(solver, f"#step {step}. #closed {step}.")
     if is_restored:
         restored(solver)
     late = play(solver, "_return(go,x,2). _return(go,x,3). _return(go,x,4).")
     assert late.warnings == (IGNORED.format("_return(go,x,2)"), IGNORED.format("_return(go,x,3)"))
     assert atoms(late) == ["_return(go,x,4)", "c(4)"]
-    solver.close_cycle(5, [])
-    assert atoms(play(solver, "#step 6. _return(go,x,4).")) == ["_return(go,x,4)", "c(4)"], "it was told in time"
+    assert atoms(play(solver, "#step 6. #closed 5. _return(go,x,4).")) == ["_return(go,x,4)", "c(4)"], (
+        "it was told in time"
+    )
 
 
 def test_rules_for_open_predicates_are_restored_as_rules_and_facts_as_facts():
@@ -194,8 +194,10 @@ def test_changes_are_handed_over_before_clingo_grounds_or_searches(monkeypatch, 
     monkeypatch.setattr(clingo.Control, "solve", checked(clingo.Control.solve))
     solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
     for step in (1, 2, 3, 4):
-        solver.forget_before(step)
-        assert atoms(play(solver, f"#step {step}. #volatile. e({step}). :- not c({step})."))[-1] == f"e({step})"
+        assert (
+            atoms(play(solver, f"#step {step}. #over {step}. #volatile. e({step}). :- not c({step})."))[-1]
+            == f"e({step})"
+        )
     assert solver.snapshot.past is not None
 
 

@@ -1,47 +1,29 @@
-"""Histories of streams: whoever reads one answers as the solver that wrote it."""
+"""Histories: every reader answers as the solver that wrote one, and as a reference that solves from scratch."""
+
+import json
+from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_streams import LITERALS, RULES, VOLATILE, function
+from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, function, without_strangers
 from solver_reference import Parts, ShortestReference
 from stream_logs import copied, cut, texts
-from stream_play import planner_of, play
+from stream_play import atoms, planner_of, play
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, fact, parse_atom, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.updates import (
-    Assert,
-    Cumulative,
-    Forget,
-    Literal,
-    Over,
-    Retract,
-    Statement,
-    StreamUpdate,
-    Volatile,
-)
-from rosoclingo.planning.history import (
-    Checkpoint,
-    Close,
-    History,
-    Plan,
-    Taken,
-    Withdrawal,
-    entry_to_message,
-    key_after,
-)
+from rosoclingo.oclingo.progression.updates import Closed, Literal, Over, Statement, StreamUpdate, Withdraw
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import Checkpoint, History, Plan, Taken, entry_to_message, key_after
 from rosoclingo.planning.snapshot import Snapshot, Told
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.workers import worker
-from rosoclingo.planning.workers.child import WorkerProcess
+from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
 from rosoclingo.planning.workers.pool import WorkerPool
 
-PROGRAM = """
-#cumulative t.
-#external e(t).
-#volatile t.
-"""
+# ---- Random streams --------------------------------------------------------------------------------------------------
+
+#: Programs and statements that close loops over several steps.
 LOOPS = st.sampled_from(
     [
         "c(t) :- e(t).",
@@ -52,7 +34,7 @@ LOOPS = st.sampled_from(
         ":- c(t), not d(t).",
     ]
 )
-PARTS = st.builds(
+LOOPING = st.builds(
     lambda loops, rules, volatile: Parts(
         ("{ a }.", "{ b }."),
         ("{ p(t) }.", "#defined q/1.", "#defined g/2.", "#defined c/1.", "#defined d/1.", *loops, *rules),
@@ -65,102 +47,33 @@ PARTS = st.builds(
     st.lists(RULES.filter(lambda rule: "g(" not in rule), max_size=2),
     st.lists(VOLATILE, max_size=1),
 )
-STEPS = st.integers(1, 3)
 HEADS = st.sampled_from([function(name, 1) for name in "exy"] + [function("e", 2), function("f", "x", 1)])
-ATOMS = st.one_of(HEADS, HEADS, st.builds(lambda name, step: function(name, step), st.sampled_from("cdw"), STEPS))
-SUPPORTS = st.one_of(ATOMS.map(Literal), ATOMS.map(Literal), ATOMS.map(Literal), LITERALS)
-STATEMENTS = st.one_of(
-    st.builds(Statement, HEADS, SUPPORTS.map(lambda one: (one,))),
-    st.builds(Statement, HEADS, SUPPORTS.map(lambda one: (one,))),
-    st.builds(Statement, HEADS, st.lists(SUPPORTS, max_size=2).map(tuple)),
-    st.builds(Statement, st.none(), st.lists(LITERALS, min_size=1, max_size=2).map(tuple)),
+SUPPORTS = (HEADS | st.builds(function, st.sampled_from("cdw"), st.integers(1, 3))).map(Literal) | LITERALS
+CLOSING = st.builds(Statement, HEADS, st.lists(SUPPORTS, min_size=1, max_size=2).map(tuple))
+LOOPING_UPDATES = st.builds(
+    StreamUpdate,
+    st.integers(1, 3),
+    st.integers(0, 2),
+    st.lists(st.one_of(CLOSING, CLOSING, CLOSING, ITEMS), max_size=4).map(tuple),
 )
-TERMS = st.sampled_from([function("u"), function("v")])
-ITEMS = st.one_of(
-    STATEMENTS,
-    STATEMENTS,
-    STATEMENTS,
-    st.sampled_from([Cumulative(), Volatile(), Volatile(2)]),
-    st.builds(Assert, TERMS),
-    st.builds(Retract, TERMS),
-    st.builds(Forget, STEPS, STEPS),
+#: Many statements at steps that come in order.
+IN_ORDER = st.builds(
+    lambda steps, items: [StreamUpdate(*pair) for pair in zip(steps, [0, 1, 0, 2, 0], items)],
+    st.lists(st.integers(1, 3), min_size=1, max_size=5).map(sorted),
+    st.lists(st.lists(ITEMS, min_size=2, max_size=8).map(tuple), min_size=5, max_size=5),
 )
-UPDATES = st.builds(StreamUpdate, STEPS, st.integers(0, 2), st.lists(ITEMS, max_size=4).map(tuple))
-
-
-def same_log(writer, old, reader):
-    """Go on from a history, or back to it."""
-    reader.restore(writer.log)
-
-
-def text_of_log(writer, old, reader):
-    """Read a history on disk."""
-    reader.restore(copied(writer.log))
-
-
-def checkpoint(writer, old, reader):
-    """Read nothing but the last snapshot."""
-    reader.restore(cut(writer))
-
-
-def checkpoint_and_rest(writer, old, reader):
-    """Read what followed an ``old`` history, from its snapshot on."""
-    reader.restore(old)
-    rest = writer.log.since(old)
-    reader.restore(copied(writer.log if rest is None else cut(reader).then(*rest)))
-
-
-def entry_by_entry(writer, old, reader):
-    """Read every entry as it comes."""
-    for entry in writer.log.entries:
-        reader.restore(copied(reader.log.then(entry)))
-        reader.read()
-
-
-WAYS = [same_log, text_of_log, checkpoint, checkpoint_and_rest, entry_by_entry]
-
-
-class LentChild:
-    """One child for many solver processes, one after the other: to start one for each takes most of the time."""
-
-    alive, memory, pid, worked = True, 0, 0, 0.0
-    reply = WorkerProcess.reply  # by way of send and receive here
-
-    def __init__(self):
-        self.child, self.owed = None, 0
-
-    def send(self, message):
-        self.child = self.child or WorkerProcess()
-        self.child.send(message)
-        self.owed += 1
-
-    def receive(self, timeout):
-        message = self.child.receive(timeout)
-        self.owed -= message is not None
-        return message
-
-    def kill(self):
-        """The solver process goes; the child stays for the next one, once it has said all that it owes."""
-        while self.owed:
-            self.receive(0.02)
-
-    def end(self):
-        child, self.child, self.owed = self.child, None, 0
-        if child is not None:
-            child.kill()
-
-
-@pytest.fixture(scope="module")
-def lent():
-    """What solver processes of this module take for their child."""
-    child = LentChild()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "WorkerProcess", lambda: child)
-        yield
-    child.end()
-
-
+STREAMS = st.one_of(
+    st.tuples(PARTS, st.lists(UPDATES, min_size=1, max_size=5) | IN_ORDER),
+    st.tuples(LOOPING, st.lists(LOOPING_UPDATES, min_size=1, max_size=6)),
+)
 OPTIONS = {"models": 0, "log_limit": 3, "idles": False}
+
+
+def readings(writer, old):
+    """What a reader can go on from: the same history, its text, its snapshot, an ``old`` snapshot and the rest."""
+    log, snapshot = old
+    rest = writer.log.since(log)
+    return [writer.log, copied(writer.log), cut(writer), copied(writer.log if rest is None else snapshot.then(*rest))]
 
 
 def check(mine, its):
@@ -171,179 +84,174 @@ def check(mine, its):
         assert (mine.horizon, mine.step, set(mine.warnings)) == (its.horizon, its.step, set(its.warnings))
 
 
-@pytest.mark.slow
-@given(PARTS, st.lists(UPDATES, min_size=1, max_size=6), st.lists(st.sampled_from([None, *WAYS]), min_size=6))
-def test_reader_answers_as_writer_and_reference(lent, parts, updates, ways):
-    """``ways`` tell how new readers, here and in another process, begin before each update; None: those there are."""
-    reference, old = ShortestReference(parts), History()
-    program = ReactiveProgram.from_text(parts.text())
-    with WorkerPool(program, shortest=True, **OPTIONS) as process:
-        writer = reader = PlanSolver(program, **OPTIONS)
-        for update, way in zip(updates, ways):
-            if way is not None or reader is writer:
-                reader, there = PlanSolver(program, **OPTIONS), process.solver()
-                (way or same_log)(writer, old, reader)
-                there.restore(writer.log)
-                assert reader.snapshot == writer.snapshot
-                old = writer.log
-            satisfiable, answers, horizon, _ = reference.update(update)
-            result, its, theirs = (solver.update(update) for solver in (writer, reader, there))
-            check(result, its)
-            check(result, theirs)
-            assert texts(result) == answers, (parts.text(), str(update))
-            assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
-            if result.permanent or its.permanent or theirs.permanent:
-                return
-            assert result.horizon == horizon
-            assert writer.horizon == reader.horizon == there.horizon
-            if not satisfiable:
-                reference.end_at(writer.horizon)
+def check_grounding(solver, reference):
+    """The statements in force and what is forgotten are those of the reference."""
+    snapshot = solver.snapshot
+    assert snapshot_from_message(json.loads(json.dumps(snapshot_to_message(snapshot)))) == snapshot
+    grounding = Grounding(solver.program, snapshot, snapshot.horizon)
+    facts = snapshot.facts_without(frozenset())
+    given_facts = {str(one) for one in facts if solver.program.is_open_signature(one)}
+    held = [one.statement for one in reference.held if not one.waiting]
+    held = {str(one) for one in held if not (one.body and str(one.head) in given_facts)}
+    assert {str(one.statement) for one in grounding.in_force} == held
+    assert {str(one) for one in grounding.false} | reference.closed == reference.forgotten | reference.closed
 
 
 @pytest.mark.slow
-@given(PARTS, st.lists(UPDATES, min_size=2, max_size=4), st.data())
-def test_earlier_history_leads_on_as_at_first(parts, updates, data):
+@settings(max_examples=settings.default.max_examples * 3)
+@given(STREAMS, st.lists(st.none() | st.integers(0, 3), min_size=6, max_size=6))
+def test_history_readers_answer_as_writer_and_reference(stream, ways):
+    """``ways`` say how a new reader begins before each update; without one the last reader goes on."""
+    parts, updates = stream
+    program, reference = ReactiveProgram.from_text(parts.text()), ShortestReference(parts)
+    writer = reader = PlanSolver(program, **OPTIONS)
+    old = writer.log, cut(writer)
+    for update, way in zip(updates, ways):
+        update = without_strangers(parts, update)
+        if way is not None or reader is writer:
+            reader = PlanSolver(program, **OPTIONS)
+            reader.restore(readings(writer, old)[way or 0])
+            assert reader.snapshot == writer.snapshot
+            old = writer.log, cut(writer)
+        satisfiable, answers, horizon, ignored = reference.update(update)
+        result, its = writer.update(update), reader.update(update)
+        check(result, its)
+        assert texts(result) == answers, (parts.text(), list(map(str, updates)), str(update))
+        assert len(result.answers) == len(answers)
+        assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
+        if result.permanent or its.permanent:
+            return
+        assert result.horizon == horizon
+        assert sum("declared external" in warning for warning in result.warnings) <= ignored
+        if not satisfiable:
+            reference.end_at(writer.horizon)
+        assert writer.horizon == reader.horizon == reference.horizon
+        check_grounding(writer, reference)
+
+
+PAST = st.one_of(
+    st.builds(lambda step: Closed(step, step), st.integers(1, 3)),
+    st.builds(Over, st.integers(1, 3)),
+    st.builds(Withdraw, HEADS),
+)
+
+
+@pytest.mark.slow
+@given(LOOPING, st.lists(st.tuples(LOOPING_UPDATES, st.lists(PAST, max_size=2)), min_size=2, max_size=4), st.data())
+def test_history_restored_leads_on_as_before(parts, updates, data):
     """With closed cycles, steps that are over, and withdrawals."""
     program = ReactiveProgram.from_text(parts.text())
-    solver, logs = PlanSolver(program, models=0, log_limit=3), []
-    for update in updates:
-        for entry in data.draw(st.lists(LOOSE, max_size=1)):
-            solver.restore(solver.log.then(entry))
-        before = solver.log
-        logs.append((before, update, solver.update(update)))
-        if logs[-1][-1].permanent:
+    solver, played = PlanSolver(program, models=0, log_limit=3), []
+    for update, past in updates:
+        update = replace(update, items=(*past, *update.items))
+        played.append((solver.log, update, solver.update(update)))
+        if played[-1][-1].permanent:
             break
-    log, update, result = data.draw(st.sampled_from(logs))
+    log, update, result = data.draw(st.sampled_from(played))
     for reader in (solver, PlanSolver(program, models=0)):
         reader.restore(log if reader is solver else copied(log))
         check(result, reader.update(update))
 
 
-LOOSE = st.one_of(
-    st.builds(Close, STEPS, st.just(frozenset())),
-    st.builds(Over, STEPS),
-    st.builds(Withdrawal, st.sets(HEADS, min_size=1, max_size=2).map(frozenset)),
-)
-
-
 @pytest.mark.slow
-def test_another_process_reads_and_writes_the_same_history():
-    program = ReactiveProgram.from_text("#cumulative t. #external e(t). { c(t) } :- e(t). #volatile t. :- not c(t).")
-    here = PlanSolver(program, models=0, log_limit=3)
-    with WorkerPool(program, shortest=True, models=0, log_limit=3) as process:
-        for step in range(1, 12):
-            there = process.solver()
-            there.restore(here.log if step % 2 else copied(here.log))
-            update = parse_update(f"#step {step} : 0. e({step}). #endstep.")
+@settings(max_examples=settings.default.max_examples // 5)
+@given(LOOPING, st.lists(LOOPING_UPDATES, min_size=2, max_size=6))
+def test_history_of_a_worker_equals_that_of_a_solver(parts, updates):
+    program = ReactiveProgram.from_text(parts.text())
+    here = PlanSolver(program, **OPTIONS)
+    with WorkerPool(program, shortest=True, **OPTIONS) as pool:
+        for number, update in enumerate(updates):
+            there = pool.solver()
+            there.restore(here.log if number % 2 else copied(here.log))
             mine, its = here.update(update), there.update(update)
-            assert texts(mine) == texts(its)
+            check(mine, its)
+            if mine.permanent or its.permanent:
+                return
             assert there.log.text() == here.log.text()
             here.restore(there.log)
 
 
-def test_text_of_a_history():
-    log = History().then(
-        Taken(None, 1),
-        Taken(parse_update("#step 2 : 3. e(2). #volatile. :- not c(2). #endstep."), 4),
-        Close(2, frozenset([parse_atom("_action_lib(go,1,2)")])),
-        Over(1),
-        Withdrawal(frozenset([parse_atom('e("a b")')])),
-    )
-    assert log.text().splitlines() == [
-        '{"do":"update","update":null,"horizon":1}',
-        '{"do":"update","update":"#step 2 : 3.\\ne(2).\\n#volatile.\\n:- not c(2).\\n#end step.\\n","horizon":4}',
-        '{"do":"close","cycle":2,"executed":"_action_lib(go,1,2)"}',
-        '{"do":"forget","step":1}',
-        '{"do":"withdraw","facts":"e(\\"a b\\")"}',
-    ]
-    assert copied(log).entries == log.entries
-    assert copied(log).key == log.key != log.before.key
-    assert (log.step, log.horizon, log.length) == (2, 4, 5)
-    assert str(log.update).startswith("#step 2")
-    assert log.last is log.before.before.before
-    assert History().last is None
-    assert History().text() == ""
+# ---- Entries ---------------------------------------------------------------------------------------------------------
 
 
-def leads(log):
-    return log.step, log.horizon, log.over, log.length
-
-
-def taken(text, horizon):
+def taken(text, horizon=1):
     return Taken(parse_update(f"{text} #endstep."), horizon)
 
 
-def test_step_and_horizon_after_each_entry():
-    """Step, horizon, what is over; and the number of entries since the last checkpoint."""
+ONE, TWO, THREE = (taken(f"#over {step}.") for step in (1, 2, 3))
+
+
+def test_history_text_has_a_line_for_each_entry():
+    log = History().then(Taken(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
+    assert log.text().splitlines() == [
+        '{"do":"update","update":null,"horizon":1}',
+        '{"do":"update","update":"#step 2 : 3.\\ne(\\"a b\\").\\n#volatile.\\n:- c.\\n#end step.\\n","horizon":4}',
+    ]
+    assert copied(log).entries == log.entries
+    assert copied(log).key == log.key != log.before.key
+    assert (log.step, log.horizon, log.length) == (2, 4, 2)
+    assert History().text() == ""
+
+
+def test_history_knows_step_horizon_and_steps_over():
+    def leads(log):
+        return log.step, log.horizon, log.over
+
     log = History()
-    assert leads(log) == (1, 1, 0, 0)
+    assert leads(log) == (1, 1, 0)
     for entry, there in (
-        (Over(4), (1, 1, 4, 1)),
-        (Over(2), (1, 1, 4, 2)),
-        (taken("#step 5. #over 3.", 7), (5, 7, 4, 3)),
-        (taken("#over 6. #over 1.", 8), (5, 8, 6, 4)),
-        (Taken(None, 9), (5, 9, 6, 5)),
-        (Close(5, frozenset()), (5, 9, 6, 6)),
-        (taken("#anew.", 1), (1, 1, 0, 7)),
-        (taken("#step 3. #anew. #over 2.", 4), (3, 4, 2, 8)),
-        (Checkpoint(Snapshot(step=7, horizon=8, keep_from=6)), (7, 8, 6, 0)),
-        (Over(7), (7, 8, 7, 1)),
+        (taken("#over 4."), (1, 1, 4)),
+        (taken("#step 5. #over 3.", 7), (5, 7, 4)),
+        (taken("#over 6. #over 1.", 8), (5, 8, 6)),
+        (Taken(None, 9), (5, 9, 6)),
+        (taken("#anew.", 1), (1, 1, 0)),
+        (taken("#step 3. #anew. #over 2.", 4), (3, 4, 2)),
+        (Checkpoint(Snapshot(step=7, horizon=8, keep_from=6)), (7, 8, 6)),
     ):
         log = log.then(entry)
-        assert leads(log) == there, entry
-    assert leads(copied(log)) == leads(log)
+        assert leads(log) == leads(copied(log)) == there, entry
 
 
-def entries_kept(log):
-    found = []
-    while log is not None:
-        found.append(log.entry)
-        log = log.before
-    return found
-
-
-def test_cut_drops_entries_before_the_last_checkpoint_but_one():
-    first, second = (Checkpoint(Snapshot(step=step, horizon=step)) for step in (1, 2))
-    entries = [Over(1), first, Over(2), second, Over(3)]
-    whole = History().then(*entries)
-    assert entries_kept(History().then(*entries[:3]).cut()) == [Over(2), first, Over(1), None]
-    assert entries_kept(whole.cut()) == [Over(3), second, Over(2), first]
-    assert whole.entries == [second, Over(3)]
-    assert whole.key == History().then(second, Over(3)).key, "it says where the checkpoint and the rest lead"
-
-
-def test_key_depends_on_entries_since_the_checkpoint_alone():
-    many = frozenset(parse_atom(f"e({number})") for number in range(30))
-    checkpoint = Checkpoint(Snapshot())
-    for entry, name in ((Close(1, many), "executed"), (Withdrawal(many), "facts")):
-        assert entry_to_message(entry)[name] == ",".join(f"e({number})" for number in range(30))
-        first, second = History().then(Over(1), entry), History().then(Over(2), entry)
-        assert first.key != second.key
-        keys = {key_after(log.key, entry_to_message(checkpoint)) for log in (History(), first, second)}
-        assert keys == {first.then(checkpoint).key} == {second.then(checkpoint).key}
-
-
-def test_entries_since_an_earlier_history():
-    log = History()
-    longer = log.then(Over(1), Over(2))
+def test_history_since_an_earlier_one_has_the_entries_between():
+    log = History().then(ONE)
+    longer = log.then(TWO, THREE)
     assert longer.since(longer) == []
-    assert longer.since(longer.before) == [Over(2)]
-    assert longer.since(log) == longer.entries == [Over(1), Over(2)]
+    assert longer.since(log) == [TWO, THREE]
     assert log.since(longer) is None
-    assert longer.since(History()) is None, "they begin alike, but it may be another stream's"
-    assert log.without(frozenset()) is log
-    facts = frozenset([parse_atom("e(1)")])
-    assert log.without(facts).entries == [Withdrawal(facts)]
+    assert longer.since(History()) is None, "it may be of another stream"
 
 
-def test_last_update_skips_entries_without_one():
-    log = History().then(Taken(None, 1), Over(1))
+def test_history_knows_its_last_update():
+    log = History().then(Taken(None, 1))
     assert (log.last, log.update) == (None, None)
-    told = log.then(taken("#step 2. e(2).", 2))
-    assert told.last is told
-    for longer in (told, told.then(Close(2, frozenset())), told.then(Taken(None, 3), Over(2))):
-        assert longer.last is told
-        assert str(longer.update) == str(parse_update("#step 2. e(2). #endstep."))
+    updated = log.then(TWO)
+    for longer in (updated, updated.then(Taken(None, 3))):
+        assert (longer.last, longer.update) == (updated, TWO.update)
+
+
+def test_history_cut_drops_all_before_the_last_checkpoint_but_one():
+    first, second = (Checkpoint(Snapshot(step=step, horizon=step)) for step in (1, 2))
+    log = History().then(ONE, first, TWO, second, THREE).cut()
+    kept = []
+    one = log
+    while one is not None:
+        kept.append(one.entry)
+        one = one.before
+    assert kept == [THREE, second, TWO, first]
+    assert log.entries == [second, THREE]
+    assert log.key == History().then(second, THREE).key != History().then(first, THREE).key
+    assert key_after(History().then(ONE).key, entry_to_message(second)) == History().then(second).key
+
+
+@pytest.mark.parametrize(("size", "longer"), [(0, True), (299, True), (300, False)])
+def test_history_needs_fewer_checkpoints_of_large_snapshots(size, longer):
+    log = History().then(ONE, TWO, THREE)
+    snapshot = Snapshot(told=tuple(Told(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(size)))
+    assert log.is_longer(2, snapshot) is longer
+    assert not log.is_longer(3, snapshot)
+
+
+# ---- Plans -----------------------------------------------------------------------------------------------------------
 
 
 def test_plan_has_the_actions_of_known_cycles():
@@ -357,88 +265,48 @@ def test_plan_has_the_actions_of_known_cycles():
     assert plan._replace(shortest=True).later() == Plan(frozenset(moved), 5)
 
 
-def reader_of(solver):
-    """Another solver that reads the text of its history."""
-    reader = PlanSolver(solver.program, models=solver.models)
-    reader.restore(copied(solver.log))
-    return reader
+def test_plan_in_result_is_that_of_the_last_answer():
+    answers = tuple(frozenset([parse_atom(f"_action_lib(go,{place},1)")]) for place in "ab")
+    result = SolveResult(SolveOutcome.SATISFIABLE, answers, 4, 1, shortest=True)
+    assert Plan.in_result(result) == Plan(answers[1], 4, shortest=True)
+    assert Plan.in_result(SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1)) is None
 
 
-def test_earlier_history_knows_nothing_of_later_updates():
-    solver = planner_of("{ a }. #cumulative t. #external e(t). #volatile t.", models=0, idles=False)
-    play(solver, "#step 1. e(1).")
-    log = solver.log
-    assert texts(play(solver, "#step 2. e(2). :- a.")) == {frozenset(["e(1)", "e(2)"])}
-    solver.restore(log)
-    assert texts(solver.solve()) == {frozenset(["e(1)"]), frozenset(["a", "e(1)"])}
+# ---- Histories of solvers --------------------------------------------------------------------------------------------
+
+PROGRAM = "#cumulative t. #external e(t). #volatile t."
 
 
-def test_history_of_an_interrupted_update_has_the_update():
-    writer = planner_of(PROGRAM)
+def test_history_has_the_update_of_an_interrupted_search():
+    writer, reader = planner_of(PROGRAM), planner_of(PROGRAM)
     update = parse_update("#step 9 : 0. e(2). e(9). #endstep.")
     assert writer.update(update, lambda: True).outcome is SolveOutcome.INTERRUPTED
-    reader = reader_of(writer)
-    assert reader.snapshot == writer.snapshot
+    reader.restore(copied(writer.log))
     assert (reader.step, reader.horizon) == (9, 9)
-    assert texts(reader.solve()) == texts(writer.solve()) == {frozenset(["e(2)", "e(9)"])}
+    assert atoms(reader.solve()) == atoms(writer.solve()) == ["e(2)", "e(9)"]
 
 
-def test_reader_forgets_up_to_the_horizon_of_the_writer():
-    writer = planner_of(PROGRAM + ":- t < 4.")
-    assert play(writer, "#step 2 : 2. #forget 1..2.").horizon == 4
-    reader = reader_of(writer)
-    assert (reader.snapshot.horizon, reader.horizon) == (4, 4)
-    for solver in (writer, reader):
-        result = play(solver, "e(1). e(2). e(3).")
-        assert texts(result) == {frozenset(["e(3)"])}
-        assert [warning.split()[1] for warning in result.warnings] == ["e(1)", "e(2)"]
-
-
-@pytest.mark.parametrize(("atoms", "longer"), [(0, True), (299, True), (300, False)])
-def test_large_snapshots_have_fewer_checkpoints(atoms, longer):
-    log = History().then(Over(1), Over(2), Over(3))
-    snapshot = Snapshot(told=tuple(Told(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(atoms)))
-    assert log.is_longer(2, snapshot) is longer
-    assert not log.is_longer(3, snapshot)
-
-
-def test_facts_wait_for_their_step_in_a_reader_as_well():
-    solver = planner_of(PROGRAM, idles=False)
-    play(solver, "#step 1 : 0. e(3).")
-    solver.restore(copied(solver.log))
-    for step, answer in ((1, set()), (2, set()), (3, {"e(3)"})):
-        assert texts(play(solver, f"#step {step} : 0.")) == {frozenset(answer)}
-
-
-def test_strings_of_oclingo_survive_a_checkpoint():
-    text = '#external said/1. heard(X) :- said(X). known :- said("a b"). #cumulative t.'
-    solver = planner_of(text, models=0, oclingo_strings=True)
+@pytest.mark.parametrize("oclingo_strings", [True, False])
+def test_history_checkpoint_keeps_strings(oclingo_strings):
+    text = '#external said/1. known :- said("a b"). #cumulative t.'
+    solver = planner_of(text, oclingo_strings=oclingo_strings)
     play(solver, 'said("a b"). said(f("x",1)).')
-    answers = texts(solver.solve())
+    answer = atoms(solver.solve())
     solver.restore(cut(solver))
-    assert texts(solver.solve()) == answers
-    assert len(answers) == 1
-    solver = planner_of(text, models=0)
-    play(solver, 'said("a b"). said(f("x",1)).')
-    solver.restore(cut(solver))
-    (answer,) = texts(solver.solve())
-    assert answer == {'said("a b")', 'said(f("x",1))', 'heard("a b")', 'heard(f("x",1))', "known"}
+    assert atoms(solver.solve()) == answer
+    assert ("known" in answer) is not oclingo_strings
 
 
-def test_history_keeps_the_last_two_checkpoints_and_no_more():
+def test_history_keeps_two_checkpoints_and_no_more():
     solver = planner_of(PROGRAM, log_limit=4)
     first = solver.log
-    lengths, kept = [], []
     for step in range(1, 31):
         play(solver, f"#step {step} : 0. #forget {step}.")
-        lengths.append(solver.log.length)
-        log, nodes = solver.log, 0
-        while log is not None:
-            log, nodes = log.before, nodes + 1
-        kept.append(nodes)
+        assert solver.log.length <= 4, "then there is a checkpoint"
         assert solver.log.update.step == step
-        assert solver.log.last.before is not None
-    assert max(lengths) == 4, "then there is a checkpoint"
-    assert max(kept) <= 13
+        log, kept = solver.log, 0
+        while log is not None:
+            log, kept = log.before, kept + 1
+        assert kept <= 13
     assert solver.log.since(first) is None
     assert isinstance(solver.log.entries[0], Checkpoint)

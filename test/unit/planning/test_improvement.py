@@ -62,8 +62,6 @@ def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news
     walk, solver, done = Walk(), solver_of(advice), set()
     for wanted, fails in news:
         update = walk.update(wanted, fails, done, None)
-        if walk.step > 1:
-            solver.close_cycle(walk.step - 1, done)
         solver.update(update)
         plan = worse(solver.log.plan, walk.step, idle)
         solver.restore(solver.log.adopt(plan))
@@ -219,7 +217,8 @@ def test_improving_goes_on_asking_the_same_grounding_after_predicted_updates(mon
         assert solver.improve() is not None
         assert built == []
     solver.restore(solver.log.adopt(worse(solver.log.plan, solver.step, 1)))
-    solver.close_cycle(solver.step, at(solver.log.plan, solver.step, solver.step))
+    past = (Closed(solver.step, solver.step), *map(commitment, at(solver.log.plan, solver.step, solver.step)))
+    solver.restore(solver.log.then(Taken(StreamUpdate(items=past), solver.horizon)))
     assert_answer(solver, solver.improve())
     assert len(built) == 2, "anew, as something else was told, and for the comparison"
 

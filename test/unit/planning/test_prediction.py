@@ -208,8 +208,7 @@ def test_steps_are_retired_after_updates_that_were_foreseen(compacts_at_once):
     first = asked(solver)
     for _ in range(2):
         solver.update(told(solver))
-    solver.forget_before(3)
-    solver.update(told(solver, wanted=[1]))
+    solver.update(told(solver, wanted=[1], further=[Over(3)]))
     assert solver.snapshot.past is not None
     assert solver.snapshot.past.first == 3
     assert first.answers[0] <= solver.update(told(solver)).answers[0]

@@ -6,6 +6,7 @@ from statistics import median
 import pytest
 from recorded_streams import DOMAINS, KINDS, LATE, first_plans, play, recorded, what_if, why
 
+pytestmark = [pytest.mark.slow, pytest.mark.once]
 SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "30"))
 
 
@@ -14,8 +15,6 @@ def streams(kind):
     return [one for one in recorded()[:SAMPLE] if one["kind"] == kind]
 
 
-@pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("kind", KINDS)
 def test_updates_get_the_recorded_answers(kind):
     for record in streams(kind):
@@ -23,8 +22,6 @@ def test_updates_get_the_recorded_answers(kind):
             assert found == expected, (record.get("program"), update)
 
 
-@pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("kind", DOMAINS)
 def test_questions_get_the_recorded_verdicts(kind):
     for record in streams(kind):
@@ -33,8 +30,6 @@ def test_questions_get_the_recorded_verdicts(kind):
             assert why(record) in (record["why"], LATE), record["updates"]
 
 
-@pytest.mark.slow
-@pytest.mark.once
 def test_first_plans_are_not_longer_in_the_median():
     ratios = []
     for record in recorded()[:SAMPLE]:

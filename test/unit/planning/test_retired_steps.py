@@ -34,9 +34,8 @@ def retire(text, *updates, steps=7):
     retiring, forgetting = stream(text), stream(text)
     for step in range(1, steps + 1):
         update = updates[step - 1] if step <= len(updates) else ""
-        retiring.forget_before(step - 1)
         forgotten = f"#forget 1..{step - 2}. " if step > 2 else ""
-        found = play(retiring, f"#step {step} : 0. {update}")
+        found = play(retiring, f"#step {step} : 0. #over {step - 1}. {update}")
         expected = play(forgetting, f"#step {step} : 0. {forgotten}{update}")
         assert set(found.answers) == set(expected.answers), step
         assert warnings(found) == warnings(expected), step
@@ -52,16 +51,14 @@ def test_steps_whose_volatile_rules_may_hold_are_not_over(window, reached):
     text = f"#cumulative t. p(t). #volatile t : {window}. :- not p(t). #volatile t. :- not p(t)."
     retiring = stream(text)
     for step in range(1, 8):
-        retiring.forget_before(step)
-        play(retiring, f"#step {step}.")
+        play(retiring, f"#step {step}. #over {step}.")
     assert first(retiring) == reached
 
 
 def test_steps_that_are_over_too_early_are_retired_later():
     retiring = stream(EXTERNALS)
-    retiring.forget_before(2)
-    for step in (1, 2, 3):
-        play(retiring, f"#step {step}.")
+    for text in ("#step 1. #over 2.", "#step 2.", "#step 3."):
+        play(retiring, text)
     assert first(retiring) == 2
 
 
@@ -70,16 +67,14 @@ def test_contradicting_facts_are_not_retired_and_can_be_withdrawn():
     play(retiring, "#step 1.")
     assert play(retiring, "#step 2 : 0. e(2).").outcome is SolveOutcome.UNSATISFIABLE
     for step in (3, 4, 5):
-        retiring.forget_before(step)
-        assert play(retiring, f"#step {step} : 0.").outcome is SolveOutcome.UNSATISFIABLE
+        assert play(retiring, f"#step {step} : 0. #over {step}.").outcome is SolveOutcome.UNSATISFIABLE
     assert play(retiring, "#step 6 : 0. #withdraw e(2).").outcome is SolveOutcome.SATISFIABLE
 
 
 def test_externals_of_base_stay_open():
     retiring = stream("#external door. #program cumulative(t). s(t) :- door, t > 6. #program volatile(t).")
     for step in range(1, 7):
-        retiring.forget_before(step)
-        play(retiring, f"#step {step}.")
+        play(retiring, f"#step {step}. #over {step}.")
     assert first(retiring) == 6
     assert atoms(play(retiring, "#step 7. door.")) == ["door", "s(7)"]
 
@@ -87,8 +82,7 @@ def test_externals_of_base_stay_open():
 def test_externals_of_retired_steps_are_closed():
     retiring = retire(EXTERNALS)
     assert first(retiring) == 6
-    retiring.forget_before(7)
-    play(retiring, "#step 8 : 0.")
+    play(retiring, "#step 8 : 0. #over 7.")
     result = play(retiring, "#step 8 : 0. e(5). e(6). e(7). e(8).")
     assert (first(retiring), warnings(result)) == (7, ["e(5)", "e(6)"])
     assert atoms(result) == ["c(7)", "c(8)", "e(7)", "e(8)"]
@@ -96,8 +90,7 @@ def test_externals_of_retired_steps_are_closed():
 
 def test_later_steps_do_not_reopen_closed_externals():
     retiring = retire(SEVERAL)
-    retiring.forget_before(7)
-    play(retiring, "#step 8 : 0.")
+    play(retiring, "#step 8 : 0. #over 7.")
     result = play(retiring, "#step 8 : 0. e(6). e(7).")
     assert first(retiring) == 7
     assert result.warnings == (IGNORED.format("e(6)"),)
@@ -106,8 +99,7 @@ def test_later_steps_do_not_reopen_closed_externals():
 def test_closed_externals_do_not_wait_for_later_steps():
     retiring = stream("#program cumulative(t). #external e(9) : t \\ 4 = 1. c(t) :- e(9). #program volatile(t).")
     for step in (1, 2, 3, 4, 5):
-        retiring.forget_before(step - 1)
-        result = play(retiring, f"#step {step} : 0." + (" e(9)." if step == 4 else ""))
+        result = play(retiring, f"#step {step} : 0. #over {step - 1}." + (" e(9)." if step == 4 else ""))
         assert warnings(result) == (["e(9)"] if step == 4 else [])
     assert (first(retiring), atoms(result)) == (4, [])
 
@@ -313,8 +305,7 @@ def test_retired_atoms_are_shown_for_some_steps(monkeypatch):
     monkeypatch.setattr(compaction, "SHOWN_STEPS", 3)
     retiring = stream("#program cumulative(t). p(t). #program volatile(t).")
     for step in range(1, 10):
-        retiring.forget_before(step)
-        shown = atoms(play(retiring, f"#step {step} : 0."))
+        shown = atoms(play(retiring, f"#step {step} : 0. #over {step}."))
     assert first(retiring) == 9
     assert shown == [f"p({step})" for step in range(5, 10)]
 
@@ -334,9 +325,8 @@ def test_facts_and_actions_of_retired_steps_go_if_no_later_step_asks_for_them():
         models=0,
     )
     for step in range(1, 6):
-        stream.forget_before(step - 1)
-        play(stream, f"#step {step} : 0. told({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
-        stream.close_cycle(step, [])
+        past = f"#over {step - 1}. #closed {step}."
+        play(stream, f"#step {step} : 0. {past} told({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
     snapshot = stream.snapshot
     assert first(stream) == 4
     assert sorted(snapshot.closed) == [3, 4, 5], "the last one before what is ground is told for its returns"

@@ -16,6 +16,7 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_term,
 )
+from rosoclingo.oclingo.progression.updates import Closed, Withdraw
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import Halt
@@ -206,9 +207,7 @@ def test_a_state_without_a_failed_action(make):
         solver = process.solver() if make == "process" else PlanSolver(program)
         solver.update(StreamUpdate(1, 5, (fact(parse_atom("_request(do(walk,1),2)")),)))
         action, answer = parse_term("_action_lib(walk,1,1)"), parse_term("_return(walk,failed,1)")
-        solver.close_cycle(1, [action])
-        solver.update(StreamUpdate(2, 5, (commitment(action), fact(answer))))
-        solver.restore(solver.log.without(frozenset([action, answer])))
-        solver.close_cycle(2, [])
-        actions = solver.update(StreamUpdate(3, 5)).answers[0]
+        solver.update(StreamUpdate(2, 5, (Closed(1, 1), commitment(action), fact(answer))))
+        past = (Withdraw(action), Withdraw(answer), Closed(2, 2))
+        actions = solver.update(StreamUpdate(3, 5, past)).answers[0]
     assert [str(one) for one in actions if one.name == "_action_lib"] == ["_action_lib(walk,1,3)"]

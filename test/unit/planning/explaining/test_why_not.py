@@ -1,14 +1,14 @@
-"""Reasons in words: the author's, where there are some; steps; what is known of more than the bound."""
+"""Explanations in words: those of the program's author, steps, and whether longer plans could help."""
+
+from itertools import count
 
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
-from rosoclingo.planning.explaining.named_rules import RuleKind
 from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.explaining.relaxed_program import RelaxedProgram
-from rosoclingo.planning.explaining.why_not import WhyNot, ranges
+from rosoclingo.planning.explaining.why_not import ranges
 from rosoclingo.planning.history import History, Taken
 
 PROGRAM = """\
@@ -34,6 +34,8 @@ at(A,t) :- at(A,t-1), not _action_lib(go,B,t) : way(A,B).
 %! not at {P} at the end
 :- wanted(P), not at(P,t).
 """
+GO = "_request(go(c),2)."
+SHUT = f"{GO} " + " ".join(f"shut(c,{step})." for step in range(1, 6))
 
 
 def why_not(facts, steps=4, text=PROGRAM, log=None, halt=lambda: False):
@@ -42,8 +44,8 @@ def why_not(facts, steps=4, text=PROGRAM, log=None, halt=lambda: False):
 
 
 @pytest.mark.slow
-def test_reasons_come_in_the_words_of_the_program():
-    found = why_not("_request(go(c),2). shut(c,2). shut(c,1). shut(c,3). shut(c,4). shut(c,5).")
+def test_explanation_has_the_words_of_the_author():
+    found = why_not(SHUT)
     assert (
         found.text()
         == """\
@@ -71,95 +73,59 @@ There would be a plan without walk.lp:14:
     )
 
 
-def test_what_no_number_of_steps_mends_is_never():
+def test_explanation_says_that_longer_plans_cannot_help():
     found = why_not("_request(go(d),2).")
     assert found.never
     assert [one.words for one in found.rules] == ["what is asked for is forbidden"]
     assert found.text().startswith("No plan of at most 4 steps, and none of any length.\nThis rule forbids it:\n")
 
 
-def test_too_few_steps_are_not_never():
-    found = why_not("_request(go(c),2).", steps=0)
+def test_explanation_of_too_few_steps_leaves_longer_plans():
+    found = why_not(GO, steps=0)
     assert not found.never
     assert found.last == 1
-    assert why_not("_request(go(c),2).", steps=1) is None
+    assert why_not(GO, steps=1) is None
 
 
-def test_what_a_log_holds_counts_as_told():
+def test_explanation_names_facts_of_the_history():
     log = History().then(Taken(parse_update("#step 1. shut(b,1). shut(b,2). shut(b,3). #endstep."), 1))
-    found = why_not("_request(go(c),2).", steps=2, log=log)
+    found = why_not(GO, steps=2, log=log)
     assert [one.text for one in found.told] == ["_request(go(c),2).", "shut(b,1).", "shut(b,2)."]
 
 
-def test_rules_without_any_constraint_may_have_no_answer():
+def test_explanation_without_constraints_names_the_facts():
     found = why_not("", text="#program base.\np. -p. q(1).\n#program cumulative(t).\n")
     assert found.rules == ()
     assert [one.text for one in found.facts] in ([], ["p.", "-p."])
     assert "No constraint forbids it" in found.text()
 
 
+def why_not_after(looks):
+    """What is found until so many looks at the stop; None for nothing."""
+    calls = count()
+    try:
+        return why_not(SHUT, halt=lambda: next(calls) >= looks)
+    except OutOfTimeError:
+        return None
+
+
 @pytest.mark.slow
-def test_a_stop_leaves_what_was_found():
-    facts = "_request(go(c),2). shut(c,1). shut(c,2). shut(c,3). shut(c,4). shut(c,5)."
-    with pytest.raises(OutOfTimeError):
-        why_not(facts, halt=lambda: True)
-    calls = iter(range(10**6))
-    total = next(number for number in range(10**6) if _complete(facts, number))
-    assert total > 0
-    half = why_not(facts, halt=lambda: next(calls) > total // 2)
+def test_explanation_is_incomplete_after_a_stop():
+    assert why_not_after(0) is None
+    total = next(2**number for number in count() if getattr(why_not_after(2**number), "complete", False))
+    half = why_not_after(total // 2)
     assert not half.complete
     assert {one.rule.line for one in half.rules} >= {14, 21}
     assert "not all of it was found out in time" in half.text()
 
 
-def _complete(facts, most):
-    """Whether so many looks at the stop request are enough; only powers of two are tried."""
-    if most & (most - 1):
-        return False
-    calls = iter(range(10**6))
-    try:
-        return why_not(facts, halt=lambda: next(calls) > most).complete
-    except OutOfTimeError:
-        return False
-
-
-def test_a_reason_is_a_plain_value():
-    found = why_not("_request(go(c),2). shut(c,2). shut(c,1). shut(c,3). shut(c,4). shut(c,5).")
-    assert WhyNot.from_message(found.to_message()) == found
-
-
-def test_ranges():
+def test_ranges_join_steps_that_follow():
     assert ranges([1, 2, 3, 5, 7, 8]) == "1-3, 5, 7-8"
     assert ranges([]) == ""
 
 
-def test_every_kind_of_rule_is_known_by_its_text():
-    text = """\
-#program base.
-p(1..2). q(a;b).  :- p(X), q(Y), X > 7.
-#program cumulative(t).
-{ go(X,t) : p(X) } 1.  { free(t) }.
-#count { 1 : s(1,t); 2 : s(2,t) } 1 :- go(1,t).
-not s(X,t) :- go(X,t).  fine(t) :- p("%").
-#program volatile(t).
-:- not go(1,t), p(_).
-"""
-    relaxed = RelaxedProgram.of(ReactiveProgram.from_text(text))
-    assert [(one.kind, one.line, one.text) for one in relaxed.rules] == [
-        (RuleKind.FACT, 2, "p(1..2)."),
-        (RuleKind.FACT, 2, "q(a)."),
-        (RuleKind.FACT, 2, "q(b)."),
-        (RuleKind.INTEGRITY, 2, ":- p(X), q(Y), X > 7."),
-        (RuleKind.BOUND, 4, "{ go(X,t) : p(X) } 1."),
-        (RuleKind.BOUND, 5, "#count { 1 : s(1,t); 2 : s(2,t) } 1 :- go(1,t)."),
-        (RuleKind.INTEGRITY, 6, "not s(X,t) :- go(X,t)."),
-        (RuleKind.VOLATILE, 8, ":- not go(1,t), p(_)."),
-    ]
-    assert [one.variables for one in relaxed.constraints] == [("X", "Y"), (), (), ("X",), ()]
-
-
 @pytest.mark.slow
-def test_where_no_rule_stands_in_the_way_something_may_be_missing():
+def test_explanation_names_what_the_program_lacks():
     found = why_not("_request(go(e),2).")
     assert found.never
     assert [one.lacks for one in found.lacking[0].misses] == ["start(e)", "_action_lib(go,e,t)", "way(_,e)"]

@@ -392,10 +392,8 @@ def test_a_child_ends_with_its_parent_even_while_it_grounds():
 
 def goes(solver, cycle, before):
     """One cycle of a robot that is asked to go here and there; return its action, if there is one."""
-    if before is not None:
-        solver.close_cycle(cycle - 1, before)
-        solver.forget_before(cycle - 10)
-    text = "".join(f":- not {atom}. " for atom in before or ())
+    text = "" if before is None else f"#closed {cycle - 1}. #over {max(0, cycle - 10)}. "
+    text += "".join(f":- not {atom}. " for atom in before or ())
     text += f"_request({cycle % 5 - 2},{cycle + 1}). " if cycle % 7 == 0 else ""
     answer = solver.update(parse_update(f"#step {cycle}. {text}#endstep.")).answers[0]
     return [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number == cycle], answer

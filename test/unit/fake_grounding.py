@@ -1,0 +1,95 @@
+"""A grounding in which plans exist at known horizons: it answers a strategy's questions and notes them as text."""
+
+from types import SimpleNamespace
+
+from rosoclingo.oclingo import parse_atom
+from rosoclingo.planning.asking import Asking
+from rosoclingo.planning.history import cycle_of
+from rosoclingo.planning.question import UNKNOWN, Reply, StoppedError
+from rosoclingo.planning.snapshot import Snapshot
+
+
+def actions(*cycles):
+    return frozenset(parse_atom(f"_action_lib(go,x,{cycle})") for cycle in cycles)
+
+
+class FakeGrounding:
+    """Plans by their horizons, each given by the cycles in which it acts; the steps up to ``horizon`` are ground.
+
+    A question about several horizons finds the plan of the last one. Horizon ``h`` is refuted after ``hard[h]``
+    conflicts; from horizon ``dead`` on the program is hopeless. After ``halts`` questions there is a stop, which
+    interrupts the last one if it is ``cut``. The program ``claims`` to need so many steps, of so many ``atoms`` each.
+
+    Notes in ``asked``: ``2..5/100`` for these horizons and conflicts; then ``+3`` and ``-4`` for the cycles of actions
+    assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
+    """
+
+    is_cyclic = False
+
+    def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **options):
+        self.plans, self.step, self.horizon, self.most, self.hard = plans, step, horizon, most, hard or {}
+        self.dead, self.halts, self.cut = options.get("dead"), options.get("halts"), options.get("cut", False)
+        self.claims, self.atoms_per_step = options.get("claims", 0), options.get("atoms", 10**6)
+        advises, optimizes = options.get("advises", False), options.get("optimizes", False)
+        self.program = SimpleNamespace(forgets=(), advises=advises, optimizes=optimizes)
+        self.asked, self.questions = [], 0
+
+    def run(self, make, block):
+        """Return what the strategy made by ``make(asking)`` finds, None after a stop; and the notes."""
+        snapshot = Snapshot(step=self.step, settled=self.step, horizon=self.horizon)
+        asking = Asking(self.program, snapshot, self.build, block, self.most)
+        try:
+            found = asking.run(make(asking), lambda: self.halts is not None and self.questions >= self.halts)
+        except StoppedError:
+            found = None
+        return found, " ".join(self.asked)
+
+    def time(self):
+        """Each question takes a second."""
+        return 1000.0 + self.questions
+
+    def build(self, _snapshot, horizon):
+        if horizon > self.horizon:
+            self.grow_to(horizon)
+        return self
+
+    def grow_to(self, horizon):
+        assert self.horizon < horizon <= self.most
+        self.asked.append(f">{horizon}")
+        self.horizon = horizon
+
+    def claimed_steps(self):
+        return self.claims
+
+    def actions(self, first, last):
+        assert first == self.step
+        return sorted(actions(*range(first, min(last, self.horizon) + 1)))
+
+    def ask(self, question, stopped):
+        first, last, conflicts, given = question.first, question.last, question.conflicts, question.given
+        assert self.step <= first <= last <= self.horizon
+        assert question.best or question.models == 1
+        assert question.advised or self.program.advises
+        self.note(question)
+        self.questions += 1
+        if self.cut and (stopped() or (question.until is not None and question.until())):
+            return UNKNOWN
+        horizons = range(first, last + 1)
+        agree = [
+            one
+            for one in horizons
+            if one in self.plans and all((cycle_of(action) in self.plans[one]) == value for action, value in given)
+        ]
+        if agree:
+            return Reply(True, (actions(*self.plans[agree[-1]]),), agree[-1])
+        if conflicts is not None and not given and max(self.hard.get(one, 0) for one in horizons) > conflicts:
+            return UNKNOWN
+        dead = self.dead is not None and last >= self.dead
+        return Reply(False, hopeless=dead, permanent=dead)
+
+    def note(self, question):
+        text = f"{question.first}..{question.last}"
+        text += "".join(sorted("-+"[value] + str(cycle_of(one)) for one, value in question.given))
+        text += "" if question.conflicts is None else f"/{question.conflicts}"
+        text += ("!" if question.models == 1 else f"!{question.models}") if question.best else ""
+        self.asked.append(text + ("" if question.advised else "?"))

@@ -1,0 +1,90 @@
+"""Updates as a program reads them: ``_failed(A,V,C)`` with each return that is not what its action was about."""
+
+import pytest
+from stream_play import atoms, planner_of, play
+
+from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, commitment, fact, parse_atom, parse_update
+from rosoclingo.oclingo.program.update_reader import Reader, is_foreseen, with_their_failures
+from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Volatile, Withdraw
+
+PROGRAM = """
+#program cumulative(t).
+#external _return/3.
+#external _failed/3.
+1 { _action_lib(go,(a;b),t) } 1.
+bad(V,t) :- _failed(go,V,t), not _action_lib(go,V,t).
+#show bad/2.
+"""
+DONE = ":- not _action_lib(go,a,1)."
+
+
+@pytest.mark.parametrize(
+    ("value", "found"), [("a", []), ("b", ["bad(b,1)"]), ("stuck(b)", ["bad(stuck(b),1)"]), ("7", ["bad(7,1)"])]
+)
+@pytest.mark.parametrize("order", ["#step 2. {0} {1}", "#step 2. {1} {0}"])
+def test_reader_takes_the_parameter_for_success(value, found, order):
+    solver = planner_of(PROGRAM)
+    assert atoms(play(solver, order.format(DONE, f"_return(go,{value},1)."))) == found
+    solver = planner_of(PROGRAM)
+    play(solver, f"#step 2. {DONE}")
+    assert atoms(play(solver, f"#step 3. _return(go,{value},1).")) == found, "it was committed before"
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        (f"_seen(a,b,1). {DONE}", None),
+        (f"{DONE} _return(go,a,1).", None),
+        ("_return(go,b,1) :- _seen(b,b,1).", None),
+        ("#volatile. _return(go,b,1).", None),
+        (
+            f"#over 1. {DONE} _seen(a,b,1). _return(go,b,1). _return(go,b,1) :- _seen(a,b,1).",
+            f"#over 1. {DONE} _seen(a,b,1). _return(go,b,1). _failed(go,b,1). _return(go,b,1) :- _seen(a,b,1).",
+        ),
+    ],
+)
+def test_reader_adds_a_failure_behind_its_return(text, read):
+    reader = Reader(ReactiveProgram.from_text(PROGRAM), False)
+    found = reader.read(parse_update(f"#step 2 : 5. {text} #endstep."), ())
+    assert found == parse_update(f"#step 2 : 5. {read or text} #endstep.")
+
+
+def test_reader_leaves_failures_without_commitment_to_the_program():
+    answers = play(planner_of(PROGRAM, models=0), "#step 1. _return(go,a,1).").answers
+    assert sorted(sorted(map(str, answer)) for answer in answers) == [[], ["bad(a,1)"]]
+
+
+def test_reader_adds_no_failure_that_is_not_declared():
+    solver = planner_of(PROGRAM.replace("#external _failed/3.", ""))
+    assert atoms(play(solver, f"#step 2. {DONE} _return(go,b,1).")) == []
+
+
+def test_returns_are_withdrawn_with_their_failures():
+    solver = planner_of(PROGRAM)
+    assert atoms(play(solver, f"#step 2. {DONE} _return(go,b,1).")) == ["bad(b,1)"]
+    assert atoms(play(solver, "#withdraw _return(go,b,1).")) == []
+    facts = frozenset(map(parse_atom, ["_return(go,b,1)", "_seen(a,b,1)", "_return(go,b)"]))
+    assert with_their_failures(facts) == facts | {parse_atom("_failed(go,b,1)")}
+
+
+COMMITMENT, RETURN, OTHER = (
+    commitment(parse_atom("_action_lib(go,x,1)")),
+    fact(parse_atom("_return(go,x,1)")),
+    "_seen(a)",
+)
+
+
+@pytest.mark.parametrize(
+    ("before", "items", "foreseen"),
+    [
+        ([], [Closed(1, 1), Over(1), Cumulative(), COMMITMENT, RETURN], True),
+        ([COMMITMENT], [RETURN], True),
+        ([], [RETURN], False),
+        ([COMMITMENT], [fact(parse_atom("_return(go,failed,1)"))], False),
+        ([], [COMMITMENT, fact(parse_atom(OTHER))], False),
+        ([], [COMMITMENT, Withdraw(parse_atom(OTHER))], False),
+        ([], [COMMITMENT, Volatile()], False),
+    ],
+)
+def test_only_commitments_and_their_successes_are_foreseen(before, items, foreseen):
+    assert is_foreseen(StreamUpdate(2, None, tuple(items)), before) is foreseen

@@ -1,0 +1,288 @@
+"""Probes: whether there would be an answer without some facts, against a solver that never heard of them."""
+
+from itertools import combinations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from stream_play import planner_of, play
+
+from rosoclingo.oclingo import SolveOutcome, SolverError, commitment, fact, parse_atom, parse_update
+from rosoclingo.oclingo.progression.updates import Closed, StreamUpdate
+from rosoclingo.oclingo.solving.clasp_search import ClaspSearch
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import Taken
+
+# ---- On random streams -----------------------------------------------------------------------------------------------
+
+PROGRAM = """
+#external _request/2. #external _return/3. #external _failed/3. #external shut/1.
+#program base.
+{base}
+#program cumulative(t).
+#external off(t).
+{{ _action_lib(go,(x;y),t) }} 1.
+failed(A,t) :- _failed(A,R,t), not _action_lib(A,R,t).
+been(P,t) :- _action_lib(go,P,t), not failed(go,t).
+been(P,t) :- been(P,t-1).
+want(P,t) :- _request(P,t).
+want(P,t) :- want(P,t-1), not _request(cancel(P),t).
+{cumulative}
+#program volatile(t).
+:- want(P,t), not been(P,t).
+{volatile}
+"""
+
+BASE = ["wall(P) :- shut(P), not shut(z).", ":- shut(x), shut(y).", "wall(z)."]
+CUMULATIVE = [
+    ":- _action_lib(go,P,t), shut(P).",
+    ":- _action_lib(go,P,t), failed(go,t-1).",
+    ":- been(x,t), been(y,t).",
+    ":- been(x,t), not want(x,t), t > 2.",
+    ":- _action_lib(go,P,t), off(t-1).",
+    ":- off(t), not _action_lib(go,x,t-1), t > 1.",
+    "wall(P) :- shut(P), _request(P,t).",
+    "barred(P) :- shut(P).\n:- barred(P), _action_lib(go,P,t).",
+    ":- not _action_lib(go,x,t), not _action_lib(go,y,t).",
+]
+VOLATILE = [":- t < 4, want(P,t).", ":- off(t).", ":- not shut(x), want(x,t).", ":- not been(x,t)."]
+PLACES = st.sampled_from(["x", "y"])
+STEPS = st.integers(1, 4)
+FACTS = st.one_of(
+    st.builds("_request({},{})".format, PLACES, STEPS),
+    st.builds("_request(cancel({}),{})".format, PLACES, STEPS),
+    st.builds("shut({})".format, st.sampled_from(["x", "y", "z"])),
+    st.builds("off({})".format, STEPS),
+)
+
+
+def some(rules, most):
+    return st.lists(st.sampled_from(rules), max_size=most, unique=True).map("\n".join)
+
+
+@st.composite
+def streams(draw):
+    """A program, updates, the last of which is probed, and assumable facts."""
+    text = PROGRAM.format(
+        base=draw(some(BASE, 2)), cumulative=draw(some(CUMULATIVE, 3)), volatile=draw(some(VOLATILE, 2))
+    )
+    updates, facts = [], []
+    for step in range(1, draw(st.integers(2, 4))):
+        texts = draw(st.lists(FACTS, max_size=3, unique=True))
+        past, done = [], draw(st.sampled_from(["", "x", "y"])) if step > 1 else ""
+        if step > 1:
+            past.append(Closed(step - 1, step - 1))
+        if done:
+            texts.append(f"_return(go,{draw(st.sampled_from([done, 'jammed']))},{step - 1})")
+            facts.append(parse_atom(f"_action_lib(go,{done},{step - 1})"))
+            past.append(commitment(facts[-1]))
+        atoms = list(map(parse_atom, texts))
+        updates.append(StreamUpdate(step, draw(st.integers(1, 5)), (*past, *map(fact, atoms))))
+        facts += atoms
+    facts = list(dict.fromkeys(facts))
+    assumable = draw(st.lists(st.sampled_from(facts), max_size=3, unique=True)) if facts else []
+    return text, updates, frozenset(assumable)
+
+
+def without(solver, text, update, disabled):
+    """Whether a solver that never heard of ``disabled`` has an answer."""
+    fresh = planner_of(text)
+    fresh.restore(fresh.log.then(*(Taken(one.update.less(disabled), one.horizon) for one in solver.log.entries)))
+    return fresh.update(update.less(disabled)).outcome is SolveOutcome.SATISFIABLE
+
+
+def subsets(things):
+    return [frozenset(some) for size in range(len(things) + 1) for some in combinations(sorted(things), size)]
+
+
+@pytest.mark.slow
+@settings(max_examples=settings.default.max_examples * 2 // 5)
+@given(streams())
+def test_probe_agrees_with_a_solver_without_the_facts(stream):
+    text, updates, assumable = stream
+    solver = planner_of(text)
+    try:
+        for update in updates[:-1]:
+            solver.update(update)
+        truth = {disabled: without(solver, text, updates[-1], disabled) for disabled in subsets(assumable)}
+    except SolverError:
+        return
+    before = solver.log
+    for disabled, answers in truth.items():
+        verdict = solver.inquire(updates[-1], assumable, disabled)
+        assert verdict.satisfiable is answers, (text, [str(one) for one in updates], sorted(disabled))
+        assert verdict.core <= assumable
+        if not answers:
+            agreeing = [other for other in truth if other & verdict.core == disabled & verdict.core]
+            assert not any(truth[other] for other in agreeing), (text, updates, disabled, verdict)
+    assert solver.log is before
+
+
+# ---- Verdicts --------------------------------------------------------------------------------------------------------
+
+FAR = "#external go/0. #program cumulative(t). #program volatile(t). :- t < 150, go."
+BOLT = "#external bolt/1. #external knock/1. #program base. :- bolt(a), bolt(b), not knock(c). :- knock(d)."
+
+
+def atoms(text):
+    return frozenset(map(parse_atom, text.split()))
+
+
+def probe(solver, text, assumable, disabled="", **stops):
+    """The verdict on an update; assumable and disabled facts as text."""
+    return solver.inquire(parse_update(f"{text} #endstep."), atoms(assumable), atoms(disabled), **stops)
+
+
+def verdicts(solver, text, assumable):
+    """Whether there is an answer with the assumable facts, and without them."""
+    return [probe(solver, text, assumable, disabled).satisfiable for disabled in ("", assumable)]
+
+
+def test_probe_blames_no_fact_for_other_faults():
+    assert probe(planner_of(BOLT), "#step 1 : 3. bolt(a). knock(d).", "bolt(a)", "bolt(a)") == (False, frozenset())
+
+
+def test_probe_sees_updates_since_the_last_probe():
+    solver = planner_of(BOLT)
+    assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)").satisfiable
+    play(solver, "#step 1 : 3. knock(d).")
+    assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)") == (False, frozenset())
+
+
+def test_probe_heeds_the_bound_of_its_update():
+    solver = planner_of("#external go/0. #program cumulative(t). #program volatile(t). :- t < 50, go.")
+    found = [probe(solver, f"#step 1 : {bound}. go.", "go").satisfiable for bound in (48, 49, 48)]
+    assert found == [False, True, False]
+    assert probe(solver, "#step 1 : 48. go.", "go", "go").satisfiable
+
+
+def test_probe_finds_answers_that_further_steps_end():
+    """From the third step on there is no answer without told(a), before it none with told(b) or told(c)."""
+    solver = planner_of(
+        "#external told/1. #program cumulative(t). :- t > 2, not told(a). "
+        "#program volatile(t). :- t < 2, told(b). :- t < 4, told(c)."
+    )
+
+    def without(disabled):
+        text = "#step 1 : 6. told(a). told(b). told(c)."
+        return probe(solver, text, "told(a) told(b) told(c)", disabled)
+
+    satisfiable, core = without("told(a)")
+    assert not satisfiable
+    assert core >= atoms("told(a) told(c)")
+    assert all(without(one).satisfiable for one in ("", "told(a) told(c)", "told(a) told(b) told(c)"))
+
+
+@pytest.mark.parametrize(
+    ("rules", "asks"),
+    [
+        ("#cumulative t. c(t).", ":- go, not c(9)."),
+        ("#cumulative t. #external e(t). e(t-1) :- t = 3. :- t = 2, go, not e(t).", ""),
+        ("#cumulative t. { _action_lib(a,b,t+1) }. :- t = 2, go, not _action_lib(a,b,t+1).", ""),
+    ],
+)
+def test_probe_waits_for_atoms_of_further_steps(rules, asks):
+    assert verdicts(planner_of("#external go/0. " + rules), f"#step 2 : 20. go. {asks}", "go") == [True, True]
+
+
+def test_probe_takes_asserted_facts_until_their_retraction():
+    solver = planner_of(BOLT)
+    play(solver, "#step 1 : 3. #assert : a. knock(d).")
+    assert verdicts(solver, "#step 2 : 3.", "knock(d)") == [False, True]
+    assert verdicts(solver, "#step 2 : 3. #retract : a.", "knock(d)") == [True, True]
+
+
+@pytest.mark.usefixtures("compacts_at_once")
+def test_probe_takes_facts_of_compacted_steps():
+    text = "#program cumulative(t). #external seal(t). bad(t) :- seal(t-1), t = 5. bad(t) :- bad(t-1). "
+    solver = planner_of(text + "#program volatile(t). :- bad(t), t > 7.")
+    play(solver, "#step 1 : 1.")
+    for step in range(2, 8):
+        play(solver, f"#step {step} : 0. seal({step}). #over {min(step - 1, 5)}.")
+    assert parse_atom("seal(4)") in solver.snapshot.past.facts
+    assert verdicts(solver, "#step 8 : 0. seal(8).", "seal(4)") == [False, True]
+
+
+# ---- Stops and errors ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("looks", [0, 4])
+def test_probe_stopped_knows_nothing_and_goes_on(looks):
+    solver, asked = planner_of(FAR), []
+    verdict = probe(solver, "#step 1 : 100. go.", "go", stopped=lambda: asked.append(1) or len(asked) > looks)
+    assert verdict == (None, frozenset())
+    assert probe(solver, "#step 1 : 100. go.", "go") == (False, atoms("go"))
+
+
+def test_probe_ignores_an_earlier_interrupt():
+    solver = planner_of(FAR)
+    solver.interrupt()
+    assert probe(solver, "#step 1 : 100. go.", "go") == (False, atoms("go"))
+
+
+def test_probe_beyond_the_horizon_limit_is_an_error():
+    with pytest.raises(SolverError, match="beyond the horizon limit"):
+        probe(planner_of(BOLT, horizon_limit=3), "#step 4.", "")
+
+
+def test_probe_after_an_error_grounds_again(monkeypatch):
+    def fail(*_arguments, **_limits):
+        raise RuntimeError("too large")
+
+    solver = planner_of(BOLT)
+    solver.solve()
+    with monkeypatch.context() as patched:
+        patched.setattr(ClaspSearch, "run", fail)
+        with pytest.raises(SolverError, match="too large"):
+            probe(solver, "#step 5 : 5. knock(d).", "knock(d)")
+    assert probe(solver, "#step 5 : 5. knock(d).", "knock(d)") == (False, atoms("knock(d)"))
+
+
+# ---- Work ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def work(monkeypatch):
+    """What is ground and searched, as text: + for a new grounding, >7 for growing to step 7, 1..5 for a search."""
+    done, make, grow_to, ask = [], Grounding.__init__, Grounding.grow_to, Grounding.ask
+
+    def made(grounding, *parts, **named):
+        done.append("+")
+        make(grounding, *parts, **named)
+
+    def grown(grounding, last):
+        done.append(f">{last}")
+        grow_to(grounding, last)
+
+    def asked(grounding, question, stopped):
+        done.append(f"{question.first}..{question.last}")
+        return ask(grounding, question, stopped)
+
+    monkeypatch.setattr(Grounding, "__init__", made)
+    monkeypatch.setattr(Grounding, "grow_to", grown)
+    monkeypatch.setattr(Grounding, "ask", asked)
+    return done
+
+
+def test_probes_of_one_update_share_a_grounding(work):
+    solver, text = planner_of(BOLT), "#step 2 : 3. bolt(a). bolt(b). knock(c)."
+    play(solver, "#step 1 : 3.")
+    work.clear()
+    for disabled in ("", "bolt(a)", "bolt(b) knock(c)"):
+        probe(solver, text, "bolt(a) bolt(b) knock(c)", disabled)
+    assert work.count("+") == 1
+    probe(solver, text, "bolt(b)")
+    assert work.count("+") == 2
+
+
+def test_probe_doubles_the_steps_until_a_stop(work):
+    assert not probe(planner_of(FAR), "#step 1 : 139. go.", "go").satisfiable
+    assert " ".join(work[-9:]) == "1..1 >33 1..33 >66 1..66 >132 1..132 >140 1..140"
+    work.clear()
+    stopped = probe(planner_of(FAR), "#step 1 : 139. go.", "go", stopped=lambda: ">66" in work)
+    assert (stopped.satisfiable, work[-1]) == (None, ">66")
+
+
+def test_probe_grounds_no_steps_if_none_can_help(work):
+    assert not probe(planner_of(BOLT), "#step 1 : 300. bolt(a). bolt(b).", "bolt(a)").satisfiable
+    assert work[-1] == "1..1"

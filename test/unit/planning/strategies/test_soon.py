@@ -1,0 +1,288 @@
+"""Plans soon: the questions that are asked, and plans of whole streams against a plain reading of the program."""
+
+from itertools import count
+
+import pytest
+from fake_grounding import FakeGrounding, actions
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_walk import Walk, program_text
+from stream_logs import copied
+
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, parse_update
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.strategies import soon
+from rosoclingo.planning.strategies.soon import Soon, TimeLimit
+
+FOREVER = float("inf")
+PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
+
+# ---- Questions -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """The first plan may take as few conflicts as a shorter one, and plans are not trimmed (see test_trimming.py)."""
+
+    def as_found(found, *_rest, **_options):
+        return found
+        yield
+
+    monkeypatch.setattr(soon, "EFFORT", 0)
+    monkeypatch.setattr(soon, "trimmed", as_found)
+
+
+def plan(horizon, *cycles, shortest=False):
+    return Plan(actions(*cycles), horizon, shortest)
+
+
+def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, foreseen=False):
+    """Return the plan's horizon, False for none and None after a stop; whether it is proven; and the questions."""
+    world = FakeGrounding(plans, **options)
+    limit = TimeLimit(seconds, foreseen, world.time)
+    found, asked = world.run(lambda asking: Soon(asking, models, last, limit).run(), block)
+    if found is None:
+        return None, False, asked
+    return found.reply.satisfiable and found.reply.horizon, found.proven, asked
+
+
+def cases(*rows):
+    """Cases of plans, options of the grounding, settings of the search, and what is asked."""
+    return pytest.mark.parametrize(("plans", "options", "settings", "asked"), rows)
+
+
+NOW = {"seconds": 0}
+LONG, AT_9 = {9: [9], 7: [7], 3: [3]}, {"horizon": 9}
+ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
+HARD = {"horizon": 9, "hard": {1: 150, 2: 350}}
+
+
+@pytest.mark.usefixtures("plain")
+@cases(
+    # a quarter more of the steps to come, half of them if all are refuted, a block at least
+    ({3: [1, 2, 3]}, {}, NOW, "1..1/100 >9 2..9/100"),
+    ({50: [50]}, {"horizon": 41, "hard": {41: 150}}, NOW, "1..41/100 >51 1..51/200"),
+    ({60: [60]}, {"horizon": 41}, NOW, "1..41/100 >61 42..61/100"),
+    ({12: [12]}, {"most": 12}, NOW, "1..1/100 >9 2..9/100 >12 10..12"),
+    ({20: [20]}, ADVISED, NOW, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
+    # as many steps as the program claims and a quarter more, in pieces; but the claim is not believed
+    ({20: []}, {"claims": 20}, {}, "1..1/100 >25 2..25/100 2..19/100"),
+    ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100 16..21/100"),
+    ({180: []}, {"claims": 160, "most": 300}, NOW, "1..1/100 >68 >134 >200 2..200/100"),
+    ({180: []}, {"claims": 160, "most": 300, "atoms": 1800}, NOW, "1..1/100 >200 2..200/100"),
+    # each horizon before the next if answers do not outlive further steps
+    ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
+    # shorter plans, and proofs, with twice the conflicts each time
+    (LONG, AT_9, {}, "1..9/100 1..8/100 1..1/100 2..6/100 2..2/100"),
+    (
+        {9: [9], 4: [4]},
+        HARD,
+        {},
+        "1..9/100 1..8/100 1..1/100 1..3/100 1..1/100 1..3/200 1..1/200 2..3/200 2..2/200 2..3/400",
+    ),
+    (
+        {9: [9], 5: [5]},
+        {**AT_9, "hard": {1: 150}, "advises": True},
+        {},
+        "1..9/100 1..8/100 1..1/100 1..4/100 1..4/100? 1..1/100 1..4/200",
+    ),
+    # the best, or more, of the answers of the plan's horizon
+    ({9: [9]}, AT_9, {"models": 0}, "1..9/100 1..8/100 9..9!0"),
+    ({9: [9]}, AT_9, {"models": 2, **NOW}, "1..9/100 9..9!2"),
+    ({9: [9]}, {**AT_9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9!"),
+    ({9: [9]}, {**AT_9, "optimizes": True}, {"seconds": 1}, "1..9/100"),
+)
+def test_soon_finds_the_least_horizon_in_time(plans, options, settings, asked):
+    least = max(plans) if settings.get("seconds") == 0 else min(plans)
+    proven = "seconds" not in settings
+    assert run(plans, options, **settings) == (least, proven, asked)
+
+
+@pytest.mark.usefixtures("plain")
+@cases(
+    ({}, {"most": 18, "claims": 20}, {}, "1..1/100 >18 2..18"),
+    (
+        {},
+        {"horizon": 9, "most": 9, "hard": {9: 250}, "advises": True},
+        {},
+        "1..9/100 1..9/100? 1..9/200 1..9/200? 1..9/400",
+    ),
+    ({50: [50]}, {"horizon": 2, "dead": 2}, {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
+)
+def test_soon_refutes_all_horizons_without_a_plan(plans, options, settings, asked):
+    assert run(plans, options, **settings) == (False, False, asked)
+
+
+@pytest.mark.parametrize(
+    ("steps", "needed", "asked"),
+    [
+        (20, 9999, "1..20/1000 1..20/1000? >28 1..28/714 1..20/2000? >36 1..36/555 1..20/4000?"),
+        (101, 9999, "1..101/198 >126 1..126/158"),
+        (300, 99, "1..300/100"),
+    ],
+)
+def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
+    options = {"horizon": steps, "hard": {1: needed}, "most": 600, "advises": True, "halts": asked.count("/")}
+    assert run({}, options) == (None, False, asked)
+
+
+@pytest.mark.usefixtures("plain")
+@pytest.mark.parametrize(
+    ("plans", "options", "last", "asked"),
+    [
+        ({3: [2, 3]}, {"horizon": 5}, plan(4, 1, 2, 3), "3..4+2+3-4-5/100"),
+        ({4: [2, 3, 4]}, {"horizon": 3}, plan(4, 1, 2, 3, 4), ">4 4..4+2+3+4/100"),
+        ({5: [3, 4, 5]}, {"step": 3, "horizon": 4}, plan(4, 1, 2, 3, 4), "4..4+3+4/100 >5 5..5+3+4+5/100"),
+        ({4: [2, 4]}, {"horizon": 4}, plan(2, 1, 2), "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
+        ({3: [2, 3]}, {"horizon": 3}, plan(2, 1, 2, 9), "2..3+2+9/100 2..3+10+2+3/100 2..3/100"),
+        ({3: [3]}, {"horizon": 3, "most": 3}, plan(4, 1, 2, 3, 4), "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3"),
+        ({3: [3]}, {"horizon": 3}, plan(1, 1), "2..2-2-3/100 2..2+2-3/100 2..3+2/100 2..3/100"),
+    ],
+)
+def test_soon_tries_the_rest_of_the_last_plan_first(plans, options, last, asked):
+    """As it is, or one step later, without anything else; then with more actions; then any plan."""
+    assert run(plans, {"step": 2, **options}, last, seconds=0)[::2] == (max(plans), asked)
+
+
+@pytest.mark.usefixtures("plain")
+def test_soon_goes_on_with_the_last_plan_step_by_step():
+    asked = "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3 >4 4..4+2+3+4/100"
+    assert run({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, plan(4, 1, 2, 3, 4), block=1) == (4, True, asked)
+
+
+@pytest.mark.usefixtures("plain")
+@pytest.mark.parametrize(
+    ("last", "foreseen", "least"),
+    [
+        (plan(9, 9), True, 9),
+        (plan(9, 9, shortest=True), True, 7),
+        (plan(9, 9), False, 3),
+        (plan(5, 5), True, 3),
+        (plan(3, 2, shortest=True), True, 3),
+    ],
+)
+def test_soon_proves_a_predicted_plan_again_in_a_tenth_of_the_time(last, foreseen, least):
+    """None of it if it was not the shortest; one that is no longer a plan leaves the time as it is."""
+    assert run(LONG, AT_9, last, seconds=20, foreseen=foreseen)[0] == least
+
+
+@pytest.mark.usefixtures("plain")
+@pytest.mark.parametrize(
+    ("plans", "last", "halts", "found"),
+    [
+        (LONG, None, 0, None),
+        ({}, plan(3, 1, 2, 3), 1, None),
+        ({}, plan(3, 1, 2, 3), 4, None),
+        (LONG, None, 2, 7),
+        (LONG, None, 5, 3),
+    ],
+)
+@pytest.mark.parametrize("cut", [False, True])
+def test_soon_returns_the_best_plan_if_stopped(plans, last, halts, found, cut):
+    """Without a plan nothing is known, however much was refuted."""
+    step = 1 if plans else 2
+    horizon, proven, asked = run(plans, {"step": step, "horizon": 9, "most": 9, "halts": halts, "cut": cut}, last)
+    assert horizon == (9 if cut and halts == 2 and plans else found)
+    assert proven is (found == 3 and not cut)
+    assert len(asked.split()) == halts
+
+
+# ---- Streams ---------------------------------------------------------------------------------------------------------
+
+#: What comes with each step: places that are wanted, and whether the action before has failed.
+NEWS = st.tuples(st.lists(st.integers(-3, 4), max_size=2), st.booleans())
+
+
+def solver_of(advice, plan_time, **options):
+    ticks = count()
+    return PlanSolver(PROGRAMS[advice], plan_time=plan_time, clock=lambda: float(next(ticks)), **options)
+
+
+def play(solver, news, bound=None):
+    """Play a stream in which the plan is executed; yield the walk, the result and what was left before each update."""
+    walk, left = Walk(), None
+    for wanted, fails in news:
+        done = frozenset(one for one in left.actions if cycle_of(one) == walk.step) if left else frozenset()
+        before = left and left._replace(actions=left.actions - done)
+        result = solver.update(walk.update(wanted, fails, done, bound))
+        assert result.step == walk.step
+        yield walk, result, before
+        if not result.answers:
+            return
+        left = Plan.in_result(result).since(walk.step)
+
+
+@settings(max_examples=settings.default.max_examples * 4 // 5)
+@given(
+    st.booleans(),
+    st.sampled_from([0.0, 0.0, FOREVER]) | st.integers(0, 12),
+    st.none() | st.integers(0, 5),
+    st.lists(NEWS, min_size=1, max_size=6),
+)
+def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
+    """Each is a plan, the shortest if there is time; without time the last one is kept if it is one still."""
+    solver = solver_of(advice, plan_time, log_limit=2)
+    for walk, result, before in play(solver, news, bound):
+        if result.outcome is SolveOutcome.UNSATISFIABLE:
+            assert walk.least(walk.step, walk.step + bound) is None
+            return
+        found = Plan.in_result(result)
+        assert solver.log.plan == found
+        assert walk.allows(found.horizon, found.since(walk.step).actions)
+        assert result.shortest or plan_time < FOREVER
+        if result.shortest:
+            assert walk.least(walk.step, result.horizon) == result.horizon
+        if plan_time == 0 and before and walk.allows(max(before.horizon, walk.step), before.actions):
+            assert found.since(walk.step).actions == before.actions
+            assert found.horizon <= max(before.horizon, walk.step)
+        if plan_time == 0 and bound is None:
+            reader = solver_of(advice, 0.0)
+            reader.restore(copied(solver.log))
+            again = Plan.in_result(reader.solve())
+            assert walk.allows(again.horizon, again.since(walk.step).actions)
+
+
+@pytest.mark.parametrize("news", ["", "_request(0,2)."])
+def test_soon_has_no_time_for_a_predicted_plan(news, searches):
+    time = iter([0.0, 2.0])  # it stands still from then on
+    solver = PlanSolver(PROGRAMS[True], plan_time=1.0, clock=lambda: next(time, 2.0))
+    first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
+    (action,) = (one for one in Plan.in_result(first).actions if cycle_of(one) == 1)
+    assert not first.shortest
+    searches.clear()
+    result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
+    assert (len(searches) == 1, result.shortest) == (not news, bool(news))
+
+
+def test_soon_finds_the_best_answer_of_its_horizon():
+    text = "#program cumulative(t). { a(t) }. { b(t) }. #program volatile(t). :- not a(t). #minimize { 1,t : b(t) }."
+    result = PlanSolver(ReactiveProgram.from_text(text), plan_time=FOREVER).update(StreamUpdate(1))
+    assert [sorted(map(str, answer)) for answer in result.answers] == [["a(1)"]]
+
+
+def test_soon_takes_the_best_answer_that_was_found_in_time(monkeypatch):
+    """To prove that fourteen pigeons in thirteen holes can't all sit alone takes for ever."""
+    text = """
+        #program base. pigeon(1..14). hole(1..13).
+        #program cumulative(t). 1 { sits(P,H,t) : hole(H) } 1 :- pigeon(P).
+        #minimize { 1,P,Q,t : sits(P,H,t), sits(Q,H,t), P < Q }.
+        #program volatile(t). :- t < 1.
+    """
+    before, ask = [], Grounding.ask
+
+    def asked(grounding, question, stopped):
+        if question.best:
+            before.extend((grounding, grounding.shown))
+        return ask(grounding, question, stopped)
+
+    def clock():
+        """The time is over as soon as the search for the best has a plan."""
+        return float(bool(before) and before[0].shown is not before[1])
+
+    monkeypatch.setattr(Grounding, "ask", asked)
+    solver = PlanSolver(ReactiveProgram.from_text(text), plan_time=1.0, clock=clock)
+    result = solver.update(StreamUpdate(1))
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    assert result.answers[0] == before[0].shown != before[1]
