@@ -33,9 +33,9 @@ from rosoclingo.planning.history import (
 )
 from rosoclingo.planning.snapshot import Snapshot, Told
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.workers import worker
-from rosoclingo.planning.workers.child import WorkerProcess
+from rosoclingo.planning.workers import pool
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.worker import Worker
 
 PROGRAM = """
 #cumulative t.
@@ -120,44 +120,24 @@ def entry_by_entry(writer, old, reader):
 WAYS = [same_log, text_of_log, checkpoint, checkpoint_and_rest, entry_by_entry]
 
 
-class LentChild:
-    """One child for many solver processes, one after the other: to start one for each takes most of the time."""
-
-    alive, memory, pid, worked = True, 0, 0, 0.0
-    reply = WorkerProcess.reply  # by way of send and receive here
-
-    def __init__(self):
-        self.child, self.owed = None, 0
-
-    def send(self, message):
-        self.child = self.child or WorkerProcess()
-        self.child.send(message)
-        self.owed += 1
-
-    def receive(self, timeout):
-        message = self.child.receive(timeout)
-        self.owed -= message is not None
-        return message
-
-    def kill(self):
-        """The solver process goes; the child stays for the next one, once it has said all that it owes."""
-        while self.owed:
-            self.receive(0.02)
-
-    def end(self):
-        child, self.child, self.owed = self.child, None, 0
-        if child is not None:
-            child.kill()
-
-
 @pytest.fixture(scope="module")
 def lent():
-    """What solver processes of this module take for their child."""
-    child = LentChild()
+    """One worker for all pools of this module, one after the other: most of the time goes into starting one."""
+    workers = []
+
+    def borrow(load):
+        if workers:
+            workers[0].begin(load)
+        else:
+            workers.append(Worker(load))
+        return workers[0]
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "WorkerProcess", lambda: child)
+        patch.setattr(pool, "Worker", borrow)
+        patch.setattr(Worker, "kill", Worker.abandon)
         yield
-    child.end()
+    for one in workers:
+        one.kill()
 
 
 OPTIONS = {"models": 0, "log_limit": 3, "idles": False}
