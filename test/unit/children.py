@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rosoclingo.planning.workers import child, worker
+from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 
 
@@ -37,8 +37,7 @@ def kill(process):
 def preparing_process(program):
     """A process for many tests that prepares at once, looks for shorter plans briefly, and is not replaced."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "PAUSE", 0.0)
-        patch.setattr(child, "GROWTH", 2**60)  # none is replaced for its size
+        patch.setattr(worker, "GROWTH", 2**60)  # none is replaced for its size
         with WorkerPool(program, shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
             yield one
 

@@ -172,7 +172,7 @@ class PlanSolver(PredictingSolver):
         self._improvement: Optional[Improvement] = None
         self._inquiry: Optional[_Inquiry] = None
         self._tried = 0  # before which step it was tried last to retire steps
-        self._told = set(program.warnings)  # what clingo has remarked
+        self.remarks = set(program.warnings)  # of clingo, each of which is reported once
         self._stop = False
 
     @property
@@ -292,8 +292,8 @@ class PlanSolver(PredictingSolver):
             return
         yield from grounding.warnings
         for one in grounding.messages.new_remarks(self.program.parameter_at) if grounding.messages.said else ():
-            if str(one) not in self._told:
-                self._told.add(str(one))
+            if str(one) not in self.remarks:
+                self.remarks.add(str(one))
                 yield str(one)
 
     def _predicted(self, asking: Asking, reply: Reply, proven: bool) -> FrozenSet[clingo.Symbol]:

@@ -88,7 +88,9 @@ def drive(solver, cycles, margin, improves=False):
         answer, before = ask(solver, text + "#endstep.")
         answers.append(answer)
         if improves:
-            solver.restore(solver.log.adopt(solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False)))
+            solver.restore(
+                solver.log.adopt(solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False))
+            )
             while solver.improve() is not None:
                 pass
     return answers

@@ -228,7 +228,9 @@ def test_idle_steps_that_have_passed_stay_idle():
     solver = roomy("line", 20)
     result = solver.update(StreamUpdate(1, 40, (fact(parse_atom("_request(3,2)")),)))
     solver.restore(History.parse(solver.log.text()))  # it knows of no answer that the next update might leave as it is
-    solver.restore(solver.log.adopt(Plan(frozenset(moved(one, 4) for one in Plan.in_result(result).actions), result.horizon + 4)))
+    solver.restore(
+        solver.log.adopt(Plan(frozenset(moved(one, 4) for one in Plan.in_result(result).actions), result.horizon + 4))
+    )
     predicted = []
     for step in (2, 3):
         solver.update(StreamUpdate(step, 40, (Closed(step - 1, step - 1),)))
@@ -257,7 +259,9 @@ def test_a_shorter_plan_that_returns_since_the_search_exclude_is_refused(told):
     solver = PlanSolver(ReactiveProgram.from_text(JUMPS), plan_time=0.0)
     solver.update(StreamUpdate(1, 40, (fact(parse_atom("_request(6,2)")),)))
     solver.restore(History.parse(solver.log.text()))  # it knows of no answer that the next update might leave as it is
-    solver.restore(solver.log.adopt(Plan(frozenset(parse_atom(f"_action_lib(go,{place},{place})") for place in range(1, 7)), 6)))
+    solver.restore(
+        solver.log.adopt(Plan(frozenset(parse_atom(f"_action_lib(go,{place},{place})") for place in range(1, 7)), 6))
+    )
     predicted = []
     for _ in range(2):
         update = news(solver)
@@ -358,7 +362,9 @@ def test_all_idle_steps_go_at_once_with_the_first_that_a_window_fills():
     solver.update(parse_update("#step 1. _request(40,1). #endstep."))
     plan = solver.log.plan
     idle = {one: sum(cycle_of(one) > last for last in (4, 22, 30)) for one in plan.actions}
-    solver.restore(solver.log.adopt(Plan(frozenset(moved(one, steps) for one, steps in idle.items()), plan.horizon + 3)))
+    solver.restore(
+        solver.log.adopt(Plan(frozenset(moved(one, steps) for one, steps in idle.items()), plan.horizon + 3))
+    )
     assert solver.improve().horizon == plan.horizon
 
 

@@ -181,7 +181,7 @@ def test_a_plan_that_is_not_there_in_time_is_not_waited_for_and_the_next_has_mor
     cycle, before = begun(world), process.pid
     usual = world.core._ahead._cycles_for(5)
     with monkeypatch.context() as patch:
-        patch.setattr(Worker, "has", lambda *_: False)
+        patch.setattr(Worker, "has_answer", lambda *_: False)
         while world.core.cycle < cycle:
             world.step()
     assert (process.pid, world.fed[-1]) == (before, "2")

@@ -1,176 +1,227 @@
-"""One worker: a child process that has the program and answers commands about histories."""
+"""A worker as seen from its parent: a process with a program that does commands, one after the other."""
 
-from typing import List, NamedTuple, Optional, Tuple
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple, NoReturn, Optional, Tuple
 
-from rosoclingo.oclingo.errors import DroppedError, NotReadyError, ProgramError, SolverError
+from rosoclingo.oclingo.errors import DroppedError, Fault, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.planning.history import History
-from rosoclingo.planning.workers.child import Growth, Stopped, WorkerLostError, WorkerProcess
-from rosoclingo.planning.workers.known_histories import Told
-from rosoclingo.planning.workers.wire import Message, faults_from_message
+from rosoclingo.planning.question import Stop
+from rosoclingo.planning.text import Message
+from rosoclingo.planning.workers.channel import Channel
 
-POLL_LOADING = 0.02
-"""Seconds of wall time between two looks at the stop request while a child takes the program."""
+POLL = 0.002
+"""Seconds of wall time between two calls of a stop request."""
 
-PAUSE = 0.1
-"""Seconds of wall time that go by before something is prefetched, lest all be for nothing if actions take no time."""
+GROWTH = 32 * 2**20
+"""Bytes by which a worker may grow before it is replaced; half of its first size if that is more."""
 
 Patience = Tuple[float, float]
-"""Seconds of wall time after a stop until a command is dropped, and until the worker is given up."""
+"""Seconds of wall time after a stop until a command is dropped, and until the worker is killed."""
 
 
-class Prefetch(NamedTuple):
-    """A question that can come next: ``update`` after ``log``.
+class WorkerLostError(Exception):
+    """The worker has ended; the text says how."""
 
-    If it ``improves``, the plan that is found is shortened until it is asked for.
-    """
+
+class Search(NamedTuple):
+    """A search for an answer to ``update`` after ``log``; if it ``improves`` it shortens the plan until interrupted."""
 
     log: History
-    update: StreamUpdate
+    update: Optional[StreamUpdate]
     improves: bool = False
 
-    def is_like(self, other: "Prefetch") -> bool:
-        """Whether both have the same answer."""
-        same = self.log is other.log or self.log.key == other.log.key
-        return same and self.update == other.update
+    @property
+    def command(self) -> Message:
+        """The command for a worker."""
+        text = None if self.update is None else str(self.update)
+        return {"do": "update", "history": self.log.text(), "update": text, "improves": self.improves}
 
-    def is_worse(self, other: "Prefetch") -> bool:
-        """Whether the plan of the ``other`` is a shorter one."""
-        mine, theirs = self.log.plan, other.log.plan
-        return mine is not None and theirs is not None and theirs.horizon < mine.horizon
+    def has_answer_of(self, other: "Search") -> bool:
+        """Return whether both have the same answer."""
+        return self.update == other.update and (self.log is other.log or self.log.key == other.log.key)
 
 
 class Worker:
-    """A child process with the program; it knows histories, and is asked about them or prefetches an answer.
+    """A process with a program, which does the last command that was begun.
+
+    It has a session of its own, so that a Ctrl-C in the terminal does not reach it, and ends with its parent.
 
     Attributes:
-        child: the process.
-        came_to: the number of the history to which the last command led.
+        is_ready: whether it has loaded the program.
+        reached: the last step that the search under way has ground, as far as the worker has reported.
+        search: the search that was begun last; None after :meth:`abandon` and for other commands.
 
     """
 
-    def __init__(self, program: Message) -> None:
-        """Start a child that loads the ``program``; raises WorkerLostError if that can't be done."""
-        try:
-            self.child = WorkerProcess()
-        except OSError as error:
-            raise WorkerLostError(f"no solver process can be started: {error}") from None
-        self.child.send(program)
-        self._told, self._growth = Told(), Growth()
-        self._loading = True
-        self._stale = 0  # replies to come that are of no use
-        self._prefetch: Optional[Prefetch] = None
-        self._due = 0  # replies to come about it
-        self._replies: List[Message] = []
-        self.came_to = 0
+    def __init__(self, load: Message) -> None:
+        """Start a process that does the command ``load``; raises WorkerLostError if it can't be started."""
+        ours, theirs = socket.socketpair()
+        search_path = os.pathsep.join(filter(None, sys.path))
+        with theirs:
+            try:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-m", "rosoclingo.planning.workers.worker_main", str(theirs.fileno())],
+                    stdin=subprocess.PIPE,  # closed when this process ends
+                    pass_fds=[theirs.fileno()],
+                    start_new_session=True,
+                    env=dict(os.environ, PYTHONPATH=search_path),
+                )
+            except OSError as error:
+                ours.close()
+                raise WorkerLostError(f"no solver process can be started: {error}") from None
+        self._channel = Channel(ours)
+        self._open = 0  # commands without their last reply
+        self._reply: Optional[Message] = None  # to the command that was begun last
+        self._worked, self._first_memory = 0.0, 0
+        self.is_ready, self.reached = False, 0
+        self.search: Optional[Search] = None
+        self.begin(load)
 
-    # ---- Asking ------------------------------------------------------------------------------------------------------
+    # ---- The process -------------------------------------------------------------------------------------------------
 
-    def wait_until_loaded(self, stopped: Optional[Stopped]) -> None:
-        """Wait for the program to be loaded.
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
 
-        Raises NotReadyError if ``stopped`` came first, which lets it go on, ProgramError and WorkerLostError.
-        """
-        while self._loading or self._stale:
-            reply = self.child.receive(POLL_LOADING)
-            if reply is not None:
-                self._take(reply)
-            elif stopped is not None and stopped():
+    @property
+    def alive(self) -> bool:
+        """Whether the process still runs."""
+        return self._process.poll() is None
+
+    @property
+    def memory(self) -> int:
+        """Bytes of main memory that the process holds; 0 if it has ended."""
+        with suppress(OSError):
+            pages = int(Path(f"/proc/{self.pid}/statm").read_text(encoding="ascii").split()[1])
+            return pages * os.sysconf("SC_PAGE_SIZE")
+        return 0
+
+    @property
+    def worked(self) -> float:
+        """Seconds of processor time that the process has used."""
+        with suppress(OSError):
+            self._worked = time.clock_gettime((~self.pid << 3) | 2)  # as clock_getcpuclockid(3) has it
+        return self._worked
+
+    def has_grown(self) -> bool:
+        """Return whether it holds much more memory than at the first call: clingo never frees a term."""
+        self.is_busy()  # takes the reply to the first command
+        memory = self.memory if self.is_ready else 0
+        self._first_memory = self._first_memory or memory
+        return memory > self._first_memory + max(GROWTH, self._first_memory // 2)
+
+    def kill(self) -> None:
+        """Kill the process, whatever it does, and release all that belongs to it."""
+        self._process.kill()
+        self._process.wait()
+        self._channel.close()
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+
+    # ---- Commands ----------------------------------------------------------------------------------------------------
+
+    def begin(self, command: Message, search: Optional[Search] = None) -> None:
+        """Have the worker do ``command``, that of a ``search`` or another one; a command under way is abandoned."""
+        self.abandon()
+        self._channel.send(command)
+        self._open += 1
+        self.search, self.reached = search, 0
+
+    def abandon(self) -> None:
+        """Interrupt the command under way; nobody waits for its reply."""
+        if self._open:
+            self._interrupt(0.0)
+        self.search = self._reply = None
+
+    def wait_until_ready(self, stopped: Optional[Stop]) -> None:
+        """Wait until the program is loaded; raises NotReadyError if ``stopped`` came first, and ProgramError."""
+        while not self.is_ready:
+            if not self._receive(POLL) and stopped is not None and stopped():
                 raise NotReadyError("stopped before the solver was ready: nothing was solved, send it again")
 
-    def ask(
-        self, log: History, command: Message, stopped: Optional[Stopped], patience: Patience, leaves: bool = False
-    ) -> Message:
-        """Return the reply to a ``command`` about ``log``.
+    def ask(self, command: Message, stopped: Optional[Stop], patience: Patience, idly: bool = False) -> Message:
+        """Do ``command`` once the program is loaded; see :meth:`wait_until_ready` and :meth:`finish`."""
+        self.wait_until_ready(stopped)
+        self.begin(command)
+        return self.finish(stopped, patience, idly)
 
-        What ``leaves`` nothing behind but a better plan is not waited for once it is ``stopped``: the reply is empty.
-        Raises SolverError for what is refused, WorkerLostError if the worker does not heed a stop or has ended.
+    def finish(self, stopped: Optional[Stop], patience: Patience, idly: bool = False) -> Message:
+        """Wait for the last reply to the command under way, and return it.
+
+        A stop interrupts the command; so does an answer that is only improved. After the first seconds of ``patience``
+        it is dropped, after the second ones WorkerLostError is raised. A command that is done ``idly``, to improve what
+        there is, is abandoned at a stop, with an empty reply. Raises SolverError if the worker refuses the command.
         """
-        self.leave()
-        self.wait_until_loaded(stopped)
-        self.child.send(self._about(log, command))
-        reply = self.child.reply(stopped, patience, leaves)
+        interrupted: Optional[float] = None
+        while self._open:
+            if self._receive(POLL):
+                continue
+            if interrupted is None:
+                if self._reply is None and (stopped is None or not stopped()):
+                    continue
+                if idly:
+                    self.abandon()
+                    return {}
+                interrupted = time.monotonic()
+                self._interrupt(patience[0])
+            elif time.monotonic() > interrupted + patience[1]:
+                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
+        reply, self.search, self._reply = self._reply or {}, None, None
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
         return reply
 
-    def note(self, log: History) -> None:
-        """Note that the last command has led to ``log``."""
-        self._told.note(log, self.came_to)
-
-    def _about(self, log: History, command: Message) -> Message:
-        told = self._told.telling(log)
-        self.came_to = self._told.next_number()
-        return {**command, **told, "after": self.came_to}
-
-    @property
-    def has_grown(self) -> bool:
-        """Whether it holds much more memory than at first: clingo never forgets a term."""
-        return self._growth.is_too_much(self.child.memory)
-
-    # ---- Prefetching -------------------------------------------------------------------------------------------------
-
-    @property
     def is_busy(self) -> bool:
-        """Whether it loads the program or prefetches something."""
-        self._receive()
-        return self._loading or bool(self._stale or self._due)
+        """Return whether it loads the program, or a command is under way."""
+        with suppress(WorkerLostError):
+            while self._receive(0.0):
+                pass
+        return self.alive and self._open > 0
 
-    def prefetch(self, wanted: Prefetch) -> None:
-        """Find the answer to what may be asked for; nothing waits for it."""
-        self._receive()
-        if self._prefetch is not None and self._prefetch.is_like(wanted) and not self._prefetch.is_worse(wanted):
-            return
-        self.leave()
-        if self._stale:
-            return  # it is to be asked again when what it is at has ended
-        told = {"do": "prefetch", "update": str(wanted.update), "pause": PAUSE, "improves": wanted.improves}
-        self.child.send(self._about(wanted.log, told))
-        self._prefetch, self._due, self._replies = wanted, 1 + wanted.improves, []
+    def searches(self, search: Search) -> bool:
+        """Return whether it searches the answer to ``search``, or has it."""
+        return self.alive and self.search is not None and self.search.has_answer_of(search)
 
-    def is_about(self, wanted: Prefetch) -> bool:
-        """Whether it prefetches that, or has."""
-        return self._prefetch is not None and self._prefetch.is_like(wanted)
+    def has_answer(self, search: Search) -> bool:
+        """Return whether it has found the answer to ``search``."""
+        self.is_busy()
+        result = (self._reply or {}).get("result", {})
+        return self.searches(search) and result.get("outcome") in ("satisfiable", "unsatisfiable")
 
-    def has(self, wanted: Prefetch) -> bool:
-        """Whether it has the answer to that."""
-        self._receive()
-        decided = any(one.get("outcome") in ("satisfiable", "unsatisfiable") for one in self._replies)
-        return self.child.alive and self.is_about(wanted) and decided
+    def _interrupt(self, grace: float) -> None:
+        """Interrupt the command under way, and have a grounding dropped in so many seconds."""
+        self._channel.send({"do": "interrupt", "drop_at": time.monotonic() + grace})  # the clock of all processes
 
-    def fetch(self, stopped: Optional[Stopped], patience: Patience) -> List[Message]:
-        """Wait for what is prefetched, but for no better plan; return the replies, none if it was refused."""
-        self._receive()
-        if not self._replies:
-            self.child.send({"do": "now"})
-        while self._loading or self._stale or not self._replies:
-            self._take(self.child.reply(stopped, patience))
-        while self._due:
-            self._take(self.child.reply(lambda: True, patience))
-        replies, self._replies, self._prefetch = [one for one in self._replies if one], [], None
-        return [] if any("outcome" not in one for one in replies) else replies
+    def _receive(self, timeout: float) -> bool:
+        """Take a message, waiting for it at most ``timeout`` seconds; return whether there was one."""
+        try:
+            if not self._channel.wait(timeout):
+                return False
+        except EOFError:
+            self._raise_lost()
+        message = self._channel.unread.popleft()
+        if "reached" in message:
+            self.reached = message["reached"]
+            return True
+        if self._open == 1:
+            self._reply = message
+        self._open -= "more" not in message
+        self.is_ready = True
+        if "faults" in message:
+            raise ProgramError([Fault(**one) for one in message["faults"]])
+        return True
 
-    def leave(self) -> None:
-        """Prefetch nothing any more."""
-        if self._due:
-            self.child.send({"do": "interrupt"})
-        self._prefetch, self._stale, self._due, self._replies = None, self._stale + self._due, 0, []
-
-    def _receive(self) -> None:
-        """Take the replies that are there."""
-        while self._loading or self._stale or self._due:
-            reply = self.child.receive(0.0)
-            if reply is None:
-                break
-            self._take(reply)
-
-    def _take(self, reply: Message) -> None:
-        if self._loading:
-            self._loading = False
-            if "faults" in reply:
-                raise ProgramError(faults_from_message(reply))
-        elif self._stale:
-            self._stale -= 1
-        else:
-            self._due -= 1
-            self._replies.append(reply)  # an empty one if a plan got no shorter
+    def _raise_lost(self) -> NoReturn:
+        self.kill()
+        code = self._process.returncode
+        how = f"with exit code {code}" if code >= 0 else f"by signal {signal.Signals(-code).name}"
+        raise WorkerLostError(f"the solver process ended {how}")

@@ -1,152 +1,97 @@
-"""The child of a ``WorkerPool``: a solver that does what its standard input says.
+"""The process of a worker: a solver that does the commands of its parent.
 
-Started as ``python3 -m rosoclingo.planning.workers.worker_main LIFELINE``, where LIFELINE is the
-number of a file descriptor: the
-reading end of a pipe that nobody writes to. When the parent goes, however it goes, its end is closed, and the kernel
-ends this process by SIGIO, even in the midst of grounding.
+Started as ``python3 -m rosoclingo.planning.workers.worker_main SOCKET``, where SOCKET is the number of a file
+descriptor. Nobody writes to its standard input: when the parent ends, however it ends, the other end is closed, and the
+kernel ends this process by SIGIO, even while it grounds.
 """
 
 import fcntl
+import json
 import os
 import select
 import signal
+import socket
 import sys
 import time
 from contextlib import suppress
-from typing import Callable, Dict, List, Optional, Union
+from dataclasses import replace
+from typing import Callable, Dict, List, Union
 
 from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
+from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
-from rosoclingo.planning.history import Checkpoint
+from rosoclingo.planning.history import History, entry_from_message, entry_to_message
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.text import symbols_from_text
-from rosoclingo.planning.workers.child import REACHED
-from rosoclingo.planning.workers.known_histories import KnownHistories
+from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
+from rosoclingo.planning.workers.channel import Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
 from rosoclingo.planning.workers.wire import (
-    Lines,
-    Message,
-    encode,
-    faults_to_message,
     program_from_message,
+    recent,
     result_to_message,
     stream_from_message,
-    verdict_to_message,
 )
 
-_CHUNK = 1 << 20
+NICENESS = 10
+"""The niceness of a process that explains: other work of the machine comes first."""
 
-EXPLAINING = 10
-"""By so much a process that explains gives way to others (nice)."""
+REPORTING = 0.5
+"""Seconds of wall time between two reports on how far a search is."""
 
-TELLING = 0.5
-"""Seconds of wall time between two words on how far a search is."""
-
-AnySolver = Union[PlanSolver, LoggedSolver]
-
-
-class Commands:
-    """The messages of the parent."""
-
-    def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor
-        self._lines = Lines()
-        self._queue: List[Message] = []
-
-    def next(self) -> Message:
-        """Wait for the next command; SystemExit where the parent has gone. Interrupts that come late are left out."""
-        while True:
-            while self._queue:
-                command = self._queue.pop(0)
-                if command["do"] not in ("interrupt", "drop", "now"):
-                    return command
-            self._read()
-
-    def are_none(self, seconds: float) -> bool:
-        """Wait so many seconds of wall time, and tell whether nothing has come, or the word to begin at once."""
-        end = time.monotonic() + seconds
-        while not self._queue and (left := end - time.monotonic()) > 0:
-            if select.select([self._descriptor], [], [], left)[0]:
-                self._read()
-        return all(command["do"] == "now" for command in self._queue)
-
-    def have_come(self) -> bool:
-        """Tell whether anything has come."""
-        while select.select([self._descriptor], [], [], 0)[0]:
-            self._read()
-        return bool(self._queue)
-
-    def interrupted(self) -> bool:
-        """Tell whether the search at work is to be ended."""
-        return self._asked("interrupt")
-
-    def dropped(self) -> bool:
-        """Tell whether the command at work is to be dropped."""
-        return self._asked("drop")
-
-    def _asked(self, what: str) -> bool:
-        return self.have_come() and any(command["do"] == what for command in self._queue)
-
-    def _read(self) -> None:
-        data = os.read(self._descriptor, _CHUNK)
-        if not data:
-            raise SystemExit(0)
-        self._queue.extend(self._lines.feed(data))
+CACHED = 100
+"""Histories that are kept with their snapshots."""
 
 
 class WorkerMain:
-    """Does commands, one after the other, and answers each.
+    """Does commands, one after the other, and replies to each.
 
-    It keeps nothing but caches: histories with their snapshots, and the solver's groundings.
+    It keeps only caches: histories with their snapshots, and the solver's groundings.
     """
 
-    def __init__(self, commands: Commands) -> None:
-        self._commands = commands
-        self._solver: Optional[AnySolver] = None
-        self._known = KnownHistories()
-        self._tell: Callable[[Message], None] = lambda message: None
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._histories: Dict[str, History] = {}  # by their texts, as the solver's groundings belong to these objects
+        self._reported = time.monotonic()
         self._handlers: Dict[str, Callable[[Message], Message]] = {
             "load": self._load,
             "update": self._update,
-            "prefetch": self._prefetch,
             "improve": self._improve,
             "shorten": self._shorten,
             "inquire": self._inquire,
             "explain": self._explain,
         }
 
-    def run(self, answer: Callable[[Message], None]) -> None:
-        """Serve until the parent closes its end."""
-        self._tell = answer
+    def run(self) -> None:
+        """Serve until the parent closes its end, which raises EOFError."""
         while True:
-            command = self._commands.next()
-            if "history" in command:
-                self.solver.restore(self._known.take(command["history"]))
-            try:
-                reply = self._handlers[command["do"]](command)
-            except SolverError as error:
-                reply = {"refused": str(error), "dropped": isinstance(error, DroppedError)}
-            if "after" in command:
-                self._known.keep(command["after"], self.solver.log)
-            answer(reply)
-            if command.get("improves"):
-                answer(self._shortened(reply))
+            self._channel.wait()
+            command = self._channel.unread.popleft()
+            if command["do"] in self._handlers:  # an interrupt that came late is ignored
+                self._channel.send(self._reply_to(command))
 
-    @property
-    def solver(self) -> AnySolver:
-        """The solver, once the program is loaded."""
-        assert self._solver is not None
-        return self._solver
+    def _reply_to(self, command: Message) -> Message:
+        self._reported = time.monotonic()
+        if "history" in command:
+            self._solver.restore(self._history(command["history"]))
+            self._cache(self._solver.log)
+        try:
+            return self._handlers[command["do"]](command)
+        except SolverError as error:
+            return {"refused": str(error), "dropped": isinstance(error, DroppedError)}
+
+    # ---- Commands ----------------------------------------------------------------------------------------------------
 
     def _load(self, command: Message) -> Message:
         try:
-            program = program_from_message(command["program"])
+            self._program = program = program_from_message(command["program"])
         except ProgramError as error:
-            return faults_to_message(error.faults)
+            return {"faults": [vars(one) for one in error.faults]}
         options = dict(command["options"])
+        self._histories.clear()
+        self._solver: Union[PlanSolver, LoggedSolver]
         if options.pop("shortest", False):
             self._solver = PlanSolver(program, **options)
         else:
@@ -155,105 +100,122 @@ class WorkerMain:
         return {}
 
     def _update(self, command: Message) -> Message:
-        """Take an update, and search."""
-        update, stopped = command["update"], self._telling()
-        if update is None:
-            result = self.solver.solve(stopped, self._commands.dropped)
+        """Accept an update, and search; then shorten the plan, if that is asked for, until interrupted."""
+        solver, start, text = self._solver, self._solver.log, command["update"]
+        if text is None:
+            result = solver.solve(self._is_interrupted, self._is_dropped)
         else:
-            result = self.solver.update(parse_update(update), stopped, self._commands.dropped)
-        entry = self.solver.log.without_plan.entry
-        checkpoint = entry.message if isinstance(entry, Checkpoint) else None
-        told = result_to_message(result, self.solver.program, isinstance(self.solver, PlanSolver))
-        return {**told, "grounded": self.solver.horizon, "checkpoint": checkpoint}
-
-    def _telling(self) -> Callable[[], bool]:
-        """Return what tells whether a search is to be ended; now and then it tells the parent how far that is."""
-        told = time.monotonic()
-
-        def interrupted() -> bool:
-            """Look."""
-            nonlocal told
-            if time.monotonic() - told >= TELLING:
-                told = time.monotonic()
-                self._tell({REACHED: self.solver.reached})
-            return self._commands.interrupted()
-
-        return interrupted
-
-    def _prefetch(self, command: Message) -> Message:
-        """Answer an update that may come, unless something else does before long."""
-        return self._update(command) if self._commands.are_none(command["pause"]) else {"left": True}
-
-    def _shortened(self, reply: Message) -> Message:
-        """Shorten the plan in a ``reply`` until something comes; an empty message if it gets no shorter."""
-        shorter: Message = {}
+            result = solver.update(parse_update(text), self._is_interrupted, self._is_dropped)
+        reply = self._answer(result, start)
         with suppress(SolverError):  # the plan that there is remains one
-            while "outcome" in reply and not self._commands.have_come():
-                result = self._planner.improve(self._commands.have_come)
-                if result is None:
+            while command["improves"] and result.answers and not self._is_interrupted():
+                self._channel.send({**reply, "more": True})
+                better = self._planner.improve(self._is_interrupted)
+                if better is None:
                     break
-                shorter = result_to_message(result, self.solver.program)
-        return shorter
+                reply = self._answer(replace(better, warnings=result.warnings, statistics=result.statistics), start)
+        return reply
+
+    def _improve(self, _command: Message) -> Message:
+        """Shorten the plan."""
+        start = self._planner.log
+        result = self._planner.improve(self._is_interrupted)
+        return {} if result is None else self._answer(result, start)
+
+    def _shorten(self, _command: Message) -> Message:
+        """Put a checkpoint at the end of the history."""
+        start = self._planner.log
+        self._planner.checkpoint()
+        return self._entries_since(start)
+
+    def _inquire(self, command: Message) -> Message:
+        """Find out what would be, had some facts not been asserted."""
+        doubted, untold = (symbols_from_text(command[key]) for key in ("doubted", "untold"))
+        update = parse_update(command["update"])
+        verdict = self._planner.inquire(update, doubted, untold, self._is_interrupted, self._is_dropped)
+        return {"satisfiable": verdict.satisfiable, "core": symbols_to_text(sorted(verdict.core))}
+
+    def _explain(self, command: Message) -> Message:
+        """Find out why there is no plan."""
+        os.nice(NICENESS)
+        try:
+            found = explain(self._program, stream_from_message(command["stream"]), self._is_interrupted)
+        except OutOfTimeError:
+            raise DroppedError("stopped before anything was found out") from None
+        return {"why": None if found is None else found.to_message()}
 
     @property
     def _planner(self) -> PlanSolver:
         assert isinstance(self._solver, PlanSolver)
         return self._solver
 
-    def _improve(self, _command: Message) -> Message:
-        """Shorten the plan."""
-        result = self._planner.improve(self._commands.interrupted)
-        return {} if result is None else result_to_message(result, self.solver.program)
+    # ---- Histories ---------------------------------------------------------------------------------------------------
 
-    def _shorten(self, _command: Message) -> Message:
-        """Put a checkpoint at the end of the history."""
-        self._planner.checkpoint()
-        entry = self.solver.log.without_plan.entry
-        assert isinstance(entry, Checkpoint)
-        return {"checkpoint": entry.message}
+    def _history(self, text: str) -> History:
+        """Return the history of a text, made from the longest one in the cache."""
+        lines, rest = text.splitlines(keepends=True), []
+        while lines and "".join(lines) not in self._histories:
+            rest.append(lines.pop())
+        log = self._histories.get("".join(lines)) or History()
+        return log.then(*(entry_from_message(json.loads(line)) for line in reversed(rest)))
 
-    def _inquire(self, command: Message) -> Message:
-        """Tell what would be, had some facts not been told."""
-        doubted, untold = (symbols_from_text(command[key]) for key in ("doubted", "untold"))
-        update = parse_update(command["update"])
-        return verdict_to_message(
-            self._planner.inquire(update, doubted, untold, self._commands.interrupted, self._commands.dropped)
-        )
+    def _cache(self, log: History) -> None:
+        """Cache a history, and drop the one that was used least recently."""
+        text = log.text()
+        self._histories.pop(text, None)
+        self._histories[text] = log
+        if len(self._histories) > CACHED:
+            del self._histories[next(iter(self._histories))]
 
-    def _explain(self, command: Message) -> Message:
-        """Tell why there is no plan, of a program of its own; what else the machine has to do comes first."""
-        os.nice(EXPLAINING)
-        stream = stream_from_message(command["stream"])
-        try:
-            found = explain(program_from_message(command["program"]), stream, self._commands.interrupted)
-        except OutOfTimeError:
-            return {"late": True}
-        return {"why": None if found is None else found.to_message()}
+    # ---- The parent --------------------------------------------------------------------------------------------------
+
+    def _answer(self, result: SolveResult, start: History) -> Message:
+        """Return the reply with a ``result`` of the solver, which continued from ``start``."""
+        remarks: List[str] = []  # all of them: earlier replies may not have been read
+        if isinstance(self._solver, PlanSolver):
+            answers = tuple(recent(one, result.step, self._program) for one in result.answers)
+            warnings = tuple(one for one in result.warnings if one not in self._solver.remarks)
+            remarks, result = sorted(self._solver.remarks), replace(result, answers=answers, warnings=warnings)
+        return {"result": result_to_message(result), "remarks": remarks, **self._entries_since(start)}
+
+    def _entries_since(self, start: History) -> Message:
+        """Return the part of a reply with the entries that the solver has appended to ``start``."""
+        self._cache(self._solver.log)
+        return {"entries": [*map(entry_to_message, self._solver.log.since(start) or ())]}
+
+    def _is_interrupted(self) -> bool:
+        """Return whether to end the search under way; report now and then how far it is."""
+        if time.monotonic() - self._reported >= REPORTING:
+            self._reported = time.monotonic()
+            self._channel.send({"reached": self._solver.reached})
+        return bool(self._interrupts())
+
+    def _is_dropped(self) -> bool:
+        """Return whether to drop the command under way."""
+        return any(time.monotonic() >= one["drop_at"] for one in self._interrupts())
+
+    def _interrupts(self) -> List[Message]:
+        """Return the messages that interrupt the command under way."""
+        self._channel.wait(0.0)
+        return [message for message in self._channel.unread if message["do"] == "interrupt"]
 
 
-def end_with(lifeline: int) -> None:
+def end_with_parent(lifeline: int) -> None:
     """End this process when the other end of the pipe ``lifeline`` is closed."""
     signal.signal(signal.SIGIO, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGIO])
     fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([lifeline], [], [], 0)[0]:
-        raise SystemExit(0)  # it was closed before the kernel was asked to tell
+        raise SystemExit(0)  # it was closed before the kernel was asked to signal that
 
 
 def main() -> None:
     """Serve the parent."""
-    end_with(int(sys.argv[1]))
-    with os.fdopen(os.dup(1), "wb", buffering=0) as replies:
-        os.dup2(2, 1)  # what a script in a program prints must not get among the replies
-
-        def answer(message: Message) -> None:
-            """Write a whole message to the parent: one write may take only a part of it."""
-            data = memoryview(encode(message))
-            while data:
-                data = data[replies.write(data) :]
-
-        WorkerMain(Commands(0)).run(answer)
+    end_with_parent(0)
+    os.dup2(2, 1)  # scripts in a program may print; the standard output is the parent's
+    with suppress(EOFError):
+        WorkerMain(Channel(socket.socket(fileno=int(sys.argv[1])))).run()
 
 
 if __name__ == "__main__":

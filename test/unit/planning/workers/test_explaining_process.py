@@ -6,7 +6,7 @@ from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History, Taken
-from rosoclingo.planning.workers import child, explaining_process
+from rosoclingo.planning.workers import explaining_process, worker
 from rosoclingo.planning.workers.explaining_process import explain_apart
 
 PROGRAM = (
@@ -54,7 +54,8 @@ at(P,t) :- _action_lib(go,P,t).
 @pytest.mark.once
 @pytest.mark.slow
 def test_what_takes_too_long_is_ended(monkeypatch):
-    monkeypatch.setattr(explaining_process, "PATIENCE", (0.1, 0.2))
+    monkeypatch.setattr(explaining_process, "GRACE", 0.1)
+    monkeypatch.setattr(explaining_process, "PATIENCE", 0.2)
     program = ReactiveProgram.from_text(EXPLODING)
     with pytest.raises(DroppedError, match="not found out in 1 s"):
         explain_apart(program, stream("#step 1. e(1). #end step.", 3), 1.0)
@@ -66,6 +67,6 @@ def test_a_process_that_cannot_be_started_is_told(monkeypatch):
     def refused(*_arguments, **_more):
         raise OSError("no more processes")
 
-    monkeypatch.setattr(child.subprocess, "Popen", refused)
+    monkeypatch.setattr(worker.subprocess, "Popen", refused)
     with pytest.raises(SolverError, match="no more processes"):
         explain_apart(ReactiveProgram.from_text(PROGRAM), stream("#step 1. #end step.", 1), 1.0)

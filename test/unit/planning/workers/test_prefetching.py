@@ -1,254 +1,228 @@
-"""Answers that the child which is kept ready has before their updates come."""
+"""Prefetching: the standby has an answer before its update comes."""
 
 import os
 import signal
 
 import pytest
 from children import ended, kill, wait_until_prepared
+from plain_walk import ONWARD, onward
 
 from rosoclingo.oclingo import ReactiveProgram, SolverError, parse_atom, parse_update
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.workers import child as child_module
 from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 
+PROGRAM = ReactiveProgram.from_text(ONWARD)
 OPTIONS = {"plan_time": 60.0}
-
-#: A robot goes from place to place; where it is told of a failure, clingo has to ground anew what might depend on it.
-WALK = """
-#program base. at(0,0). #show _action_lib/3.
-#program cumulative(t).
-#external _request/2. #external _return/3. #external _failed/3.
-{ _action_lib(go,X+1,t); _action_lib(idle,X,t) } 1 :- at(X,t-1), wanted(Y,t), X < Y.
-at(X,t) :- _action_lib(go,X,t), not _failed(go,_,t).
-at(X,t) :- at(X,t-1), not moved(t).
-moved(t) :- _action_lib(go,X,t), not _failed(go,_,t).
-wanted(X,t) :- _request(X,t).
-wanted(X,t) :- wanted(X,t-1).
-#program volatile(t).
-:- wanted(X,t), not at(X,t).
-"""
-
 ASK = parse_update("#step 1 : 50. _request(5,1). #endstep.")
 
 
-def after_first(value):
-    """The update that tells how the first action ended."""
-    return parse_update(f"#step 2 : 50. #closed 1. :- not _action_lib(go,1,1). _return(go,{value},1). #endstep.")
+#: The first action failed and was done again.
+AGAIN = onward(3, "no", place=1)
+
+
+def pool_of(**options):
+    return WorkerPool(PROGRAM, spare=True, shortest=True, **{**OPTIONS, **options})
 
 
 @pytest.fixture
 def here():
     """A solver in this process."""
-    solver = PlanSolver(ReactiveProgram.from_text(WALK), **OPTIONS)
+    solver = PlanSolver(PROGRAM, **OPTIONS)
     solver.update(ASK)
     return solver
 
 
 @pytest.fixture(scope="module")
-def process():
-    """A process for all tests, as its children take long to start."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "PAUSE", 0.0)
-        with WorkerPool(ReactiveProgram.from_text(WALK), spare=True, shortest=True, **OPTIONS) as one:
-            yield one
+def pool():
+    """A pool for all tests, as its workers take long to start."""
+    with pool_of() as one:
+        yield one
 
 
 @pytest.fixture
-def solver(process):
-    """A solver in ``process`` that has been asked; the child that is kept ready is at nothing else."""
-    one = process.solver()
+def solver(pool):
+    """A solver that has been asked; the standby is idle."""
+    one = pool.solver()
     one.update(ASK)
-    wait_until_prepared(process)
+    wait_until_prepared(pool)
     return one
 
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("waits", [True, False])
-def test_the_answer_that_was_prepared_is_the_one_that_is_searched_for(here, process, solver, waits):
-    """The child that has it goes on; whether it is there or under way."""
-    old, spare = process.pid, process.spare_pid
-    solver.prepare(after_first("no"))
+def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
+    """Also while it still searches."""
+    old, spare = pool.pid, pool.spare_pid
+    assert solver.prepare(onward(2, "no"))
     if waits:
-        wait_until_prepared(process)
-    worked = process.worked
-    assert solver.update(after_first("no")) == here.update(after_first("no"))
-    assert (process.pid, process.spare_pid) == (spare, None)
+        wait_until_prepared(pool)
+    worked = pool.worked
+    assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
+    assert (pool.pid, pool.spare_pid) == (spare, None)
     assert ended(old)
-    assert process.worked >= worked
+    assert pool.worked >= worked
     assert solver.log.key == here.log.key
     assert solver.log.plan == here.log.plan
-    done = "#step 3 : 50. #closed 2. :- not _action_lib(go,1,2). _return(go,no,2). #endstep."
-    assert solver.update(parse_update(done)) == here.update(parse_update(done))
-    assert process.spare_pid is not None, "another one is kept ready"
+    assert solver.update(AGAIN) == here.update(AGAIN)
+    assert pool.spare_pid is not None, "there is another standby"
 
 
-def step(number, value):
-    """The update that tells how the action before went."""
-    done = f"#closed {number - 1}. :- not _action_lib(go,{number - 1},{number - 1})."
-    return parse_update(f"#step {number} : 50. {done} _return(go,{value},{number - 1}). #endstep.")
-
-
-def test_the_answer_to_a_later_update_is_prepared(here, process, solver):
-    before, later = [step(2, 1), step(3, 2)], step(4, "no")
-    pids = process.pid, process.spare_pid
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize("comes", ["as predicted", "earlier"])
+def test_answer_is_prefetched_behind_predicted_updates(here, pool, solver, comes):
+    before, later = [onward(2, 1), onward(3, 2)], onward(4, "no")
+    pids = pool.pid, pool.spare_pid
     assert solver.prepare(later, before)
-    wait_until_prepared(process)
+    if comes == "earlier":
+        for update in (onward(2, "no"), AGAIN):
+            assert solver.update(update) == here.update(update)
+        assert pool.pid == pids[0]
+        return
+    wait_until_prepared(pool)
     for update in before:
         assert solver.update(update) == here.update(update)
-        assert (process.pid, process.spare_pid) == pids
+        assert (pool.pid, pool.spare_pid) == pids
     assert solver.update(later) == here.update(later)
-    assert process.pid == pids[1]
+    assert pool.pid == pids[1]
 
 
-def test_it_is_of_no_use_where_another_one_comes_before(here, process, solver):
-    pid = process.pid
-    assert solver.prepare(step(3, "no"), [step(2, 1)])
-    assert solver.update(step(2, "no")) == here.update(step(2, "no"))
-    again = parse_update("#step 3 : 50. #closed 2. :- not _action_lib(go,1,2). _return(go,no,2). #endstep.")
-    assert solver.update(again) == here.update(again)
-    assert process.pid == pid
+def test_nothing_is_prefetched_behind_an_unpredicted_update(solver):
+    assert not solver.prepare(onward(3, 2), [onward(2, "no")])
 
 
 def as_planned(plan, number):
-    """The update that tells that all went as planned."""
+    """The update after a cycle that went as planned."""
     done = sorted(one for one in plan.actions if cycle_of(one) == number - 1)
     told = "".join(f":- not {one}. _return({','.join(map(str, one.arguments))})." for one in done)
     return parse_update(f"#step {number} : 50. #closed {number - 1}. {told} #endstep.")
 
 
 @pytest.mark.slow
-def test_a_plan_is_shortened_while_there_is_time(monkeypatch):
-    """That is, until its update comes, or nothing is left to try."""
-    monkeypatch.setattr(worker, "PAUSE", 0.0)
-    program = ReactiveProgram.from_text(WALK)
-    with WorkerPool(program, spare=True, shortest=True, **{**OPTIONS, "plan_time": 0.0}) as one:
-        solver = one.solver()
+def test_prefetched_plan_is_shortened_until_its_update_comes():
+    with pool_of(plan_time=0.0) as pool:
+        solver = pool.solver()
         solver.update(ASK)
         before = as_planned(solver.log.plan, 2)
         later = parse_update(str(as_planned(solver.log.plan, 3)).replace("_return(go,1,2)", "_return(go,no,2)"))
         assert solver.prepare(later, [before])
-        wait_until_prepared(one)
+        wait_until_prepared(pool)
         found = [solver.update(update) for update in (before, later)]
-        spare = one.pid
+        spare = pool.pid
         assert solver.log.plan == Plan.in_result(found[-1])
         solver.update(as_planned(solver.log.plan, 4))
-        assert one.pid == spare
-    other = PlanSolver(program, **{**OPTIONS, "plan_time": 60.0})
+        assert pool.pid == spare
+    other = PlanSolver(PROGRAM, **OPTIONS)
     assert found[-1].horizon == [other.update(update).horizon for update in (ASK, before, later)][-1]
 
 
-def test_whether_an_answer_is_there_is_known_without_waiting_for_it(here, process, solver):
-    update = after_first("other")
+def test_prefetched_answer_is_announced_without_waiting(here, pool, solver):
+    update = onward(2, "other")
     assert not solver.has_prepared(update)
-    assert not here.has_prepared(update), "nobody prepares anything"
+    assert not here.has_prepared(update), "nobody prefetches"
     solver.prepare(update)
-    wait_until_prepared(process)
+    wait_until_prepared(pool)
     assert solver.has_prepared(update)
-    assert not solver.has_prepared(after_first("1")), "that is another one"
-    os.kill(process.spare_pid, signal.SIGKILL)
-    assert ended(process.spare_pid)
-    assert not solver.has_prepared(update)
-    assert solver.update(update) == here.update(update)
-
-
-def test_nothing_is_prepared_behind_what_takes_a_search(solver):
-    assert not solver.prepare(step(3, 2), [step(2, "no")])
+    assert not solver.has_prepared(onward(2, 1)), "that is another one"
 
 
 @pytest.mark.parametrize("value", ["1", "other"])
-def test_what_was_prepared_is_of_no_use_where_something_else_comes(here, process, solver, value):
-    pid = process.pid
-    solver.prepare(after_first("no"))
-    assert solver.update(after_first(value)) == here.update(after_first(value))
-    assert process.pid == pid
+def test_prefetched_answer_is_unused_after_another_update(here, pool, solver, value):
+    pid = pool.pid
+    solver.prepare(onward(2, "no"))
+    assert solver.update(onward(2, value)) == here.update(onward(2, value))
+    assert pool.pid == pid
 
 
-def test_the_latest_is_what_is_prepared(here, process, solver):
-    """However many there were that nothing came of."""
+def test_standby_prefetches_the_latest_question(here, pool, solver):
     for number in range(5):
-        solver.prepare(after_first(f"no{number}"))
-    wait_until_prepared(process)
+        solver.prepare(onward(2, f"no{number}"))
     for _ in range(2):
-        solver.prepare(after_first("no"))
-    wait_until_prepared(process)
-    spare = process.spare_pid
-    assert solver.update(after_first("no")) == here.update(after_first("no"))
-    assert process.pid == spare
+        solver.prepare(onward(2, "no"))
+        wait_until_prepared(pool)
+    spare = pool.spare_pid
+    assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
+    assert pool.pid == spare
 
 
 @pytest.mark.parametrize("when", ["begun", "ready"])
-def test_the_child_that_prepares_may_be_lost(here, process, solver, when):
-    solver.prepare(after_first("no"))
+def test_lost_standby_costs_only_its_answer(here, pool, solver, when):
+    solver.prepare(onward(2, "no"))
     if when == "ready":
-        wait_until_prepared(process)
-    os.kill(process.spare_pid, signal.SIGKILL)
-    assert ended(process.spare_pid)
-    assert solver.update(after_first("no")) == here.update(after_first("no"))
+        wait_until_prepared(pool)
+    os.kill(pool.spare_pid, signal.SIGKILL)
+    assert ended(pool.spare_pid)
+    assert not solver.has_prepared(onward(2, "no"))
+    assert solver.prepare(onward(2, "no")), "another one begins"
+    assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
 
 
-def test_the_child_that_prepares_takes_the_place_of_one_that_is_lost(here, process, solver):
-    """What it was at is left; nothing of that gets among what it is asked next."""
-    solver.prepare(after_first("no"))
-    spare = process.spare_pid
-    kill(process)
-    assert solver.update(after_first("other")) == here.update(after_first("other"))
-    assert process.pid == spare
+def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
+    """It abandons its search, of which nothing gets into the next answer."""
+    solver.prepare(onward(2, "no"))
+    spare = pool.spare_pid
+    kill(pool)
+    assert solver.update(onward(2, "other")) == here.update(onward(2, "other"))
+    assert pool.pid == spare
 
 
 @pytest.mark.slow
-def test_it_is_replaced_once_it_has_grown(monkeypatch):
-    monkeypatch.setattr(child_module, "GROWTH", 0)
-    monkeypatch.setattr(worker, "PAUSE", 0.0)
-    sizes = iter([10, 100, 10])
-    monkeypatch.setattr(child_module.WorkerProcess, "memory", property(lambda self: next(sizes)))
+def test_grown_standby_is_replaced(monkeypatch):
+    monkeypatch.setattr(worker, "GROWTH", 0)
+    sizes = iter([10, 10, 100, 10])
+    monkeypatch.setattr(worker.Worker, "memory", property(lambda self: next(sizes)))
     pids = []
-    with WorkerPool(ReactiveProgram.from_text(WALK), spare=True, shortest=True, **OPTIONS) as one:
-        solver = one.solver()
+    with pool_of() as pool:
+        solver = pool.solver()
         solver.update(ASK)
-        for number in range(3):
-            solver.prepare(after_first(f"no{number}"))
-            pids.append(one.spare_pid)
-            wait_until_prepared(one)
-    assert pids[0] != pids[1] == pids[2]
+        wait_until_prepared(pool)
+        for number in range(2):
+            solver.prepare(onward(2, f"no{number}"))
+            pids.append(pool.spare_pid)
+            wait_until_prepared(pool)
+    assert pids[0] != pids[1]
 
 
 @pytest.mark.slow
-def test_a_plan_that_has_become_better_is_prepared_for(here):
-    """The robot goes on from it where the failure leaves it one."""
-    with WorkerPool(ReactiveProgram.from_text(WALK), spare=True, shortest=True, **{**OPTIONS, "plan_time": 0.0}) as one:
-        solver = one.solver()
+@pytest.mark.parametrize("again", [True, False])
+def test_improved_plan_is_prefetched_for_again(here, again):
+    """The search for the update after a failure begins with it; an answer from before is one, too."""
+    with pool_of(plan_time=0.0) as pool:
+        solver = pool.solver()
         best = here.log.plan
         solver.update(ASK)
         (go,) = (action for action in best.actions if cycle_of(action) == 1)
         idle = parse_atom("_action_lib(idle,1,2)")
-        solver.restore(solver.log.adopt(Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)))
-        solver.prepare(after_first("no"))
-        wait_until_prepared(one)
-        solver.restore(solver.log.adopt(best))
-        solver.prepare(after_first("no"))
-        wait_until_prepared(one)
-        assert solver.update(after_first("no")).horizon == best.horizon + 1
+        worse = Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)
+        for plan in (worse, best):
+            solver.restore(solver.log.adopt(plan))
+            if again or plan is worse:
+                assert solver.prepare(onward(2, "no"))
+                wait_until_prepared(pool)
+        spare = pool.spare_pid
+        result = solver.update(onward(2, "no"))
+        assert pool.pid == spare
+        assert solver.log.plan == Plan.in_result(result)
+        assert not again or result.horizon == best.horizon + 1
 
 
 @pytest.mark.slow
-def test_an_update_that_is_refused_is_refused_though_it_was_prepared():
-    limited = {**OPTIONS, "horizon_limit": 3}
-    with WorkerPool(ReactiveProgram.from_text(WALK), spare=True, shortest=True, **limited) as one:
-        solver = one.solver()
+def test_refused_update_is_refused_though_prefetched():
+    with pool_of(horizon_limit=3) as pool:
+        solver = pool.solver()
         solver.update(parse_update("#step 1 : 50. _request(1,1). #endstep."))
         solver.prepare(parse_update("#step 9 : 50. #endstep."))
-        wait_until_prepared(one)
+        wait_until_prepared(pool)
         with pytest.raises(SolverError, match="beyond the horizon limit"):
             solver.update(parse_update("#step 9 : 50. #endstep."))
-        assert solver.update(after_first("1")).step == 2
+        assert solver.update(onward(2, "1")).step == 2
 
 
-def test_nothing_is_prepared_where_none_is_kept_ready():
-    with WorkerPool(ReactiveProgram.from_text(WALK), shortest=True, **OPTIONS) as one:
-        solver = one.solver()
+def test_pool_without_standby_prefetches_nothing():
+    with WorkerPool(PROGRAM, shortest=True, **OPTIONS) as pool:
+        solver = pool.solver()
         solver.update(ASK)
-        solver.prepare(after_first("no"))
-        assert one.spare_pid is None
-        solver.update(after_first("no"))
+        assert not solver.prepare(onward(2, "no"))
+        assert pool.spare_pid is None
+        solver.update(onward(2, "no"))

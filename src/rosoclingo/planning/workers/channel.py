@@ -1,0 +1,81 @@
+"""Messages between a worker and its parent: JSON, one a line, over a socket."""
+
+import json
+import select
+import socket
+import time
+from collections import deque
+from contextlib import suppress
+from typing import Deque, Optional
+
+from rosoclingo.planning.text import Message
+
+_CHUNK = 1 << 18
+
+
+class Channel:
+    """One end of a connection, at which sending never waits: a worker that is grounding does not read.
+
+    Data that the socket does not accept yet is written by a later call of any method.
+
+    Attributes:
+        unread: messages that have come, oldest first.
+
+    """
+
+    def __init__(self, connection: socket.socket) -> None:
+        """Use ``connection``, which :meth:`close` closes."""
+        self._socket = connection
+        self._socket.setblocking(False)
+        self._unsent, self._partial = bytearray(), bytearray()
+        self._ended = False
+        self.unread: Deque[Message] = deque()
+
+    def send(self, message: Message) -> None:
+        """Send ``message``; if nobody is at the other end :meth:`wait` reports it."""
+        self._unsent += json.dumps(message, separators=(",", ":")).encode("ascii") + b"\n"
+        self._flush()
+
+    def wait(self, timeout: Optional[float] = None) -> bool:
+        """Wait for a message for at most ``timeout`` seconds of wall time; return whether one is unread.
+
+        Raises EOFError if the other end is closed and all its messages are read.
+        """
+        end = None if timeout is None else time.monotonic() + timeout
+        poll = select.poll()
+        while True:
+            self._flush()
+            self._read()
+            if self.unread:
+                return True
+            if self._ended:
+                raise EOFError
+            left = None if end is None else end - time.monotonic()
+            if left is not None and left <= 0.0:
+                return False
+            poll.register(self._socket, select.POLLIN | (select.POLLOUT if self._unsent else 0))
+            poll.poll(None if left is None else 1000 * left)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+    def _flush(self) -> None:
+        with suppress(OSError):  # it is full, or nobody reads
+            while self._unsent:
+                del self._unsent[: self._socket.send(self._unsent[:_CHUNK])]
+
+    def _read(self) -> None:
+        while not self._ended:
+            try:
+                data = self._socket.recv(_CHUNK)
+            except BlockingIOError:
+                return
+            except OSError:  # the other end was closed before it had read all
+                data = b""
+            self._ended = not data
+            *lines, rest = data.split(b"\n")
+            for line in lines:
+                self.unread.append(json.loads(self._partial + line))
+                self._partial.clear()
+            self._partial += rest
