@@ -11,28 +11,27 @@ import clingo
 from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
-from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, STEPS, no_plan_from, steps_claimed
+from rosoclingo.oclingo.program.action_rules import BEYOND, RETURN, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.lint.likeness import asked, likely
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.program.signatures import statement_edges
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.strings import holds_string_apart
-from rosoclingo.oclingo.progression.terms import signature_of
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession, Externals, Heads
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
-from rosoclingo.oclingo.solving.cycles import ActionIndex, CycleIndex
-from rosoclingo.oclingo.solving.results import refusal
+from rosoclingo.oclingo.solving.cycles import ActionIndex
+from rosoclingo.oclingo.solving.results import refusal, unused_fact
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
-from rosoclingo.planning.snapshot import NOT_EXTERNAL, ClosedHeads, Forgotten, Past, Snapshot, Told
+from rosoclingo.planning.snapshot import NOT_EXTERNAL, ClosedHeads, Fact, Forgotten, Past, Snapshot, Told
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
@@ -49,7 +48,9 @@ BASE = range(-(2**31), 1 - 2**31)
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """The part that has what steps must know of those that are retired, and its parameters."""
 
-_STRANGE = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
+HIDDEN = (Signature(GUARD, 2), BEYOND)
+"""The predicates of auxiliary atoms, which are no part of an answer."""
+
 _TOO_LATE = "Head {} comes too late: what concerns steps before {} is over. The entire rule will be ignored."
 
 
@@ -66,13 +67,11 @@ class Grounding:
         messages: what clingo said.
         past: the steps before those that are ground.
         ground_parts: what was ground one after the other, with the steps, :data:`BASE` or none.
-        names: the literals of the atoms that base has; clingo drops the names of those that are false for good.
-        shown: the shown atoms of the last answer.
+        shown: the shown atoms of the last answer, None before there was one.
         definitions: the statements that define their heads.
         in_force: the statements that are.
         waiting: statements whose heads only steps to come declare.
         false: externals that nothing will define any more.
-        satisfied: whether there was an answer.
         is_cyclic: whether a statement closes a positive loop, which clingo finds only among rules that come together;
             such a grounding must not grow.
 
@@ -97,54 +96,55 @@ class Grounding:
         SolverError for what clingo refuses.
         """
         self.program, self.snapshot, self.messages = program, snapshot, Messages()
-        self.is_cyclic = self._closes_loops()
+        self.is_cyclic = _closes_loops(program, snapshot)
+        self.past = snapshot.past or Past(program.first_step, frozenset())
+        self.horizon = self.past.first - 1
+        self.warnings = [*snapshot.odd, *_unused_facts(program, snapshot)]
+        self.shown: Optional[FrozenSet[clingo.Symbol]] = None
+        self.in_force: List[Told] = []
+        self.waiting: List[Told] = []
+        self.false: Set[clingo.Symbol] = set()
+        self.ground_parts: List[Tuple[range, Parts]] = []
+        self._dropped = dropped
+        self._retired = frozenset(atom for _, atom in self.past.shown)
+        self._return_rules = program.return_rules if predicts else None
+        self._hidden: Set[clingo.Symbol] = set()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
         self._observer, self._heads = Externals(), Heads()
-        self.ground_parts: List[Tuple[range, Parts]] = []
         self._pieces: Dict[int, range] = {}  # by their first step
         self._externals = ExternalIndex(self._control, program, self._pieces)
         self.definitions = Definitions(self._control, self._session, self._externals.declared, self._heads.externals)
         self._assumables = Assumables(self._session, assumable)
-        self._actions = ActionIndex(self._control, self._session, ACTION, program.first_step, self._assumables.literals)
-        self._returns = CycleIndex(self._control, RETURN)
-        self._return_rules = program.return_rules if predicts else None
+        self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
+        self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         for observer in (self._observer, self._heads) if program.defines_externals else (self._observer,):
             self._control.register_observer(observer)
         with self._refusing():
             program.load_into(self._control, predicts)
         self._clasp = ClaspSearch(self._control, program)
-        self._hidden: Set[clingo.Symbol] = set()
-        self.waiting, self.in_force = [], []  # type: List[Told], List[Told]
-        self.false: Set[clingo.Symbol] = set()
-        self._dropped, self._whole, self.satisfied = dropped, whole, False
-        self.shown: FrozenSet[clingo.Symbol] = frozenset()
-        self.warnings: List[str] = list(snapshot.odd)
-        self.past = snapshot.past or Past(program.first_step, frozenset())
-        self._retired = frozenset(atom for _, atom in self.past.shown)
-        self.horizon = self.past.first - 1
-        self._ends = HorizonLiterals(self._control, self._session, self.horizon)
-        self._given: Set[clingo.Symbol] = set()  # facts of open signatures
-        self.names: Dict[clingo.Symbol, int] = {}
-        self._before_steps = 0  # atoms that are no step's
-        self._build(horizon)
+        self._build(horizon, max(PIECE, horizon) if whole else PIECE)
 
     # ---- Building ----------------------------------------------------------------------------------------------------
 
-    def _build(self, horizon: int) -> None:
+    def _build(self, horizon: int, size: int) -> None:
         """Ground base and the steps up to ``horizon``, and put in force what the snapshot holds."""
+        snapshot = self.snapshot
         self._given = self._declare_open()
         self._ground([("base", [])], 1, BASE)
-        self.names = {one.symbol: one.literal for one in self._control.symbolic_atoms}
         self._externals.end_base()
         self._tell(self.past.facts)
-        self._before_steps = len(self._control.symbolic_atoms)
-        said = self._ground_closed(min(horizon, self._last_known))
-        size = PIECE if not self._whole else max(PIECE, horizon)
-        for last in pieces(self.horizon + 1, horizon, size, self.snapshot.keep_from):
+        self._ground_closed(horizon)
+        for last in pieces(self.horizon + 1, horizon, size, snapshot.keep_from):
             self._ground_to(last)
-        self._put_in_force(said)
-        self._ends.settle(min(self.snapshot.settled, self.horizon))
+        for cycle, executed in snapshot.closed.items():
+            self._actions.close_cycle(cycle, executed)
+        self._put_in_force(snapshot.told)
+        over = {clingo.Number(cycle) for cycle in snapshot.closed.keys() - snapshot.returning}
+        for one in self._control.symbolic_atoms.by_signature(*RETURN):
+            if one.symbol.arguments[2] in over and self.definitions.is_undefined(one.symbol):
+                self.definitions.close(one.symbol)
+        self._ends.settle(min(snapshot.settled, self.horizon))
 
     def _declare_open(self) -> Set[clingo.Symbol]:
         """Make the heads of open signatures known: as facts, which are returned, or as externals."""
@@ -167,20 +167,20 @@ class Grounding:
             self._control.add(*PAST, text)
             self._ground([(PAST[0], [])], self.past.first - 1)
         for atom in assumable:
-            self.definitions.add(Told(Statement(atom), FOREVER, 0), [self._assumables.literals[atom]], True)
+            self._add(Told(Statement(atom), FOREVER, 0))
 
     def _ground(self, parts: Parts, step: int, steps: range = range(0)) -> None:
         self._session.close()
         with self._refusing():
             self._control.ground(parts)
         self.ground_parts.append((steps, parts))
-        self._literals: Dict[clingo.Symbol, int] = {}  # of what was looked up since, 0 if no rule defines it
         self._externals.note(self._observer.fresh, step)
         self._observer.fresh.clear()
         self._heads.sort(self._externals.declared)
-        self._returns.expire()
         self._actions.expire()
         self._ends.expire()
+        for signature in HIDDEN:
+            self._hidden.update(one.symbol for one in self._control.symbolic_atoms.by_signature(*signature))
 
     @contextmanager
     def _refusing(self) -> Iterator[None]:
@@ -200,153 +200,96 @@ class Grounding:
         self._ground(
             [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps[0], steps
         )
-        for step in steps:
-            self._bound(step)
+        for window in (one for one in self.program.windows if one > 0):
+            for step in steps:
+                guard = self._control.symbolic_atoms[self.program.guard(window, step)]
+                if guard is not None:
+                    self._ends.define_window(guard.literal, step, window)
         self._ends.link(last)
         self.definitions.resolve_absent()
 
-    def _bound(self, step: int) -> None:
-        """Tie the volatile rules of ``step`` to the horizon."""
-        for window in self.program.windows:
-            guard = self._control.symbolic_atoms[self.program.guard(window, step)]
-            if guard is not None and window > 0:
-                self._ends.define_window(guard.literal, step, window)
-                self._hidden.add(guard.symbol)
-
-    @property
-    def _last_known(self) -> int:
-        """Return the last step before which all actions are known."""
-        first = self.horizon + 1
-        known = self.program.heads_apart and not self.assumable and not self.is_cyclic
-        return self.snapshot.closed_until(first) if known else self.horizon
-
-    def _ground_closed(self, known: int) -> Set[Statement]:
-        """Ground the steps up to ``known``, whose cycles are closed, with their actions; return the commitments used.
+    def _ground_closed(self, horizon: int) -> None:
+        """Ground the steps whose cycles are closed, with their actions, if no fact of these is assumable.
 
         Else a robot might be anywhere in each of them, and they would cost as much as the steps to come.
         """
-        permanent, said = set(self.snapshot.permanent), set()  # type: Set[Statement], Set[Statement]
-        first = self.horizon + 1
-        for last in pieces(first, known, CLOSED_PIECE, self.snapshot.keep_from):
+        if not self.program.heads_apart or self.assumable or self.is_cyclic:
+            return
+        snapshot, first = self.snapshot, self.horizon + 1
+        committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment}
+        end = min(horizon, snapshot.closed_until(first))
+        for last in pieces(first, end, CLOSED_PIECE, snapshot.keep_from):
+            steps = range(self.horizon + 1, last + 1)
             self._ground_to(last)
-            if not self.is_conflicting:
-                for cycle in range(first, last + 1):
-                    executed = self.snapshot.closed[cycle]
-                    self._actions.close_cycle(cycle, executed)
-                    for one in filter(permanent.__contains__, map(commitment, sorted(executed))):
-                        self.definitions.add(Told(one, FOREVER, 0), ())
-                        said.add(one)
-                self.simplify()
-            first = last + 1
-        return said
+            for cycle in steps:
+                self._actions.close_cycle(cycle, snapshot.closed[cycle])
+                for action in sorted(committed & snapshot.closed[cycle]):
+                    self.definitions.add(Told(commitment(action), FOREVER, 0))
+            self.simplify()
 
-    def _put_in_force(self, said: Set[Statement]) -> None:
-        """Add what the snapshot holds, except for commitments that were ``said``; nothing is searched before."""
-        snapshot = self.snapshot
-        for cycle, executed in snapshot.closed.items():
-            self._actions.close_cycle(cycle, executed)
-        for one in snapshot.told:
+    # ---- Statements --------------------------------------------------------------------------------------------------
+
+    def _put_in_force(self, entries: Iterable[Fact]) -> None:
+        """Put in force what a snapshot holds, in order; nothing is searched before all is."""
+        for one in entries:
             if isinstance(one, Forgotten):
                 self.forget(one.first, one.last, spared=one.spared)
             elif isinstance(one, ClosedHeads):
-                for atom in one.atoms:
-                    self.definitions.close(atom)
-                self.false |= one.atoms
-            elif one.lifetime == FOREVER and one.statement in said:
-                self.in_force.append(one)
+                self._close(one.atoms)
             else:
                 self._take(one)
-        for cycle in sorted(snapshot.closed.keys() - snapshot.returning):
-            for atom, _ in self._returns.pop_cycle(cycle):
-                if self.definitions.is_open(atom) and atom not in self.definitions.lapsing:
-                    self.definitions.close(atom)
 
     def forget(self, first: int, last: int, base: bool = True, spared: Collection[clingo.Symbol] = ()) -> None:
         """Let what steps ``first`` to ``last`` declare external and nothing defines be false (``base`` counts as 1).
 
         Not so the ``spared`` atoms.
         """
-        for atom in self.declared_between(first, last, base):
-            if atom not in self.definitions.lapsing and atom not in spared and atom.name != GUARD:
-                self.definitions.close(atom)
-                self.false.add(atom)
+        self._close(atom for atom in self.undefined_between(first, last, base) if atom not in spared)
 
-    # ---- Statements --------------------------------------------------------------------------------------------------
+    def _close(self, atoms: Iterable[clingo.Symbol]) -> None:
+        for atom in atoms:
+            self.definitions.close(atom)
+            self.false.add(atom)
 
     def _take(self, told: Told) -> None:
-        """Put a statement in force if it may define its head, have it wait for its step, or ignore it."""
+        """Put a statement in force if it defines its head, have it wait for its step, or ignore it."""
         statement, known, head = told.statement, self.definitions, told.statement.head
-        is_new = told.update == self.snapshot.number
-        if head is None or (head not in self._given and known.is_open(head, told.update)):
+        if head is None or (head not in self._given and (known.is_open(head, told.update) or self._is_strange(head))):
             self._add(told)
         elif head in self._given:  # it is known as a fact, which says more
             if not statement.body and told.lifetime == FOREVER:
                 self.in_force.append(told)
-        elif self._is_strange(head):
-            self._add(told)
-            if is_new:
-                self._remark(told)
         elif not statement.body and known.is_true(head):
             return
         elif self.snapshot.is_too_late(self.program, head):
-            self._warn(is_new, _TOO_LATE.format(head, self.past.first))
-        elif not known.is_closed(head) and not known.knows(head) and self._may_come(head):
+            self._warn(told, _TOO_LATE.format(head, self.past.first))
+        elif not known.is_closed(head) and not known.knows(head) and self.program.may_declare(head, self.horizon + 1):
             self.waiting.append(told)
         else:
-            self._warn(is_new, NOT_EXTERNAL.format(head))
+            self._warn(told, NOT_EXTERNAL.format(head))
 
     def _add(self, told: Told) -> None:
         self.in_force.append(told)
-        statement, lifetime = told.statement, told.lifetime
-        assumed = None if statement.subject is None else self._assumables.literals.get(statement.subject)
+        subject = told.statement.subject
+        assumed = None if subject is None else self._assumables.literals.get(subject)
         guards = [] if assumed is None else [assumed]
-        if isinstance(lifetime, int):
-            guards.append(self._ends.beyond(lifetime + 1))
+        if isinstance(told.lifetime, int):
+            guards.append(self._ends.beyond(told.lifetime + 1))
         self.definitions.add(told, guards, assumed is not None)
 
-    def _warn(self, is_new: bool, text: str) -> None:
-        if is_new:
+    def _warn(self, told: Told, text: str) -> None:
+        if told.update == self.snapshot.number:
             self.warnings.append(text)
 
-    def _may_come(self, atom: clingo.Symbol) -> bool:
-        return self.program.may_declare(atom, self.horizon + 1)
-
     def _is_strange(self, atom: clingo.Symbol) -> bool:
-        """Whether the program does not mention ``atom``, so that an update may define it freely."""
-        signature = signature_of(atom)
-        known = self.program.signatures | self.program.open_signatures
-        strange = signature not in known or holds_string_apart(atom)
-        return strange and not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
-
-    def _remark(self, told: Told) -> None:
-        """Tell, once, of a fact that neither the program nor a statement of the stream has any use for."""
-        assert told.statement.head is not None
-        signature = signature_of(told.statement.head)
-        both = {signature, signature._replace(positive=not signature.positive)}
-        if told.statement.body or both & self.program.signatures:
-            return
-        for one in self.snapshot.entries:
-            if one is told:
-                break
-            if one.statement.head is not None and signature_of(one.statement.head) == signature:
-                return  # told before
-        if not any(signature_of(one.atom) in both for rule in self.snapshot.statements for one in rule.body):
-            meant = asked(likely(signature, self.program.external_signatures))
-            self.warnings.append(_STRANGE.format(signature, f" ({meant})" if meant else ""))
+        """Whether the program does not mention ``atom``, so that an update can define it freely."""
+        signature, program = signature_of(atom), self.program
+        is_mentioned = signature in program.signatures or signature in program.open_signatures
+        if is_mentioned and not holds_string_apart(atom):
+            return False
+        return not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
 
     # ---- What it tells -----------------------------------------------------------------------------------------------
-
-    def _closes_loops(self) -> bool:
-        """Whether a statement closes a positive loop."""
-        rules = [one for one in self.snapshot.statements if one.head is not None and one.body]
-        dependencies = self.program.dependencies.copy() if rules else None
-        for one in rules:
-            assert dependencies is not None
-            heads, bodies = statement_edges(one)
-            if any(dependencies.reaches(head, bodies) for head in heads):
-                return True
-            dependencies.add(heads, bodies)
-        return False
 
     @property
     def is_conflicting(self) -> bool:
@@ -367,9 +310,8 @@ class Grounding:
 
     @property
     def atoms_per_step(self) -> int:
-        """How many atoms a step has, on average; at least 1."""
-        found, steps = len(self._control.symbolic_atoms) - self._before_steps, self.horizon + 1 - self.past.first
-        return max(1, found // max(1, steps))
+        """How many atoms there are for each step; at least 1."""
+        return max(1, len(self._control.symbolic_atoms) // max(1, self.horizon + 1 - self.past.first))
 
     @property
     def assumable(self) -> FrozenSet[clingo.Symbol]:
@@ -380,9 +322,10 @@ class Grounding:
         """Return the ``_action_lib`` atoms of the cycles first..last that are not closed."""
         return self._actions.between(first, last)
 
-    def declared_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
-        """Return the open externals that were declared at steps ``first`` to ``last`` (``base`` counts as 1)."""
-        return [atom for atom in self._externals.between(first, last, base) if self.definitions.is_open(atom)]
+    def undefined_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
+        """Return the externals that steps ``first`` to ``last`` declare and nothing defines (``base`` counts as 1)."""
+        found = self._externals.between(first, last, base)
+        return [atom for atom in found if self.definitions.is_undefined(atom) and atom.name != GUARD]
 
     def claimed_steps(self) -> int:
         """Return how many steps the program claims that a plan from the present step on takes; 0 for no claim.
@@ -407,10 +350,6 @@ class Grounding:
         self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
         self._session.release(external)
 
-    def settle(self) -> None:
-        """Say that no question will be about a horizon before the present step."""
-        self._ends.settle(self.snapshot.settled)
-
     # ---- Growing -----------------------------------------------------------------------------------------------------
 
     def grow_to(self, last: int) -> None:
@@ -423,9 +362,7 @@ class Grounding:
                 self._add(told)
             else:
                 self.waiting.append(told)
-        for one in self.snapshot.searched(last, self.program).told[len(self.snapshot.told) :]:
-            if isinstance(one, Forgotten):
-                self.forget(one.first, one.last, spared=one.spared)
+        self._put_in_force(self.snapshot.searched(last, self.program).told[len(self.snapshot.told) :])
 
     @property
     def _is_complete(self) -> bool:
@@ -462,11 +399,9 @@ class Grounding:
                 )
         for literal in lacking:
             self._session.release(literal)
-        satisfied = bool(result.satisfiable or answers.found)
-        self.satisfied = self.satisfied or satisfied
         if (result.interrupted or result.unknown) and (question.proven or not answers.found):
             return UNKNOWN
-        if satisfied:
+        if result.satisfiable or answers.found:
             return answers.reply()
         if self.is_conflicting:
             lasts = all(one.lifetime == FOREVER for one in self.snapshot.entries)  # else it may lapse with a statement
@@ -484,8 +419,8 @@ class Grounding:
         question = answers.question
         if question.best and question.proven and model.cost and not model.optimality_proven:
             return
-        if question.shows:
-            self.shown = frozenset(model.symbols(shown=True)) - self._hidden - self._ends.names
+        if question.shows or self.shown is None:
+            self.shown = frozenset(model.symbols(shown=True)) - self._hidden
         answers.found.append(self.shown | self._retired)
         answers.horizon = self._ends.horizon_of(model, question.first, question.last)
         answers.read.append(tuple(one(model) for one in question.reads))
@@ -519,18 +454,15 @@ class Grounding:
 
     def _predict(self, model: clingo.Model, rules: ReturnRules) -> Predicted:
         """Return what is predicted of a model whose shown atoms are known."""
-        literals = self._literals
 
         def is_true(atom: clingo.Symbol) -> Optional[bool]:
-            if atom not in literals:
-                known = self._control.symbolic_atoms[atom]
-                literals[atom] = 0 if known is None else known.literal
-            return model.is_true(literals[atom]) if literals[atom] else None
+            known = self._control.symbolic_atoms[atom]
+            return model.is_true(known.literal) if known is not None and known.literal else None
 
         def may_be_told(atom: clingo.Symbol) -> bool:
             return not self.definitions.is_asked(atom) and self.definitions.is_open(atom)
 
-        return predict(self._actions.among(self.shown), rules, may_be_told, is_true)
+        return predict(self._actions.among(self.shown or ()), rules, may_be_told, is_true)
 
 
 class _Answers:
@@ -566,3 +498,27 @@ def pieces(first: int, end: int, size: int, keep_from: int) -> Iterator[int]:
             last = keep_from - 1
         yield last
         first = last + 1
+
+
+def _closes_loops(program: ReactiveProgram, snapshot: Snapshot) -> bool:
+    """Whether a statement closes a positive loop."""
+    rules = [one for one in snapshot.statements if one.head is not None and one.body]
+    dependencies = program.dependencies.copy() if rules else program.dependencies
+    for one in rules:
+        heads, bodies = statement_edges(one)
+        if any(dependencies.reaches(head, bodies) for head in heads):
+            return True
+        dependencies.add(heads, bodies)
+    return False
+
+
+def _unused_facts(program: ReactiveProgram, snapshot: Snapshot) -> Iterator[str]:
+    """Yield, once for each predicate, what to tell of facts of the last update that nothing has any use for."""
+    known = set(program.open_signatures)
+    for statement, _, number in snapshot.entries:
+        if statement.head is None or signature_of(statement.head) in known:
+            continue
+        known.add(signature_of(statement.head))
+        if number == snapshot.number and not statement.body:
+            text = unused_fact(program, statement.head, snapshot.statements)
+            yield from [] if text is None else [text]

@@ -6,7 +6,7 @@ T lies beyond the horizon. It is free, but once true it stays true for all later
 holds where ``not beyond(S), beyond(S+w)``.
 """
 
-from typing import Collection, Dict, List, Set
+from typing import Collection, Dict, List
 
 import clingo
 
@@ -16,12 +16,7 @@ from rosoclingo.oclingo.solving.atom_table import HOLDS, OPEN, BackendSession
 
 
 class HorizonLiterals:
-    """The literals ``beyond(T)`` of one control, made as they are needed, and the program's names for them.
-
-    Attributes:
-        names: the program's ``__oclingo_beyond(T)``, which are no part of an answer.
-
-    """
+    """The literals ``beyond(T)`` of one control, made as they are needed, and the program's names for them."""
 
     def __init__(self, control: clingo.Control, session: BackendSession, before: int) -> None:
         """Start with step ``before``, which never lies beyond."""
@@ -32,7 +27,6 @@ class HorizonLiterals:
         self._index = AtomIndex(control, [BEYOND])
         self._known: Dict[int, int] = {}  # grounded step that may lie beyond -> literal of the program's name for it
         self._coming: Dict[int, int] = {}  # step that is not grounded yet -> likewise
-        self.names: Set[clingo.Symbol] = set()
 
     def expire(self) -> None:
         """Note that there may be new names."""
@@ -66,7 +60,6 @@ class HorizonLiterals:
     def link(self, last: int) -> None:
         """Tie the program's names to the literals; all steps after ``last``, which is grounded, lie beyond."""
         for atom, name in self._index.fresh():
-            self.names.add(atom)
             cycle = atom.arguments[0]
             if cycle.type is clingo.SymbolType.Number and cycle.number > self._settled:
                 self._coming[cycle.number] = name

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_streams import PARTS, UPDATES, without_strangers
 from recorded_streams import STEPS, Planned
-from stream_logs import copied, cut, texts
+from stream_logs import copied
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -109,11 +109,9 @@ def test_steps_are_retired_after_a_vain_improvement(cycles):
 def test_answers_stay_the_same(margin, monkeypatch):
     monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
     solver = walk()
-    plans = drive(solver, 30, margin)
+    answers = drive(solver, 30, margin)
     assert solver.snapshot.past.first >= 30 - margin - 1
-    for mine, other in zip(plans, drive(walk(), 30, None)):
-        assert [one for one in mine if "_action" in one] == [one for one in other if "_action" in one]
-        assert mine == other
+    assert answers == drive(walk(), 30, None)
 
 
 @pytest.mark.slow
@@ -126,7 +124,7 @@ def test_snapshot_does_not_grow():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("offset", range(-3, 4))
+@pytest.mark.parametrize("offset", [-3, 0, 1, 3])
 @pytest.mark.parametrize("name", ["t", "T"])
 def test_snapshot_does_not_grow_wherever_a_step_has_its_actions(offset, name):
     head = f"{{ _action_lib(go,x,{name}+{offset}) }} :- now(T), t-1 < T, T <= t"
@@ -153,13 +151,6 @@ def test_cycles_without_possible_actions_are_retired(monkeypatch):
     assert solver.snapshot.past.first >= 36
 
 
-def test_undecided_steps_are_not_retired():
-    """A base choice that decides what the steps hold keeps them all."""
-    solver = PlanSolver(ReactiveProgram.from_text(WALK + "#program base.\n{ odd }.\n" + TIED))
-    drive(solver, 8, 0)
-    assert solver.snapshot.past is None
-
-
 def test_choices_of_base_that_the_past_has_decided_stay_so():
     text = "#base.\n{ a }.\n#cumulative t.\nc(t) :- not a.\n:- c(t-1).\n#volatile t.\n"
     solver = PlanSolver(ReactiveProgram.from_text(text), models=0)
@@ -170,30 +161,19 @@ def test_choices_of_base_that_the_past_has_decided_stay_so():
     assert len(list(solver.snapshot.permanent)) == 1
 
 
-TIED = """
-#program cumulative(t).
-tied(t) :- odd, at(a,t).
-"""
-
-
 def test_facts_of_retired_steps_are_too_late():
-    solver = walk()
-    drive(solver, 10, 2)
-    result = solver.update(parse_update("#step 11. blocked(3). blocked(11). _request(goal(b,3),4). #endstep."))
-    assert [line.split(".")[0] for line in result.warnings] == [
-        "Head blocked(3) comes too late: what concerns steps before 8 is over",
-        "Head _request(goal(b,3),4) comes too late: what concerns steps before 8 is over",
-    ]
-    assert parse_atom("blocked(11)") in result.answers[0]
-
-
-def test_facts_are_too_late_for_a_reader_as_well():
+    """For a solver that reads the history of another one as well."""
     solver, reader = walk(), walk()
     drive(solver, 10, 2)
-    solver.update(parse_update("#step 10. blocked(10). #endstep."))
     reader.restore(copied(solver.log))
-    result = reader.update(parse_update("#step 11. _request(goal(b,3),4). #endstep."))
-    assert [line.split(":")[0] for line in result.warnings] == ["Head _request(goal(b,3),4) comes too late"]
+    assert reader.snapshot.past == solver.snapshot.past
+    for one in (solver, reader):
+        result = one.update(parse_update("#step 11. blocked(3). blocked(11). _request(goal(b,3),4). #endstep."))
+        assert [line.split(".")[0] for line in result.warnings] == [
+            "Head blocked(3) comes too late: what concerns steps before 8 is over",
+            "Head _request(goal(b,3),4) comes too late: what concerns steps before 8 is over",
+        ]
+        assert parse_atom("blocked(11)") in result.answers[0]
 
 
 def test_facts_that_later_steps_see_are_never_too_late():
@@ -203,35 +183,6 @@ def test_facts_that_later_steps_see_are_never_too_late():
         result = solver.update(parse_update(f"#step {step}. {items} #endstep."))
         assert not result.warnings
         assert parse_atom(f"seen(x,{step})") in result.answers[0]
-
-
-def test_reader_of_a_checkpoint_goes_on_from_compacted_steps():
-    solver, other = walk(), walk()
-    drive(solver, 12, 2)
-    other.restore(cut(solver))
-    text = "#step 13. _request(goal(c,99),14). #endstep."
-    assert texts(solver.update(parse_update(text))) == texts(other.update(parse_update(text)))
-
-
-def test_reader_knows_which_steps_were_retired():
-    """Which ones depends on what was searched, so that the writer puts it into the history."""
-    solver, reader = walk(), walk()
-    drive(solver, 9, 2)
-    reader.restore(copied(solver.log))
-    assert reader.snapshot.past == solver.snapshot.past
-    assert reader.snapshot.past.first >= 6
-
-
-def test_dropped_update_leaves_the_history_as_it_was():
-    solver, other = walk(), walk()
-    for one in (solver, other):
-        drive(one, 8, 1)
-    before = solver.log
-    with pytest.raises(DroppedError):
-        solver.update(parse_update("#step 9. sees(x,3). #endstep."), dropped=lambda: True)
-    assert solver.log is before
-    text = "#step 9. _request(goal(c,99),10). #endstep."
-    assert ask(solver, text) == ask(other, text)
 
 
 def test_predicted_updates_are_compacted_between_searches(searches):

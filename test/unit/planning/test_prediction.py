@@ -5,11 +5,10 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, parse_atom
-from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, Statement, Volatile, Withdraw
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.history import History, Plan, cycle_of
-from rosoclingo.planning.prediction import Predicted, goes_on, predict, success_of
+from rosoclingo.planning.prediction import goes_on, success_of
 from rosoclingo.planning.solver import PlanSolver
 
 #: A robot on a line of places that goes where it is wanted; what it does with returns follows.
@@ -132,6 +131,7 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
         (2, (Over(1), Cumulative(), *AS_PLANNED), True),
         (3, AS_PLANNED, False),
         (None, AS_PLANNED, False),
+        (2, AS_PLANNED[:2], True),
         (2, AS_PLANNED[1:], False),
         (2, (Closed(0, 1), *AS_PLANNED), False),
         (2, (AS_PLANNED[0], AS_PLANNED[2]), False),
@@ -160,17 +160,6 @@ def test_what_is_not_foreseen_is_searched(searches):
         assert searches != []
 
 
-def test_what_lapses_with_the_update_is_searched(searches):
-    solver = solver_of(WALK + FAILS)
-    update = StreamUpdate(
-        1, 20, (Statement(parse_atom("_request(3,1)")), Volatile(), commitment(parse_atom("at(1,1)")))
-    )
-    assert solver.update(update).foreseen == frozenset()
-    searches.clear()
-    solver.update(told(solver))
-    assert searches != []
-
-
 def test_a_log_that_went_on_otherwise_is_searched(searches):
     """The answer is that of the log after which it was given."""
     solver, wanted = solver_of(WALK + FAILS), [parse_atom("_request(3,1)"), parse_atom("_request(-1,1)")]
@@ -184,10 +173,14 @@ def test_a_log_that_went_on_otherwise_is_searched(searches):
     assert solver.update(update).answers == both.answers
 
 
-@pytest.mark.parametrize("plan_time", [None, 5.0])
 @pytest.mark.parametrize("options", [{"models": 0}, {"oclingo_strings": True}])
-def test_other_solvers_foresee_nothing(options, plan_time):
-    assert asked(solver_of(WALK + FAILS, plan_time=plan_time, **options)).foreseen == frozenset()
+def test_other_solvers_foresee_nothing(options):
+    assert asked(solver_of(WALK + FAILS, **options)).foreseen == frozenset()
+
+
+def test_nothing_is_foreseen_of_an_answer_that_lapses():
+    items = (Statement(parse_atom("_request(3,1)")), Volatile(), commitment(parse_atom("at(1,1)")))
+    assert solver_of(WALK + FAILS).update(StreamUpdate(1, 20, items)).foreseen == frozenset()
 
 
 @pytest.mark.parametrize(
@@ -200,18 +193,6 @@ def test_other_solvers_foresee_nothing(options, plan_time):
 )
 def test_nothing_is_foreseen_where_answers_tell_more_or_less_than_actions(text):
     assert asked(solver_of(text)).foreseen == frozenset()
-
-
-def test_steps_are_retired_after_updates_that_were_foreseen(compacts_at_once):
-    """The last answer is that of the grounding, as after a search."""
-    solver = solver_of(WALK + FAILS)
-    first = asked(solver)
-    for _ in range(2):
-        solver.update(told(solver))
-    solver.update(told(solver, wanted=[1], further=[Over(3)]))
-    assert solver.snapshot.past is not None
-    assert solver.snapshot.past.first == 3
-    assert first.answers[0] <= solver.update(told(solver)).answers[0]
 
 
 def walked(solver, steps):
@@ -255,22 +236,6 @@ def test_a_long_log_of_what_was_foreseen_begins_anew(compacts_at_once, monkeypat
         assert len({(one.horizon, one.answers) for one in results}) == 1
 
 
-def test_a_solver_that_has_read_another_ones_log_retires_steps(compacts_at_once):
-    solver = solver_of(WALK + FAILS)
-    solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(8,1)")),)))
-    walked(solver, 4)
-    second = reader_of(solver, log_limit=1)
-    assert second.snapshot.past is None
-    second.restore(second.log.adopt(solver.log.plan))
-    update = told(solver, fails=True)
-    assert second.update(update).answers == solver.update(update).answers
-    third = reader_of(second)
-    assert third.snapshot.past.first == 4
-    third.restore(third.log.adopt(second.log.plan))
-    update = told(second, fails=True)
-    assert second.update(update).answers == third.update(update).answers
-
-
 def test_a_plan_that_was_improved_is_foreseen(searches):
     """With all returns with which it stays an answer: it is not said to be the shortest."""
     solver = solver_of(WALK + "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).")
@@ -298,29 +263,9 @@ def test_what_is_answered_without_a_search_took_no_time_and_warns_of_nothing():
     assert result.statistics == dict.fromkeys(first.statistics, 0.0)
 
 
-def test_an_update_without_a_return_that_is_due_goes_on():
-    """If nobody asks for the return it does not matter."""
-    solver = solver_of(WALK)
-    first = asked(solver)
-    result = solver.update(StreamUpdate(2, 20, (Closed(1, 1), *map(commitment, due(solver)))))
-    assert solver.log.predicted
-    assert result.answers == first.answers
-
-
 def test_returns_that_the_program_does_not_take_are_not_foreseen():
     text = (WALK + FAILS).replace("#external _return/3.", "#external _return(go,2,t).")
     assert asked(solver_of(text)).foreseen == {parse_atom("_return(go,2,2)")}
-
-
-def test_a_shorter_plan_is_foreseen_as_well(searches):
-    """And after a return that may bring a shorter plan in nothing is said to be the shortest."""
-    solver = solver_of(WALK + FAILS, plan_time=0.0)
-    asked(solver)
-    while solver.improve() is not None:
-        assert solver.log.plan.horizon >= 3
-    searches.clear()
-    assert solver.update(told(solver)).horizon == solver.log.plan.horizon
-    assert searches == []
 
 
 def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
@@ -332,44 +277,6 @@ def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
         assert solver.update(told(solver)).shortest
         foreseen.append(solver.log.predicted)
     assert foreseen == [True, False]
-
-
-# ---- What rules ask for ----------------------------------------------------------------------------------------------
-
-GO, TOLD = parse_atom("_action_lib(go,1,7)"), parse_atom("_return(go,1,7)")
-
-
-def foreseen(asks, acts=(), acting=(), told=TOLD):
-    """What is foreseen of an action; ``asks`` and ``acts`` hold what an answer says of the rules of some numbers."""
-    atoms = {parse_atom(f"__oclingo_asks({number},go,1,7)"): value for number, value in enumerate(asks)}
-    atoms.update({parse_atom(f"__oclingo_acts({number},go,1,7)"): value for number, value in enumerate(acts)})
-    rules = ReturnRules((), len(asks), frozenset(acting))
-    return predict([GO], rules, lambda atom: atom == told, atoms.get)
-
-
-@pytest.mark.parametrize(
-    ("asks", "acts", "acting", "returns", "certain"),
-    [
-        ([], [], [], 1, 1),
-        ([None], [], [], 1, 1),
-        ([True], [], [], 0, 0),
-        ([True], [True], [0], 0, 0),
-        ([False], [], [], 1, 0),  # what is false in this answer only
-        ([False], [True], [0], 1, 0),
-        ([False], [False], [0], 1, 1),  # another action was not done
-        ([False], [None], [0], 1, 1),
-        ([None, False], [], [], 1, 0),
-        ([False, False], [False, False], [1], 1, 0),
-        ([False, True], [False, None], [0, 1], 0, 0),
-    ],
-)
-def test_a_return_is_foreseen_where_no_rule_asks_for_it(asks, acts, acting, returns, certain):
-    found = foreseen(asks, acts, acting)
-    assert (len(found.returns), len(found.certain)) == (returns, certain)
-
-
-def test_what_can_not_be_told_is_not_foreseen():
-    assert foreseen([], told=None) == Predicted()
 
 
 @pytest.mark.mostly_slow

@@ -10,7 +10,7 @@ from typing import Callable, Container, Dict, FrozenSet, Iterable, List, Optiona
 import clingo
 
 from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import ACTION, BEYOND
+from rosoclingo.oclingo.program.action_rules import BEYOND
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime
@@ -60,7 +60,7 @@ class ReactiveGrounding:
         self._blocks: Dict[int, range] = {}  # by their first step
         self._externals = ExternalIndex(self._control, program, self._blocks, program.domains)
         self.atoms = AtomTable(self._control, self._session, self._externals.declared, self._heads.externals)
-        self._actions = ActionIndex(self._control, self._session, ACTION)
+        self._actions = ActionIndex(self._control, self._session)
         for observer in (self._observer, self._heads) if program.defines_externals else (self._observer,):
             self._control.register_observer(observer)
         program.load_into(self._control)

@@ -3,14 +3,19 @@
 import re
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Dict, FrozenSet, Optional, Tuple
+from typing import Dict, FrozenSet, Iterable, Optional, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.lint.likeness import asked, likely
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.terms import signature_of
+from rosoclingo.oclingo.progression.updates import Statement
 
 Answer = FrozenSet[clingo.Symbol]
+
+_UNUSED = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
 
 
 class SolveOutcome(Enum):
@@ -62,3 +67,13 @@ def refusal(error: RuntimeError, messages: Optional[Messages], program: Reactive
     else:
         return f"the update was refused: {error}"
     return "the update was refused: " + "\n".join(map(str, faults))
+
+
+def unused_fact(program: ReactiveProgram, head: clingo.Symbol, statements: Iterable[Statement]) -> Optional[str]:
+    """Return what to tell of a fact that neither ``program`` nor the ``statements`` of its stream have any use for."""
+    signature = signature_of(head)
+    both = {signature, signature._replace(positive=not signature.positive)}
+    if both & program.signatures or any(signature_of(one.atom) in both for rule in statements for one in rule.body):
+        return None
+    meant = asked(likely(signature, program.external_signatures))
+    return _UNUSED.format(signature, f" ({meant})" if meant else "")

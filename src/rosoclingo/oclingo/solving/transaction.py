@@ -10,7 +10,6 @@ from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Set
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import is_action_of
-from rosoclingo.oclingo.program.lint.likeness import asked, likely
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
@@ -30,10 +29,10 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving.reactive_grounding import ReactiveGrounding, build_grounding
+from rosoclingo.oclingo.solving.results import unused_fact
 from rosoclingo.oclingo.solving.stream_state import Lapsing, StreamState
 
 _NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
-_STRANGE = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
 
 
 class Transaction:
@@ -236,16 +235,14 @@ class Transaction:
     def _remark(self, statement: Statement) -> None:
         """Tell, once, of a fact that neither the program nor a rule of the stream has any use for."""
         assert statement.head is not None
-        signature = signature_of(statement.head)
-        contrary = signature._replace(positive=not signature.positive)
-        if statement.body or {signature, contrary} & self.program.signatures or str(signature) in self.state.told:
+        name = str(signature_of(statement.head))
+        if statement.body or name in self.state.told:
             return
-        self.state.told.add(str(signature))
+        self.state.told.add(name)
         entries = [entry.statement for entry in self.state.lapsing]
         rules = [*self.state.permanent, *entries, *(one for _, one in self._update.sections())]
-        if not any(signature_of(one.atom) in (signature, contrary) for rule in rules for one in rule.body):
-            meant = asked(likely(signature, self.program.external_signatures))
-            self.warnings.append(_STRANGE.format(signature, f" ({meant})" if meant else ""))
+        text = unused_fact(self.program, statement.head, rules)
+        self.warnings += [] if text is None else [text]
 
     def _may_come(self, atom: clingo.Symbol) -> bool:
         return self.program.may_declare(atom, self.state.horizon + 1)
