@@ -5,11 +5,11 @@ from clingo import parse_term
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.strategies.probe import Verdict
-from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.recovery import FEW, Question, is_answerable, recover
+from rosoclingo.reasoning.recovery import FEW, Question, first_found, is_answerable, recover
 from rosoclingo.reasoning.stream_planner import Halt
 
 #: The cycle that is to start.
@@ -346,3 +346,20 @@ def test_a_choice_is_planned_again_if_need_be():
     world = World(3, conflicts=["1 2", "1 3"])
     assert lost(world) == ["1 3"]
     assert text(world.updates[-1]) == "#step 5. _request(cancel(1),5). #end step."
+
+
+@pytest.mark.parametrize(
+    ("gives", "found"),
+    [("a", "a"), (" a", "a"), ("?a", "a"), ("ab?", "a"), ("", None), ("  ", None), ("? ", "?"), (" ?", "?")],
+)
+def test_the_first_that_gives_something(gives, found):
+    def find(one):
+        if one == "?":
+            raise UndecidedError
+        return one.strip() or None
+
+    if found == "?":
+        with pytest.raises(UndecidedError):
+            first_found(gives, find)
+    else:
+        assert first_found(gives, find) == found

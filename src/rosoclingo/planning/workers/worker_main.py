@@ -19,8 +19,8 @@ from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.history import Checkpoint
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import symbols_from_text
 from rosoclingo.planning.workers.child import REACHED
@@ -228,7 +228,7 @@ class WorkerMain:
         stream = stream_from_message(command["stream"])
         try:
             found = explain(program_from_message(command["program"]), stream, self._commands.interrupted)
-        except OutOfTimeError:
+        except UndecidedError:
             return {"late": True}
         return {"why": None if found is None else found.to_message()}
 
