@@ -1,7 +1,11 @@
 """Which goals are given up and why, on a planner that only knows what can't be had together and what takes too long."""
 
+from itertools import combinations
+
 import pytest
 from clingo import parse_term
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
@@ -192,6 +196,17 @@ def test_the_way_on_is_a_planner_with_its_update(withheld):
 @pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])  # they are cancelled, or that does not help
 def test_the_fewest_goals_are_given_up_and_what_they_are_at_odds_with_is_told(conflicts, losses, ways):
     assert lost(World(3, "abcd", conflicts, ways=ways)) == losses
+
+
+@given(st.lists(st.frozensets(st.sampled_from("1234"), min_size=1, max_size=3), min_size=1, max_size=4))
+def test_each_goal_that_is_given_up_is_at_odds_only_with_goals_that_are_kept(conflicts):
+    losses = [one.split() for one in lost(World(4, conflicts=map(" ".join, conflicts)))]
+    gone = {one[0] for one in losses}
+    choices = [set(some) for size in range(5) for some in combinations("4321", size)]
+    assert gone == next(some for some in choices if all(some & one for one in conflicts)), "few, the newest first"
+    for one in losses:
+        assert set(one) & gone == {one[0]}
+        assert set(one) in conflicts
 
 
 @pytest.mark.parametrize(("ways", "answer"), [([], None), ([False], True), ([True], True), ([True, False], True)])
