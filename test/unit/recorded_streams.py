@@ -31,8 +31,8 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "recorded_streams.jsonl.gz"
@@ -176,7 +176,7 @@ def why(record: Record) -> Any:
     end = time.process_time() + SECONDS
     try:
         found = explain(program_of(record), Stream(solver.log, last, STEPS), lambda: time.process_time() > end)
-    except OutOfTimeError:
+    except UndecidedError:
         return LATE
     if found is not None and not found.complete:
         return LATE

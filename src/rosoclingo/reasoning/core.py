@@ -5,8 +5,8 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult
 from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
-from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
 from rosoclingo.reasoning.explanations import Explanations, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager

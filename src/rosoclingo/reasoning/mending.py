@@ -13,11 +13,11 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
-from rosoclingo.reasoning.conflicts import Met, UndecidedError, choose, first_found, least_number, remembering
+from rosoclingo.planning.minimal_sets import Oracle, UndecidedError, Witness, find_diagnosis, remember, yes_or_no
 from rosoclingo.reasoning.input_feeder import Batch, Clock
 from rosoclingo.reasoning.keywords import CANCEL, REQUEST, Action, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.recovery import Question, is_answerable
+from rosoclingo.reasoning.recovery import Question, first_found, is_answerable
 from rosoclingo.reasoning.stream_planner import Planner
 
 
@@ -124,16 +124,16 @@ class _Mender:
 
     def _least(self, pool: Tuple[Observation, ...]) -> Mend:
         """Doubt as little as can be of what is enough."""
-        known: Dict[FrozenSet[Observation], bool] = {frozenset(pool): False, frozenset(): True}
+        known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(pool))]
 
-        def met(kept: Tuple[Observation, ...]) -> bool:
+        def met(kept: FrozenSet[Observation]) -> bool:
             """Tell whether there is an answer though some of the pool are kept."""
             if self._look() is not None:
                 raise UndecidedError
             return self._answers([one for one in pool if one not in kept])
 
         try:
-            found = self._fewest(pool, remembering(met, known))
+            found = self._fewest(pool, remember(yes_or_no(met), known))
         except UndecidedError:
             found = []
         self._look = self._case.question.watch()
@@ -151,11 +151,11 @@ class _Mender:
         return Mend(planner, result, changes)
 
     @staticmethod
-    def _fewest(pool: Tuple[Observation, ...], met: Met[Observation]) -> List[Observation]:
+    def _fewest(pool: Tuple[Observation, ...], oracle: Oracle[Observation]) -> List[Observation]:
         """Find the fewest to doubt: all that can't be alone, and of the others a choice."""
-        alone = [one for one in pool if not met((one,))]
-        others = tuple(one for one in pool if one not in alone)
-        return [*alone, *(one for one, _ in choose(others, met) or [])]
+        alone = [one for one in pool if not oracle(frozenset([one])).satisfiable]
+        others = [one for one in pool if one not in alone]
+        return [*alone, *(find_diagnosis(others, oracle) or {})]
 
     def _move(self, doubted: Sequence[Observation]) -> Dict[Observation, Symbol]:
         """Take what is late for the present where that leaves an answer, all of it or one by one."""
@@ -195,11 +195,15 @@ class _Mender:
             return not self._answers(others, moved, undone)
 
         try:
-            blames = bool(cycles) and not denies(0)
-            last = cycles[least_number(len(cycles), denies) - 1] if blames else 0
+            if not cycles or denies(0):
+                return ()
+            low, high = 0, len(cycles)
+            while high - low > 1:
+                middle = (low + high) // 2
+                low, high = (low, middle) if denies(middle) else (middle, high)
         except UndecidedError:
             return ()
-        return tuple(action for action in done if action.cycle == last)
+        return tuple(action for action in done if action.cycle == cycles[high - 1])
 
     def _answers(
         self,

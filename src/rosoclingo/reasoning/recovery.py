@@ -6,23 +6,37 @@ sent stays a true record. What would be without a goal or an observation is foun
 
 from dataclasses import replace
 from itertools import combinations
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    Callable,
+    Collection,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    TypeVar,
+)
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.planning.minimal_sets import (
+    Mus,
+    Oracle,
+    UndecidedError,
+    Witness,
+    find_diagnosis,
+    find_mus,
+    remember,
+    yes_or_no,
+)
 from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.action_extractor import extract_plan
-from rosoclingo.reasoning.conflicts import (
-    Choice,
-    Conflict,
-    UndecidedError,
-    choose,
-    find_conflict,
-    first_found,
-    remembering,
-)
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
@@ -32,6 +46,9 @@ from rosoclingo.reasoning.stream_planner import Planner, SearchWatch
 
 #: So many observations are told though it is not sure that all of them matter.
 FEW = 3
+
+T = TypeVar("T")
+Found = TypeVar("Found")
 
 
 class Question(NamedTuple):
@@ -92,6 +109,25 @@ def is_answerable(planner: Planner, question: Question) -> bool:
         return found if found.met else None
 
     return first_found(_both_ways(planner, question), answer) is not None
+
+
+def first_found(candidates: Iterable[T], find: Callable[[T], Optional[Found]]) -> Optional[Found]:
+    """Return the first result of ``find`` that is not None; None if there is none.
+
+    Raises UndecidedError if there is none and ``find`` was undecided for a candidate.
+    """
+    undecided = False
+    for one in candidates:
+        try:
+            found = find(one)
+        except UndecidedError:
+            undecided = True
+            continue
+        if found is not None:
+            return found
+    if undecided:
+        raise UndecidedError
+    return None
 
 
 def forget_history(
@@ -235,13 +271,13 @@ class _Attempts:
             fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
         return Recovery(fresh, update, result, self._withhold)
 
-    def met(self, kept: Sequence[Goal], seen: Sequence[Observation], steps: int = 0) -> bool:
+    def met(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
         """As ``can_have``, while there is time."""
         if self._look() is not None:
             raise UndecidedError
         return self.can_have(kept, seen, steps)
 
-    def can_have(self, kept: Sequence[Goal], seen: Sequence[Observation], steps: int = 0) -> bool:
+    def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
         """Whether there is a plan, of so many ``steps`` at least, for the goals kept; raises UndecidedError."""
         question = self._question
         untold = _facts_of(one for one in question.observations if one not in seen)
@@ -269,9 +305,9 @@ class _Attempts:
         except SolverError:  # takes too long, or is refused
             return Verdict(None)
 
-    def _cancels(self, goals: Sequence[Goal]) -> List[Symbol]:
+    def _cancels(self, goals: Collection[Goal]) -> List[Symbol]:
         """The cancellations of the goals, of the oldest first; none where goals are withheld."""
-        oldest_first: Iterable[Goal] = () if self._withhold else reversed(goals)
+        oldest_first = [] if self._withhold else [one for one in reversed(self._question.goals) if one in goals]
         return [cancellation(one.identifier, self._question.step) for one in oldest_first]
 
 
@@ -299,53 +335,52 @@ def _facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:
 
 def _fewest(attempts: _Attempts, question: Question) -> Recovery:
     """Give up as few goals as possible; raises UndecidedError."""
-    known: Dict[FrozenSet[Goal], bool] = {frozenset(question.goals): False, frozenset(): True}
-    choice = choose(question.goals, remembering(lambda kept: attempts.met(kept, question.observations), known))
-    if not choice:
+    known: List[Witness[Goal]] = [Witness(True, frozenset()), Witness(False, frozenset(question.goals))]
+    oracle: Oracle[Goal] = yes_or_no(lambda kept: attempts.met(kept, question.observations))
+    diagnosis = find_diagnosis(question.goals, remember(oracle, known))
+    if not diagnosis:
         raise UndecidedError
-    for _, conflict in choice:
-        _confirm(attempts, question, conflict)
-    unmet = _unmet(attempts, question, choice)  # first, while what tells of it is still ground
-    given_up = [goal for goal, _ in choice]
-    found = attempts.without([goal for goal in question.goals if goal in given_up])
+    for mus in diagnosis.values():
+        _confirm(attempts, question, mus)
+    unmet = _unmet(attempts, question, diagnosis)  # first, while what tells of it is still ground
+    found = attempts.without(list(diagnosis))
     if not found.met:
         raise UndecidedError
     return found._replace(unmet=unmet)
 
 
-def _confirm(attempts: _Attempts, question: Question, conflict: Conflict[Goal]) -> None:
+def _confirm(attempts: _Attempts, question: Question, mus: Mus[Goal]) -> None:
     """Make sure that goals cannot be met one after the other either; raises UndecidedError where that is not known."""
-    goals = conflict.things
-    steps = question.alone * len(goals)
-    if conflict.minimal and steps <= attempts.lookahead:
+    steps = question.alone * len(mus.things)
+    if mus.minimal and steps <= attempts.lookahead:
         return
-    if not conflict.minimal or attempts.met(goals, question.observations, steps):
+    if not mus.minimal or attempts.met(mus.things, question.observations, steps):
         raise UndecidedError
 
 
-def _unmet(attempts: _Attempts, question: Question, choice: Choice[Goal]) -> Tuple[UnmetGoal, ...]:
+def _unmet(attempts: _Attempts, question: Question, diagnosis: Dict[Goal, Mus[Goal]]) -> Tuple[UnmetGoal, ...]:
     attempts.begin()
     unmet: List[UnmetGoal] = []
-    for goal, conflict in reversed(choice):
-        seen = _observed(attempts, conflict.things, question.observations)
-        others = tuple(other for other in reversed(conflict.things) if other is not goal)
+    for goal, mus in reversed(list(diagnosis.items())):
+        seen = _observed(attempts, mus.things, question.observations)
+        others = tuple(other for other in reversed(mus.things) if other is not goal)
         unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.things)), seen.minimal))
     return tuple(unmet)
 
 
-def _observed(
-    attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[Observation, ...]
-) -> Conflict[Observation]:
+def _observed(attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[Observation, ...]) -> Mus[Observation]:
     """Return the observations that prevent the goals from being met together; they can need others."""
     try:
         omissions = ((some, [one for one in observations if one not in some]) for some in _omissions(observations))
         hindering, needed = next(((some, rest) for some, rest in omissions if attempts.met(goals, rest)), ((), []))
     except UndecidedError:
-        return Conflict((), minimal=False)
+        return Mus((), minimal=False)
     if not hindering:
-        return Conflict(())
-    found = find_conflict(hindering, lambda seen: attempts.met(goals, (*needed, *seen)))
-    return found if found.minimal or len(found.things) <= FEW else Conflict((), minimal=False)
+        return Mus(())
+    known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(hindering))]
+    oracle: Oracle[Observation] = yes_or_no(lambda seen: attempts.met(goals, [*needed, *seen]))
+    found = find_mus(hindering, remember(oracle, known))
+    return found if found.minimal or len(found.things) <= FEW else Mus((), minimal=False)
 
 
 def _omissions(observations: Tuple[Observation, ...]) -> Iterator[Tuple[Observation, ...]]:

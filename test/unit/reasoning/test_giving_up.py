@@ -1,15 +1,19 @@
 """Which goals are given up and why, on a planner that only knows what can't be had together and what takes too long."""
 
+from itertools import combinations
+
 import pytest
 from clingo import parse_term
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.strategies.probe import Verdict
-from rosoclingo.reasoning.conflicts import UndecidedError
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.recovery import FEW, Question, is_answerable, recover
+from rosoclingo.reasoning.recovery import FEW, Question, first_found, is_answerable, recover
 from rosoclingo.reasoning.stream_planner import Halt
 
 #: The cycle that is to start.
@@ -194,6 +198,17 @@ def test_the_fewest_goals_are_given_up_and_what_they_are_at_odds_with_is_told(co
     assert lost(World(3, "abcd", conflicts, ways=ways)) == losses
 
 
+@given(st.lists(st.frozensets(st.sampled_from("1234"), min_size=1, max_size=3), min_size=1, max_size=4))
+def test_each_goal_that_is_given_up_is_at_odds_only_with_goals_that_are_kept(conflicts):
+    losses = [one.split() for one in lost(World(4, conflicts=map(" ".join, conflicts)))]
+    gone = {one[0] for one in losses}
+    choices = [set(some) for size in range(5) for some in combinations("4321", size)]
+    assert gone == next(some for some in choices if all(some & one for one in conflicts)), "few, the newest first"
+    for one in losses:
+        assert set(one) & gone == {one[0]}
+        assert set(one) in conflicts
+
+
 @pytest.mark.parametrize(("ways", "answer"), [([], None), ([False], True), ([True], True), ([True, False], True)])
 def test_whether_there_is_an_answer_without_the_goals(ways, answer):
     outcomes = {way: SATISFIABLE if way in ways else UNSATISFIABLE for way in (True, False)}
@@ -346,3 +361,20 @@ def test_a_choice_is_planned_again_if_need_be():
     world = World(3, conflicts=["1 2", "1 3"])
     assert lost(world) == ["1 3"]
     assert text(world.updates[-1]) == "#step 5. _request(cancel(1),5). #end step."
+
+
+@pytest.mark.parametrize(
+    ("gives", "found"),
+    [("a", "a"), (" a", "a"), ("?a", "a"), ("ab?", "a"), ("", None), ("  ", None), ("? ", "?"), (" ?", "?")],
+)
+def test_the_first_that_gives_something(gives, found):
+    def find(one):
+        if one == "?":
+            raise UndecidedError
+        return one.strip() or None
+
+    if found == "?":
+        with pytest.raises(UndecidedError):
+            first_found(gives, find)
+    else:
+        assert first_found(gives, find) == found

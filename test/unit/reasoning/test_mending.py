@@ -5,7 +5,7 @@ from clingo import parse_term
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Closed, Withdraw
-from rosoclingo.reasoning.conflicts import UndecidedError
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Batch, Clock
 from rosoclingo.reasoning.keywords import action_of

@@ -18,10 +18,10 @@ from rosoclingo.oclingo.service.sample_requests import Kinds, sample_requests
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import WhyNot
 from rosoclingo.planning.history import Plan
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 
 
@@ -147,7 +147,7 @@ class Trials:
                 return Trial(name, fault=f"no plan was found in {self._seconds:g} s")
             stream = Stream(before, update, (update.bound or 0))
             return Trial(name, why=explain(self._program, stream, self._clock()))
-        except OutOfTimeError:
+        except UndecidedError:
             return Trial(name, fault=f"no plan; it was not found out in {self._seconds:g} s why")
         except SolverError as error:
             return Trial(name, fault=str(error))

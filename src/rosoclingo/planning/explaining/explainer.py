@@ -13,7 +13,6 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.induction import breaks_for_ever
-from rosoclingo.planning.explaining.minimal_sets import Joint, Minimum, OutOfTimeError, grown, shrink, smallest
 from rosoclingo.planning.explaining.named_rules import RuleKind
 from rosoclingo.planning.explaining.near_miss import Ends, never_true
 from rosoclingo.planning.explaining.questions import Facts, Questions, Stream
@@ -22,6 +21,17 @@ from rosoclingo.planning.explaining.relaxed_program import KEEP, WHOLE, RelaxedP
 from rosoclingo.planning.explaining.why_not import BlamedFact, BlamedRule, BrokenPlan, WhyNot
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.idling import may_idle
+from rosoclingo.planning.minimal_sets import (
+    Mus,
+    Oracle,
+    UndecidedError,
+    Witness,
+    find_mus,
+    find_smallest_mus,
+    grow,
+    remember,
+    yes_or_no,
+)
 from rosoclingo.planning.question import Reply, Stop
 
 T = TypeVar("T")
@@ -40,7 +50,7 @@ class _Without(NamedTuple):
 def explain(program: ReactiveProgram, stream: Stream, halt: Stop = lambda: False) -> Optional[WhyNot]:
     """Return why there is no plan; None where there is one.
 
-    ``halt`` ends it, with what was found by then. Raises SolverError where the stream is refused, and OutOfTimeError
+    ``halt`` ends it, with what was found by then. Raises SolverError where the stream is refused, and UndecidedError
     where ``halt`` came before it was even known that there is no plan.
     """
     relaxed = RelaxedProgram.of(program)
@@ -58,14 +68,15 @@ class _Explainer:
 
     def run(self) -> Optional[WhyNot]:
         """Return why there is no plan; None where there is one."""
-        if self._ask_rules(frozenset(self._all)).possible:
+        oracle = remember(self._ask_rules, [])
+        if oracle(frozenset(self._all)).satisfiable:
             return None
-        found = self._note(smallest(self._all, self._ask_rules))
+        found = self._note(find_smallest_mus(self._all, oracle))
         rules = frozenset(found.things)
         never: bool = self._in_time(lambda: self._questions.ask(_wholes(rules)).hopeless, False)
         told: Blame[clingo.Symbol] = self._in_time(lambda: self._find_told(rules), ())
         plans: Dict[int, _Without] = {}
-        self._in_time(lambda: self._plan_without(rules, plans), None)
+        self._in_time(lambda: self._plan_without(rules, oracle, plans), None)
         steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(found.things), {})
         facts: Blame[int] = self._in_time(lambda: self._find_facts(rules, self._questions.told), ())
         rule_of = self._relaxed.rules
@@ -91,7 +102,7 @@ class _Explainer:
         except UncertainError:
             return None
 
-    def _note(self, found: Minimum[T]) -> Minimum[T]:
+    def _note(self, found: Mus[T]) -> Mus[T]:
         self._complete &= found.minimal
         return found
 
@@ -99,27 +110,25 @@ class _Explainer:
         """Return what is found, as long as there is time."""
         try:
             return find()
-        except OutOfTimeError:
+        except UndecidedError:
             self._complete = False
             return otherwise
 
     # -- rules
 
-    def _ask_rules(self, kept: Rules) -> Joint[int]:
+    def _ask_rules(self, kept: Rules) -> Witness[int]:
         verdict = self._questions.ask(_wholes(kept))
         if verdict.satisfiable:
             broken = {one.number for one in self._relaxed.breaches(verdict.answers[-1])}
-            return Joint(True, frozenset(self._all) - broken)
-        return Joint(False, frozenset(atom.arguments[0].number for atom in verdict.blamed))
+            return Witness(True, frozenset(self._all) - broken)
+        return Witness(False, frozenset(atom.arguments[0].number for atom in verdict.blamed))
 
-    def _plan_without(self, rules: Rules, found: Dict[int, _Without]) -> None:
+    def _plan_without(self, rules: Rules, oracle: Oracle[int], found: Dict[int, _Without]) -> None:
         """Find the shortest plan without each of the rules, and with as many others as can be."""
         for number in sorted(rules):
-            possible = rules - {number}
-            if self._ask_rules(frozenset(self._all) - {number}).possible:
-                possible = frozenset(self._all) - {number}
-            else:
-                possible = grown(possible, self._all, self._ask_rules)
+            possible = frozenset(self._all) - {number}
+            if not oracle(possible).satisfiable:
+                possible = grow(rules - {number}, self._all, oracle)
             kept = _wholes(possible)
             verdict = self._questions.shortest(kept, self._questions.ask(kept))
             found[number] = _Without(verdict, frozenset(self._all) - possible - {number})
@@ -130,13 +139,13 @@ class _Explainer:
         places = [clingo.Function("base"), *map(clingo.Number, range(first, self._steps[-1] + 1))]
         selectors = [clingo.Function(KEEP, [clingo.Number(rule), place]) for place in places for rule in rules]
 
-        def ask(kept: FrozenSet[clingo.Symbol]) -> Joint[clingo.Symbol]:
+        def ask(kept: FrozenSet[clingo.Symbol]) -> Witness[clingo.Symbol]:
             """Tell whether there is a plan that heeds rules at some steps alone."""
             verdict = self._questions.ask(kept)
-            return Joint(bool(verdict.satisfiable), kept if verdict.satisfiable else verdict.blamed)
+            return Witness(bool(verdict.satisfiable), kept if verdict.satisfiable else verdict.blamed)
 
         found: Dict[int, List[int]] = {}
-        for atom in self._note(shrink(selectors, ask)).things:
+        for atom in self._note(find_mus(selectors, ask)).things:
             rule, place = atom.arguments
             if place.type is clingo.SymbolType.Number:
                 found.setdefault(rule.number, []).append(place.number)
@@ -188,19 +197,28 @@ class _Explainer:
         out.
         """
         everything = frozenset(facts)
-        alone = {fact: verdict for fact in facts for verdict in [ask(everything - {fact})] if verdict.satisfiable}
-        if all(self._hinders(verdict) is False for verdict in alone.values()):
-            known: Dict[FrozenSet[T], Reply] = {}
+        alone = {fact: reply for fact in facts for reply in [ask(everything - {fact})] if reply.satisfiable}
+        if all(self._hinders(reply) is False for reply in alone.values()):
+            alone = self._in_time(lambda: self._one_reason(facts, alone, ask), alone) or alone
+        return tuple((fact, self._hinders(reply)) for fact, reply in alone.items())
 
-            def reply(some: FrozenSet[T]) -> Joint[T]:
-                """Answer as :func:`shrink` needs it."""
-                known[some] = ask(some)
-                return Joint(bool(known[some].satisfiable), some)
+    def _one_reason(
+        self, facts: Sequence[T], needed: Dict[T, Reply], ask: Callable[[FrozenSet[T]], Reply]
+    ) -> Dict[T, Reply]:
+        """Leave out facts until there would be a plan without any one of those left; of these some are ``needed``.
 
-            few = self._note(shrink(facts, reply, monotone=False))
-            if few.minimal and few.things:
-                alone = {fact: known[frozenset(few.things) - {fact}] for fact in few.things}
-        return tuple((fact, self._hinders(verdict)) for fact, verdict in alone.items())
+        Without some facts, others may no longer be needed: a plan can need a fact as well.
+        """
+        rest = [fact for fact in facts if fact not in needed]
+        if not rest:
+            return needed
+        oracle: Oracle[T] = yes_or_no(lambda some: bool(ask(some.union(needed)).satisfiable))
+        mus = find_mus(rest, remember(oracle, [Witness(False, frozenset(rest))]))
+        if not mus.minimal:
+            raise UndecidedError
+        facts = [fact for fact in facts if fact in needed or fact in mus.things]
+        replies = {fact: ask(frozenset(facts) - {fact}) for fact in facts}
+        return self._one_reason(facts, {fact: reply for fact, reply in replies.items() if reply.satisfiable}, ask)
 
     def _hinders(self, without: Reply) -> Optional[bool]:
         """Tell whether there is something to do in a plan that there is without a fact."""

@@ -7,9 +7,9 @@ import clingo
 
 from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.explaining.relaxed_program import RelaxedProgram
 from rosoclingo.planning.history import History
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply, Stop
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
@@ -54,16 +54,16 @@ class Questions:
     def ask(self, kept: Iterable[clingo.Symbol], told: Optional[Facts] = None, steps: Optional[int] = None) -> Reply:
         """Tell whether there is a plan with all that is ``kept`` after the facts ``told`` (None: all).
 
-        Raises OutOfTimeError, and SolverError if the update is refused.
+        Raises UndecidedError, and SolverError if the update is refused.
         """
         untold = self.told - (self.told if told is None else told)
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
         try:
             reply = self._solver.probe(update, self.told, untold, self._halt, self._halt, sorted(kept), believes=False)
         except DroppedError:
-            raise OutOfTimeError from None
+            raise UndecidedError from None
         if reply.satisfiable is None:
-            raise OutOfTimeError
+            raise UndecidedError
         return reply
 
     def known(self) -> List[clingo.Symbol]:

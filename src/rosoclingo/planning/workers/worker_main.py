@@ -22,8 +22,8 @@ from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.history import History, entry_from_message, entry_to_message
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.planning.workers.channel import Channel
@@ -140,7 +140,7 @@ class WorkerMain:
         os.nice(NICENESS)
         try:
             found = explain(self._program, stream_from_message(command["stream"]), self._is_interrupted)
-        except OutOfTimeError:
+        except UndecidedError:
             raise DroppedError("stopped before anything was found out") from None
         return {"why": None if found is None else found.to_message()}
 

@@ -10,9 +10,9 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import Literal, Statement, StreamUpdate, Volatile, commitment
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.explaining.why_not import WhyNot
 from rosoclingo.planning.history import Plan, Taken
+from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.verifying.findings import Finding
@@ -117,5 +117,5 @@ def _why(program: ReactiveProgram, broken: BrokenError, halt: Callable[[], bool]
         return None
     try:
         return explain(program, broken.stream, halt)
-    except (SolverError, OutOfTimeError):
+    except (SolverError, UndecidedError):
         return None

@@ -6,10 +6,10 @@ import pytest
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.minimal_sets import OutOfTimeError
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import ranges
 from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.minimal_sets import UndecidedError
 
 PROGRAM = """\
 #program base.
@@ -105,7 +105,7 @@ def why_not_after(looks):
     calls = count()
     try:
         return why_not(SHUT, halt=lambda: next(calls) >= looks)
-    except OutOfTimeError:
+    except UndecidedError:
         return None
 
 

@@ -1,0 +1,210 @@
+"""Minimal unsatisfiable subsets and minimum diagnoses, compared with all subsets of small random instances."""
+
+from itertools import combinations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.planning.minimal_sets import (
+    Mus,
+    UndecidedError,
+    Witness,
+    find_diagnosis,
+    find_mus,
+    find_smallest_mus,
+    grow,
+    remember,
+    yes_or_no,
+)
+
+THINGS = tuple("abcdefg")
+CONFLICTS = st.lists(st.frozensets(st.sampled_from(THINGS), max_size=4), min_size=1, max_size=6)
+ORACLES = pytest.mark.parametrize("tells", ["yes or no", "a loose core", "a core and a model"])
+
+
+def satisfiable(things, conflicts):
+    return not any(one <= frozenset(things) for one in conflicts)
+
+
+def oracle_of(conflicts, tells="yes or no"):
+    """The oracle by which no conflict may be whole; it tells no more, or all broken conflicts as a core, or the first.
+
+    A model adds the last things first, which are those that nobody prefers.
+    """
+
+    def ask(things):
+        broken = [one for one in conflicts if one <= things]
+        if tells == "yes or no":
+            return Witness(not broken, things)
+        if broken:
+            return Witness(False, broken[0] if "model" in tells else frozenset().union(*broken))
+        model = set(things)
+        for one in reversed(THINGS) if "model" in tells else ():
+            model |= {one} if satisfiable(model | {one}, conflicts) else set()
+        return Witness(True, frozenset(model))
+
+    return ask
+
+
+def noting(oracle):
+    """The same oracle, and the list of what it is asked."""
+    asked = []
+    return (lambda things: asked.append(set(things)) or oracle(things)), asked
+
+
+def limited(oracle, questions):
+    """The same oracle, for so many questions."""
+    left = iter(range(questions))
+
+    def ask(things):
+        if next(left, None) is None:
+            raise UndecidedError
+        return oracle(things)
+
+    return ask
+
+
+def subsets(things):
+    """All subsets, smaller ones first, those of one size in lexicographic order."""
+    return [some for size in range(len(things) + 1) for some in combinations(things, size)]
+
+
+def is_mus(things, conflicts):
+    smaller = (set(things) - {one} for one in things)
+    return not satisfiable(things, conflicts) and all(satisfiable(one, conflicts) for one in smaller)
+
+
+@ORACLES
+@given(CONFLICTS)
+def test_find_mus_returns_a_mus_in_order(tells, conflicts):
+    found = find_mus(THINGS, oracle_of(conflicts, tells))
+    assert found == Mus(tuple(sorted(found.things)))
+    assert is_mus(found.things, conflicts)
+
+
+@given(CONFLICTS)
+def test_find_mus_prefers_the_first_things(conflicts):
+    muses = [some for some in subsets(THINGS) if is_mus(some, conflicts)]
+    assert find_mus(THINGS, oracle_of(conflicts)).things == min(muses, key=lambda mus: mus[::-1])
+
+
+@ORACLES
+@given(CONFLICTS)
+def test_find_smallest_mus_returns_the_first_of_them(tells, conflicts):
+    first = next(some for some in subsets(THINGS) if not satisfiable(some, conflicts))
+    assert find_smallest_mus(THINGS, oracle_of(conflicts, tells)) == Mus(first, smallest=True)
+
+
+@ORACLES
+@given(CONFLICTS)
+def test_find_diagnosis_returns_the_first_smallest_one(tells, conflicts):
+    conflicts = [one for one in conflicts if one]
+    found = find_diagnosis(THINGS, oracle_of(conflicts, tells))
+    enough = [some for some in subsets(THINGS) if satisfiable(set(THINGS) - set(some), conflicts)]
+    assert tuple(found) == enough[0]
+    for one, mus in found.items():
+        assert mus.minimal
+        assert is_mus(mus.things, conflicts)
+        assert set(mus.things) & set(found) == {one}, "all others of it are kept"
+
+
+@ORACLES
+@given(CONFLICTS, st.data())
+def test_grow_returns_a_maximal_satisfiable_set(tells, conflicts, data):
+    seeds = [some for some in subsets(THINGS) if satisfiable(some, conflicts)]
+    if seeds:
+        seed = frozenset(data.draw(st.sampled_from(seeds)))
+        found = grow(seed, THINGS, oracle_of(conflicts, tells))
+        assert seed <= found
+        assert satisfiable(found, conflicts)
+        assert not any(satisfiable(found | {one}, conflicts) for one in set(THINGS) - found)
+
+
+@ORACLES
+@pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
+@given(conflicts=CONFLICTS, questions=st.integers(0, 12))
+def test_a_set_found_in_part_of_the_time_is_unsatisfiable(tells, find, conflicts, questions):
+    found = find(THINGS, limited(oracle_of(conflicts, tells), questions))
+    assert not satisfiable(found.things, conflicts)
+    assert list(found.things) == sorted(found.things)
+    if found.minimal:
+        assert is_mus(found.things, conflicts)
+    if found.smallest:
+        assert not any(len(one) < len(found.things) for one in conflicts)
+
+
+@given(CONFLICTS, st.integers(0, 12))
+def test_find_diagnosis_finds_the_first_or_is_undecided(conflicts, questions):
+    oracle = oracle_of(conflicts)
+    try:
+        found = find_diagnosis(THINGS, limited(oracle, questions))
+    except UndecidedError:
+        return
+    complete = find_diagnosis(THINGS, oracle)
+    assert (found and list(found)) == (complete and list(complete))
+
+
+@ORACLES
+@given(CONFLICTS)
+def test_remember_changes_no_answer_and_asks_nothing_twice(tells, conflicts):
+    oracle, asked = noting(oracle_of(conflicts, tells))
+    remembering = remember(oracle, [])
+    for some in [*subsets(THINGS), *reversed(subsets(THINGS))]:
+        answer = remembering(frozenset(some))
+        assert answer.satisfiable == satisfiable(some, conflicts)
+        assert frozenset(some) <= answer.things if answer.satisfiable else answer.things <= frozenset(some)
+        assert satisfiable(answer.things, conflicts) == answer.satisfiable
+    assert len(asked) == len(set(map(frozenset, asked))) <= 2 ** len(THINGS)
+
+
+def test_remember_infers_from_subsets_and_supersets():
+    oracle, asked = noting(lambda things: Witness(True, things))
+    remembering = remember(oracle, [Witness(False, frozenset("c"))])
+    for some, expected in (("ab", True), ("ba", True), ("b", True), ("ac", False), ("c", False)):
+        assert remembering(frozenset(some)).satisfiable is expected
+    assert asked == [set("ab")]
+
+
+def known(things):
+    """What is known where the things are unsatisfiable, and nothing at all is satisfiable."""
+    return [Witness(True, frozenset()), Witness(False, frozenset(things))]
+
+
+def test_find_mus_asks_once_if_the_first_thing_is_enough():
+    oracle, asked = noting(oracle_of([frozenset("a")]))
+    assert find_mus(THINGS, remember(oracle, known(THINGS))) == Mus(("a",))
+    assert asked == [{"a"}]
+
+
+@pytest.mark.parametrize(("tells", "most"), [("yes or no", 30), ("a core and a model", 4)])
+def test_find_mus_asks_little_among_many_things(tells, most):
+    oracle, asked = noting(oracle_of([frozenset((3, 700))], tells))
+    assert find_mus(range(1000), oracle) == Mus((3, 700))
+    assert len(asked) < most
+
+
+def test_find_mus_asks_once_for_each_thing_of_a_core():
+    things = range(100)
+    oracle, asked = noting(oracle_of([frozenset(things[10:60])], "a loose core"))
+    assert find_mus(things, oracle) == Mus(tuple(things[10:60]))
+    assert len(asked) == 51
+
+
+def test_find_diagnosis_finds_no_conflict_twice():
+    oracle, asked = noting(oracle_of([frozenset("bc"), frozenset("de"), frozenset("fg")]))
+    assert len(find_diagnosis(THINGS, remember(oracle, []))) == 3
+    wholes = [things for things in asked if things in ({"b", "c"}, {"d", "e"}, {"f", "g"})]
+    assert len(wholes) == 3
+
+
+@pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
+def test_the_empty_set_can_be_unsatisfiable(find):
+    for things in (THINGS, ()):
+        assert find(things, lambda things: Witness(False, things)).things == ()
+        assert find(things, lambda things: Witness(False, frozenset())).things == ()
+
+
+def test_find_diagnosis_returns_nothing_if_nothing_helps():
+    assert find_diagnosis(THINGS, yes_or_no(lambda things: False)) is None
+    assert find_diagnosis(THINGS, yes_or_no(lambda things: True)) == {}
