@@ -5,7 +5,7 @@ from typing import FrozenSet, List, Optional, Set
 
 import clingo
 
-from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom
+from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Closed
 from rosoclingo.planning.history import cycle_of
 
@@ -41,6 +41,29 @@ wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 #program volatile(t).
 :- wanted(X,t), not at(X,t).
 """
+
+
+#: A third one, which goes on where its actions return success, and whose returns are read.
+ONWARD = """
+#program base. at(0,0). #show _action_lib/3.
+#program cumulative(t).
+#external _request/2. #external _return/3.
+{ _action_lib(go,X+1,t); _action_lib(idle,X,t) } 1 :- at(X,t-1), wanted(Y,t), X < Y.
+at(X,t) :- _action_lib(go,X,t), not failed(t).
+at(X,t) :- at(X,t-1), not moved(t).
+moved(t) :- _action_lib(go,X,t), not failed(t).
+failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.
+wanted(X,t) :- _request(X,t).
+wanted(X,t) :- wanted(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
+
+
+def onward(step: int, value: object, place: Optional[int] = None) -> StreamUpdate:
+    """Return the update of ``step`` with the return of the action before, which went to ``place``."""
+    done = f"_action_lib(go,{place or step - 1},{step - 1}). _return(go,{value},{step - 1})."
+    return parse_update(f"#step {step} : 50. #closed {step - 1}. :- not {done} #endstep.")
 
 
 def program_text(advice: bool = True) -> str:
