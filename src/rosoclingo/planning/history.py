@@ -202,10 +202,10 @@ class History:
         """Return the history with ``plan`` in force; this one if there is none, or it is in force already."""
         return self if plan is None or plan == self.plan else self.then(Adopted(plan))
 
-    def checkpoint(self, checkpoint: Checkpoint) -> "History":
-        """Return the history with a checkpoint of its snapshot, or of an equivalent one; its plan stays in force."""
+    def checkpoint(self, snapshot: Snapshot) -> "History":
+        """Return the history with a checkpoint of its ``snapshot``, or an equivalent one; its plan stays in force."""
         plan = () if self.plan is None else (Adopted(self.plan),)
-        return self.then(checkpoint, *plan).cut()
+        return self.then(Checkpoint(snapshot), *plan).cut()
 
     @property
     def without_plan(self) -> "History":

@@ -15,7 +15,7 @@ from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.compaction import MOST_STEPS, compacted, end_of_past
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import Adopted, Checkpoint, History, Plan, Taken
+from rosoclingo.planning.history import Adopted, History, Plan, Taken
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.prediction import log_after
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError
@@ -461,6 +461,6 @@ class PlanSolver(PredictingSolver):
             short = None if grounding is None else compacted(grounding, snapshot)
         if short is None and limit >= 0 and not self.log.is_longer(limit, snapshot):
             return
-        self._replace_log(self.log.checkpoint(Checkpoint(short or snapshot)))
+        self._replace_log(self.log.checkpoint(short or snapshot))
         if searched is not None and fits:
             self._searched = searched._replace(log=self.log.without_plan)

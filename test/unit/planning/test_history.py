@@ -183,12 +183,15 @@ ONE, TWO, THREE = (taken(f"#over {step}.") for step in (1, 2, 3))
 
 def test_history_text_has_a_line_for_each_entry():
     log = History().then(Taken(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
+    log = log.adopt(Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2, shortest=True))
     assert log.text().splitlines() == [
-        '{"do":"update","update":null,"horizon":1}',
-        '{"do":"update","update":"#step 2 : 3.\\ne(\\"a b\\").\\n#volatile.\\n:- c.\\n#end step.\\n","horizon":4}',
+        '{"do":"update","update":null,"horizon":1,"predicted":false}',
+        '{"do":"update","update":"#step 2 : 3.\\ne(\\"a b\\").\\n#volatile.\\n:- c.\\n#end step.\\n","horizon":4,'
+        '"predicted":false}',
+        '{"do":"adopt","actions":"_action_lib(go,1,2)","horizon":2,"shortest":true}',
     ]
     assert copied(log).entries == log.entries
-    assert copied(log).key == log.key != log.before.key
+    assert copied(log).key == log.key == log.before.key != log.before.before.key
     assert (log.step, log.horizon, log.length) == (2, 4, 2)
     assert History().text() == ""
 
@@ -307,6 +310,6 @@ def test_history_keeps_two_checkpoints_and_no_more():
         log, kept = solver.log, 0
         while log is not None:
             log, kept = log.before, kept + 1
-        assert kept <= 13
+        assert kept <= 20
     assert solver.log.since(first) is None
     assert isinstance(solver.log.entries[0], Checkpoint)

@@ -335,9 +335,8 @@ def test_nothing_is_asked_of_a_plan_that_is_the_shortest(searches):
 
 def test_a_solver_that_has_read_the_history_improves_its_plan():
     first, second = idling(solver_of()), solver_of()
-    second.restore(History.parse(first.log.text()))
     assert second.improve() is None, "it knows of no plan"
-    second.restore(second.log.adopt(first.log.plan))
+    second.restore(History.parse(first.log.text()))
     assert second.improve().horizon < first.log.plan.horizon
 
 

@@ -31,13 +31,13 @@ def ignored(result):
 
 
 def test_snapshot_without_facts_keeps_only_their_shown_atoms():
-    found = SNAPSHOT.less(frozenset([A, GO]))
+    found = SNAPSHOT.without(frozenset([A, GO]))
     assert list(found.permanent) == [fact(B), RULE, DENIAL]
     assert list(found.lapsing) == [fact(B), RULE]
     assert [one for one in found.told if not isinstance(one, Told)] == OTHERS
     assert found.closed == {1: frozenset(), 2: frozenset()}
     assert found.past == Past(2, frozenset([B]), ((1, A),))
-    assert SNAPSHOT.less(frozenset()) == SNAPSHOT
+    assert SNAPSHOT.without(frozenset()) == SNAPSHOT
     assert replace(SNAPSHOT, past=None).without(frozenset([A])).past is None
 
 

@@ -87,7 +87,11 @@ def streams(draw):
 def without(solver, text, update, disabled):
     """Whether a solver that never heard of ``disabled`` has an answer."""
     fresh = planner_of(text)
-    fresh.restore(fresh.log.then(*(Taken(one.update.less(disabled), one.horizon) for one in solver.log.entries)))
+    fresh.restore(
+        fresh.log.then(
+            *(Taken(one.update.less(disabled), one.horizon) for one in solver.log.entries if isinstance(one, Taken))
+        )
+    )
     return fresh.update(update.less(disabled)).outcome is SolveOutcome.SATISFIABLE
 
 
