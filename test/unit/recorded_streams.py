@@ -1,9 +1,8 @@
 """Random streams with the answers of an earlier solver, which ``planning/test_recorded_streams.py`` compares.
 
-A stream of a domain is generated from its kind and seed with the solver at hand, since what it plans is done next. The
-stored ones were made with the solver before the planner was rebuilt. After a change of an encoding
-``python3 test/unit/recorded_streams.py KIND ...`` records the streams of these domains again and keeps all others:
-those of random programs hold their text.
+A stream is generated from its kind and seed; what the solver plans is done next. The stored streams were recorded with
+the solver before the planner was rebuilt. ``python3 test/unit/recorded_streams.py KIND ...`` records the streams of these
+kinds again, without a KIND all of them.
 """
 
 import gzip
@@ -36,6 +35,7 @@ from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "recorded_streams.jsonl.gz"
+ALL = 1000
 STEPS = 20  # the bound of an update: how many steps the horizon may lie beyond its step
 SECONDS = 5.0  # of processor time for an explanation; what takes longer is not recorded
 LATE = "late"
@@ -256,6 +256,75 @@ class Planned:
         return found
 
 
+BODY = ("a", "b", "p(t)", "p(t-1)", "c(t-1)", "e(t)", "e(t-1)", "f(x,t)", "f(y,t)", "g(x,t)", "d(t)", "w(t-1)")
+RULES = {
+    "externals": ("h(Z,t) :- g(Z,t).", "h(Z,t) :- h(Z,t-1), not p(t).", "c(t) :- g(Z,U), U <= t."),
+    "volatile": ("#volatile t : 2. :- w(t). #cumulative t.", "#volatile t : 3. v(t). :- p(t), v(t). #cumulative t."),
+    "loops": ("r(t) :- r(t-1). r(t) :- s(t), not a. s(t) :- r(t), e(t).", "s(t) :- s(t+1), p(t). s(t) :- g(x,t)."),
+    "aggregates": ("n(t) :- 2 { g(Z,t) ; f(x,t) }.", "m(S,t) :- S = #count { p(T) : p(T), T <= t, T = t-1..t }."),
+    "optimisation": ("{ q(t) }. #minimize { 1,t : q(t) }. :- c(t), not q(t).",),
+}
+
+
+class General:
+    """A random reactive program and stream with externals, windows, asserted terms, and further horizons."""
+
+    def __init__(self, kind: str, seed: int) -> None:
+        self.kind, self.draw = kind, Random(f"{kind} {seed}")
+
+    def record(self) -> Record:
+        """Return the stream with its answers."""
+        record: Record = {"kind": self.kind, "program": self._program()}
+        solver, updates = solver_of(self.kind, _of_text(record["program"])), []  # type: ReactiveSolver, List[List[Any]]
+        step = 0
+        for _ in range(self.draw.randint(2, 5)):
+            step = max(1, min(5, step + self.draw.choice((0, 1, 1, 2))))
+            text = f"#step {step} : {self.draw.randint(0, 2)}. " + " ".join(self._items())
+            updates.append([text, *reading(self.kind, solver.update(_update(text)))])
+        record["updates"] = updates
+        return record
+
+    def _body(self, *more: str) -> str:
+        atoms = self.draw.sample((*BODY, *more), self.draw.randint(1, 3))
+        return ", ".join(self.draw.choice(("", "not ")) + atom for atom in atoms)
+
+    def _program(self) -> str:
+        lines = ["#base.", "{ a }. { b }.", "#cumulative t.", "#external e(t). #external f(x,t). #external f(y,t)."]
+        lines += ["#external g/2.", "{ p(t) }.", *RULES[self.kind]]
+        for head in self.draw.sample(("c(t)", "d(t)", "w(t)", "d(t)", ""), 3):
+            lines.append(f"{head} :- {self._body()}.")
+        lines += [
+            "#volatile t.",
+            self.draw.choice((":- w(t), p(t).", ":- not p(t), not e(t).", f":- p(t), {self._body('c(t)')}.")),
+        ]
+        return "\n".join(lines) + "\n"
+
+    def _items(self) -> List[str]:
+        draw = self.draw
+        heads = [f"e({step})" for step in range(1, 6)] + [f"f(x,{step})" for step in range(1, 6)]
+        heads += [f"g({name},{step})" for name in "xyz" for step in range(1, 6)]
+        found = []
+        for _ in range(draw.randint(0, 4)):
+            found.append(
+                draw.choice(
+                    (
+                        *(draw.choice(heads) + ".",) * 4,
+                        f"{draw.choice(heads)} :- {draw.choice(heads)}, not p({draw.randint(1, 5)}).",
+                        f":- {draw.choice(heads)}, p({draw.randint(1, 5)}).",
+                        *("#volatile.", "#volatile : 2.", "#cumulative.", "#assert : x.", "#retract : x."),
+                        f"#forget {draw.randint(1, 3)}..{draw.randint(3, 5)}.",
+                    )
+                )
+            )
+        return found
+
+
+def generate(number: int) -> Record:
+    """Return stream ``number`` of all, with what the solver at hand answers."""
+    kind = KINDS[number % len(KINDS)]
+    return (Planned if kind in DOMAINS else General)(kind, number // len(KINDS)).record()
+
+
 @lru_cache(maxsize=1)
 def recorded() -> List[Record]:
     """Return the stored streams."""
@@ -264,13 +333,12 @@ def recorded() -> List[Record]:
 
 
 def main() -> None:
-    """Record the streams of the kinds that are named again."""
-    lines = []
-    for number, record in enumerate(recorded()):
-        if record["kind"] in sys.argv[1:]:
-            record = Planned(record["kind"], number // len(KINDS)).record()
-        lines.append(json.dumps(record) + "\n")
-    DATA.write_bytes(gzip.compress("".join(lines).encode("utf-8"), 9, mtime=0))
+    """Record the streams of the kinds that are named again, all kinds without a name."""
+    kinds = sys.argv[1:] or KINDS
+    kept = recorded() if sys.argv[1:] else []
+    records = [generate(number) if KINDS[number % len(KINDS)] in kinds else kept[number] for number in range(ALL)]
+    lines = "".join(json.dumps(record) + "\n" for record in records)
+    DATA.write_bytes(gzip.compress(lines.encode("utf-8"), 9, mtime=0))
 
 
 if __name__ == "__main__":
