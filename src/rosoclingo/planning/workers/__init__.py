@@ -1,1 +1,1 @@
-"""The reactive solver in a process of its own."""
+"""The planner in processes of its own."""
