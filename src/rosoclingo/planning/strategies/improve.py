@@ -5,20 +5,18 @@ Each round asks for plans of several kinds:
 * The tasks of the plan in another *order*, see reorder.py. Nothing is free: the solver decides whether it is a plan.
 * Any plan of half the length, as the first plan can be many times too long.
 * A free *window* of steps: actions before it stay, those after it are one step earlier. Windows overlap by half.
-* An action *deferred* for some steps, after which all is free: a wide form of limited discrepancy search (Harvey and
-  Ginsberg 1995). The rest follows the advice of ``#heuristic``, so this is only for programs with such statements.
 
 If a round finds nothing, the next has larger windows and allows more conflicts. Each plan is trimmed, see trim.py.
 """
 
 from random import Random
-from typing import Iterator, List, Optional, Sequence, Tuple
+from typing import Iterator, List, Optional, Tuple
 
 import clingo
 
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan, cycle_of
-from rosoclingo.planning.question import Question, Reply, StoppedError, Strategy
+from rosoclingo.planning.question import Question, Reply, Stop, StoppedError, Strategy
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import moved, trimmed
 
@@ -33,12 +31,6 @@ CONFLICTS = 100
 MOST_CONFLICTS = 20_000
 """Limit of conflicts in the last round: nothing is left to try if it finds nothing."""
 
-DEFERRALS = 4
-"""Deferred actions after each window; each has a quarter of the conflicts, as it leads to a plan at once or never."""
-
-SPANS = (1, 4, 8, 16, 32, 64)
-"""Steps for which an action is deferred."""
-
 FEW_STEPS = 100
 """For more steps, a question without advice finds no plan."""
 
@@ -50,7 +42,8 @@ class Improvement:
         """Shorten ``plan`` after ``step``, the present one; no answer has a horizon below ``first``."""
         self._plan, self._step, self._first = plan, step, first
         self._random = Random(0)
-        self._asking: Optional[Asking] = None
+        self._advises = False
+        self._is_stopped: Stop = lambda: False
         self._ended = False
         self._questions = self._rounds()
 
@@ -65,7 +58,7 @@ class Improvement:
 
     def run(self, asking: Asking) -> Strategy[Optional[Reply]]:
         """Return a shorter plan as soon as one is found; None after a stop, or if nothing is left to try."""
-        self._asking = asking
+        self._advises, self._is_stopped = asking.program.advises, asking.is_stopped
         present: Optional[List[Assumption]] = None
         while not asking.is_stopped():
             present = self._present(asking) if present is None else present
@@ -113,45 +106,33 @@ class Improvement:
             conflicts = min(conflicts * 2, MOST_CONFLICTS)
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
-        advises = self._asking is not None and self._asking.program.advises
-        half = self._begin + self._length // 2
-        for advised in (True, False) if advises and self._length <= FEW_STEPS else (True,):
-            if self._length >= 2 * SIZE:
+        if self._length >= 2 * SIZE:
+            half = self._begin + self._length // 2
+            for advised in (True, False) if self._advises and self._length <= FEW_STEPS else (True,):
                 yield Question(self._first, half, conflicts=2 * conflicts, advised=advised)
         first = self._step + 1
         while first <= self._plan.horizon:
             yield from self._reordered(conflicts)
-            yield self._question(conflicts, first, first + size)
-            for _ in range(DEFERRALS if advises else 0):
-                yield from self._deferred(conflicts // 4)
+            yield self._window(conflicts, first, first + size)
             first = max(self._step + 1, first + size // 2)
 
-    def _question(self, conflicts: int, first: int, end: int, given: Sequence[Assumption] = ()) -> Question:
+    def _window(self, conflicts: int, first: int, end: int) -> Question:
         """Return the question for a plan with the steps from ``first`` to ``end`` free, the latter excluded."""
         actions = self._plan.since(self._step + 1).actions
         before = [(action, True) for action in actions if cycle_of(action) < first]
         behind = [(moved(action, -1), True) for action in actions if cycle_of(action) >= end]
-        return Question(self._first, self._plan.horizon - 1, [*before, *behind, *given], conflicts=conflicts)
-
-    def _deferred(self, conflicts: int) -> Iterator[Question]:
-        """Yield the question for a plan in which an action comes some steps later, if at all."""
-        actions = sorted(self._plan.since(self._step + 1).actions)
-        if actions:
-            action, span = self._random.choice(actions), self._random.choice(SPANS)
-            given = [(moved(action, steps), False) for steps in range(span)]
-            yield self._question(conflicts, cycle_of(action), self._plan.horizon + 1, given)
+        return Question(self._first, self._plan.horizon - 1, [*before, *behind], conflicts=conflicts)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
         """Yield the question whether the tasks in another order are a plan; once more if they are."""
-        while self._asking is not None:
+        shortened = True
+        while shortened:
             horizon = self._plan.horizon
-            plan = reordered(self._plan, self._step, self._random, self._asking.is_stopped)
-            if plan is None:
-                return
-            given = [(action, True) for action in plan.actions]
-            yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
-            if self._plan.horizon == horizon:
-                return
+            plan = reordered(self._plan, self._step, self._random, self._is_stopped)
+            if plan is not None:
+                given = [(action, True) for action in plan.actions]
+                yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
+            shortened = self._plan.horizon < horizon
 
     @property
     def _length(self) -> int:
