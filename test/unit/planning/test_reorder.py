@@ -27,8 +27,8 @@ def acts_of(plan):
     return [f"{one.arguments[0]} {one.arguments[1]}" for one in sorted(plan.actions, key=cycle_of)]
 
 
-def candidate(plan, step=0, stopped=lambda: False):
-    return reordered(plan, step, Random(1), stopped)
+def candidate(plan, step=0, stopped=lambda: False, seed=1):
+    return reordered(plan, step, Random(seed), stopped)
 
 
 @pytest.mark.parametrize("first", [1, 40])
@@ -51,6 +51,11 @@ def test_reordered_continues_open_chains_on_the_way():
     )
     found = acts_of(candidate(plan))
     assert found[found.index("go b") + 1] == "put 1"
+
+
+def test_reordered_takes_ways_back_in_some_searches():
+    ring = plan_of("go a; go b; go c; go d; take 1; go a; go b; go c; go d; take 2; go a")
+    assert {candidate(ring, 1, seed=seed).horizon for seed in range(9)} == {5, 7}
 
 
 @pytest.mark.parametrize(
@@ -76,18 +81,17 @@ def test_reordered_ends_its_search_at_a_stop():
 
 
 class World:
-    """A corridor with packages, which notes the ways and the load, and refuses what cannot be done."""
+    """A corridor with packages, which notes the load and refuses what cannot be done."""
 
     def __init__(self, packages, carried=()):
         self.packages, self.carried, self.waiting = packages, set(carried), {*packages} - {*carried}
-        self.place, self.ways, self.most = 0, set(), len(self.carried)
+        self.place, self.most = 0, len(self.carried)
 
     def do(self, act):
         kind, what = act.split()
         number = int(what)
         if kind == "go":
             assert abs(number - self.place) == 1
-            self.ways.add((self.place, number))
             self.place = number
         elif kind == "take":
             assert self.packages[number][0] == self.place
@@ -131,5 +135,4 @@ def test_reordered_plans_are_shorter_and_obey_the_rules(ends, carried, draw):
     assert not new.waiting
     assert not new.carried
     assert found.horizon == step + len(found.actions) < len(acts)
-    assert new.ways <= old.ways
     assert new.most <= old.most

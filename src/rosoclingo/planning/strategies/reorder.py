@@ -2,8 +2,8 @@
 
 The plan is read as a tour. If it repeats an action, all actions of this kind are *moves*, each to a place that it
 names; other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and a
-delivery, form a *chain*: they keep their order, and at most as many chains are open at once as in the plan. The tour
-takes no way that the plan does not take.
+delivery, form a *chain*: they keep their order, and at most as many chains are open at once as in the plan. Ways are
+those of the plan; half of the searches take them in both directions, as most floors allow.
 
 The search ruins and recreates (Schrimpf et al. 2000): it removes some chains with tasks near each other (Shaw 1998),
 and inserts each of them where it adds the fewest moves. It also accepts slightly longer tours, as simulated annealing
@@ -54,7 +54,7 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
     acts = [(action.arguments[0], action.arguments[1]) for action in actions]
     cycles = [cycle_of(action) for action in actions if cycle_of(action) > step]
     done = len(acts) - len(cycles)
-    tour = Tour(acts[:done], acts[done:])
+    tour = Tour(acts[:done], acts[done:], both_ways=random.random() < 0.5)
     if len(set(cycles)) < len(cycles) or len(tour.chains) < 2:
         return None
     best = order = tour.order
@@ -65,9 +65,9 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
         if other and tour.moves(other) < tour.moves(order) - math.log(1.0 - random.random()):
             order = other
             best = min(best, order, key=tour.moves)
-    if tour.moves(best) >= tour.moves(tour.order):
-        return None
     acts = tour.acts(best)
+    if len(acts) >= len(cycles):
+        return None
     shorter = (clingo.Function(ACTION.name, [*act, clingo.Number(cycle)]) for cycle, act in enumerate(acts, step + 1))
     return Plan(frozenset(shorter), step + len(acts))
 
@@ -93,8 +93,8 @@ class Tour:
 
     """
 
-    def __init__(self, past: Sequence[Act], plan: Sequence[Act]) -> None:
-        """Read ``plan``, which follows the ``past``."""
+    def __init__(self, past: Sequence[Act], plan: Sequence[Act], both_ways: bool) -> None:
+        """Read ``plan``, which follows the ``past``; moves lead back as well if ``both_ways``."""
         moving = {kind for (kind, _), count in Counter(plan).items() if count > 1}
         here: Place = next((act for act in reversed(past) if act[0] in moving), None)
         self._tasks: List[Act] = []
@@ -103,6 +103,8 @@ class Tour:
         for act in plan:
             if act[0] in moving:
                 self._exits.setdefault(here, []).append(act)
+                if both_ways and here is not None:
+                    self._exits.setdefault(act, []).append(here)
                 here = act
             else:
                 self._tasks.append(act)
