@@ -20,7 +20,6 @@ from rosoclingo.planning.history import History, Plan, Taken, cycle_of
 from rosoclingo.planning.prediction import success_of
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.strategies import improve
 
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
 
@@ -414,10 +413,54 @@ def test_a_stop_ends_the_building_of_a_grounding():
     assert solver.improve().horizon < plan.horizon
 
 
-def test_stops_before_a_question_leave_it_to_the_next_call(monkeypatch):
-    """However many of them there are: only a question that was interrupted might be too hard."""
-    monkeypatch.setattr(improve, "TIMES_CUT", 2)
+@pytest.mark.parametrize("looks", [0, 1, 2, 3])
+def test_stops_leave_the_improvement_to_the_next_call(looks):
     solver = idling(solver_of())
+    plan = solver.log.plan
     for _ in range(5):
-        assert solver.improve(lambda: True) is None
-    assert solver.improve() is not None
+        assert solver.improve(stop_after(looks)) is None or looks > 1
+    while solver.improve() is not None:
+        pass
+    assert solver.log.plan.horizon < plan.horizon
+
+
+def test_the_rest_of_a_plan_is_tried_again_after_the_next_update(searches):
+    solver = roomy("line", 16)
+    solver.update(StreamUpdate(1, 40, tuple(fact(parse_atom(f"_request({one},2)")) for one in (-2, 4))))
+    for _ in range(2):
+        while solver.improve() is not None:
+            pass
+        searches.clear()
+        assert solver.improve() is None
+        assert searches == []
+        solver.update(news(solver))
+        assert solver.log.foreseen
+
+
+#: Plants in a corridor are watered, the fern before another one.
+GARDEN = """
+#program base. at(0,0). plant(fern,2). plant(lily,2). plant(rose,0). plant(ivy,0). first(fern,{}).
+#program cumulative(t).
+{{ _action_lib(go,X+1,t) : X < 2; _action_lib(go,X-1,t) : X > 0; _action_lib(water,P,t) : plant(P,X) }} 1 :- at(X,t-1).
+at(X,t) :- _action_lib(go,X,t).
+at(X,t) :- at(X,t-1), not _action_lib(go,_,t).
+wet(P,t) :- _action_lib(water,P,t).
+wet(P,t) :- wet(P,t-1).
+:- first(P,Q), _action_lib(water,Q,t), not wet(P,t-1).
+#program volatile(t).
+:- plant(P,X), not wet(P,t).
+#program base.
+#show _action_lib/3.
+"""
+TO_AND_FRO = "go 1; go 2; water fern; go 1; go 0; water rose; go 1; go 2; water lily; go 1; go 0; water ivy"
+
+
+@pytest.mark.parametrize(("later", "horizon"), [("lily", 7), ("rose", 9)])
+def test_tasks_change_their_order_as_far_as_the_program_allows(later, horizon):
+    solver = PlanSolver(ReactiveProgram.from_text(GARDEN.format(later)), plan_time=0.0)
+    solver.solve()
+    acts = [one.replace(" ", ",") for one in TO_AND_FRO.split("; ")]
+    solver.log.plan = Plan(frozenset(parse_atom(f"_action_lib({one},{n})") for n, one in enumerate(acts, 2)), 13)
+    while (result := solver.improve()) is not None:
+        assert_answer(solver, result)
+    assert solver.log.plan.horizon == horizon

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.history import cycle_of
 from rosoclingo.planning.question import UNKNOWN, Reply, StoppedError
-from rosoclingo.planning.strategies.trim import trimmed, without_idling
+from rosoclingo.planning.strategies.trim import trimmed
 
 
 def actions(*cycles):
@@ -102,11 +102,3 @@ def test_trimmed_asks_nothing_more_where_nothing_is_superfluous_or_idle():
 @pytest.mark.parametrize(("most", "cycles"), [(0, [1, 2, 3, 4]), (1, [1, 2, 4]), (2, [2, 4])])
 def test_trimmed_returns_what_it_has_when_it_is_stopped(most, cycles):
     assert trim(found(4, 1, 2, 3, 4), (1, 2, 4), (2, 4), (1, 2), most=most)[0] == cycles
-
-
-def test_steps_at_which_nothing_is_done_are_left_out():
-    names = ["go,x,3", "take,y,3", "go,z,8", "go,x,70", "take,x,70"]
-    pushed = ["go,x,2", "take,y,2", "go,z,3", "go,x,4", "take,x,4"]
-    old, new = (frozenset(parse_atom(f"_action_lib({one})") for one in some) for some in (names, pushed))
-    assert without_idling(Plan(old, 71), 1) == Plan(new, 71)
-    assert without_idling(Plan(new, 4), 1) == Plan(new, 4)

@@ -1,13 +1,13 @@
 """Plans without superfluous actions and without idle steps.
 
 An action is superfluous if the plan remains one without it, and without the actions that only it makes possible
-(Nakhost and Mueller's action elimination, 2010). The solver looks for a plan with some of the actions, not all of them,
-and no others, until there is none. For that it assumes all other actions false, which takes long if there are many.
-A program with ``#heuristic`` statements is trusted to hold no superfluous actions.
+(action elimination, Nakhost and Mueller 2010). The solver is asked for a plan with fewer of the actions and no others,
+until there is none. For that, all other actions are assumed false, which takes long if there are many. A program with
+``#heuristic`` statements is trusted to plan no superfluous actions.
 """
 
 from contextlib import suppress
-from typing import Generator, Iterable, Optional
+from typing import Generator, Optional
 
 import clingo
 
@@ -16,10 +16,7 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Given, Question, Reply, Stop, StoppedError
 
 CONFLICTS = 1000
-"""Limit of conflicts for the question for fewer actions; most take a few."""
-
-IDLE_CONFLICTS = 100
-"""Limit of conflicts for the question for the same actions without idle steps."""
+"""Limit of conflicts of a question; most take a few."""
 
 _Trimmed = Generator[Question, Reply, Reply]
 
@@ -29,43 +26,38 @@ def trimmed(
 ) -> _Trimmed:
     """Return the plan that was ``found``, without superfluous actions after ``step`` and without idle steps.
 
-    No plan has a horizon before ``first``. What is done up to ``step`` is ``present``. A question without an answer
-    leaves the plan as it is, and a stop ends the questions.
+    No plan has a horizon below ``first``; ``present`` are the assumptions about the actions up to ``step``. A question
+    without an answer leaves the plan as it is, and a stop ends the questions.
     """
+    advises = asking.program.advises
 
-    def others(plan: Plan, last: int) -> Given:
-        """Return the assumption of no actions up to ``last`` other than the plan's."""
-        if asking.program.advises:
-            return []
-        return [(one, False) for one in asking.actions(step + 1, last) if one not in plan.actions]
+    def question(plan: Plan, first: int, last: int, fewer: bool) -> Question:
+        """Return the question for ``plan``, or for a plan with ``fewer`` of its actions."""
+        others = [] if advises else [one for one in asking.actions(step + 1, last) if one not in plan.actions]
+        given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
+        return Question(first, last, given, tuple(plan.actions if fewer else ()), conflicts=CONFLICTS, until=until)
 
-    def ask(first: int, last: int, given: Given, conflicts: int, lacking: Iterable[clingo.Symbol] = ()) -> Question:
-        """Return the question for a part of the plan."""
-        return Question(first, last, [*present, *given], tuple(lacking), conflicts=conflicts, until=until)
-
-    plan, fewer = plan_after(found, step), found
+    plan = _plan_after(found, step)
     with suppress(StoppedError):
-        while fewer.satisfiable and plan.actions and not asking.program.advises:
-            fewer = yield ask(first, found.horizon, others(plan, found.horizon), CONFLICTS, plan.actions)
-            if fewer.satisfiable:
-                found, plan = fewer, plan_after(fewer, step)
-        packed = without_idling(plan, step)
-        for shorter in (packed, plan) if packed.actions != plan.actions else (plan,):
+        while plan.actions and not advises:
+            fewer = yield question(plan, first, found.horizon, fewer=True)
+            if not fewer.satisfiable:
+                break
+            found, plan = fewer, _plan_after(fewer, step)
+        for shorter in dict.fromkeys((_without_idling(plan, step), plan)):
             end = max(first, step, shorter.last_cycle)
             if end < found.horizon:
-                given = [*((one, True) for one in shorter.actions), *others(shorter, end)]
-                sooner = yield ask(end, end, given, IDLE_CONFLICTS)
+                sooner = yield question(shorter, end, end, fewer=False)
                 if sooner.satisfiable:
                     return sooner
     return found
 
 
-def plan_after(found: Reply, step: int) -> Plan:
-    """Return the part after ``step`` of the plan that was ``found``."""
+def _plan_after(found: Reply, step: int) -> Plan:
     return Plan.of(found.answers[-1], found.horizon).since(step + 1)
 
 
-def without_idling(plan: Plan, step: int) -> Plan:
+def _without_idling(plan: Plan, step: int) -> Plan:
     """Return ``plan``, which begins after ``step``, without its idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
     return plan._replace(actions=frozenset(moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
