@@ -1,7 +1,7 @@
 """Random streams with the answers of an earlier solver, which ``planning/test_recorded_streams.py`` compares.
 
 A stream is generated from its kind and seed; what the solver plans is done next. The stored streams were recorded with
-the solver before the planner was rebuilt. ``python3 test/unit/recorded_streams.py KIND ...`` records the streams of these
+an earlier solver. ``python3 test/unit/recorded_streams.py KIND ...`` records the streams of these
 kinds again, without a KIND all of them.
 """
 

@@ -434,7 +434,7 @@ def test_the_rest_of_a_plan_is_tried_again_after_the_next_update(searches):
         assert solver.improve() is None
         assert searches == []
         solver.update(news(solver))
-        assert solver.log.foreseen
+        assert solver.log.predicted
 
 
 #: Plants in a corridor are watered, the fern before another one.
@@ -460,7 +460,9 @@ def test_tasks_change_their_order_as_far_as_the_program_allows(later, horizon):
     solver = PlanSolver(ReactiveProgram.from_text(GARDEN.format(later)), plan_time=0.0)
     solver.solve()
     acts = [one.replace(" ", ",") for one in TO_AND_FRO.split("; ")]
-    solver.log.plan = Plan(frozenset(parse_atom(f"_action_lib({one},{n})") for n, one in enumerate(acts, 2)), 13)
+    solver.restore(
+        solver.log.adopt(Plan(frozenset(parse_atom(f"_action_lib({one},{n})") for n, one in enumerate(acts, 2)), 13))
+    )
     while (result := solver.improve()) is not None:
         assert_answer(solver, result)
     assert solver.log.plan.horizon == horizon
