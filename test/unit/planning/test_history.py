@@ -310,6 +310,6 @@ def test_history_keeps_two_checkpoints_and_no_more():
         log, kept = solver.log, 0
         while log is not None:
             log, kept = log.before, kept + 1
-        assert kept <= 20
+        assert kept <= 24
     assert solver.log.since(first) is None
     assert isinstance(solver.log.entries[0], Checkpoint)

@@ -108,7 +108,7 @@ def test_what_stands_elsewhere_in_its_group_is_written_anew(before, after, writt
 
 def test_another_format_is_refused():
     lines = [line_of(0, {**HEADER.record, "format": 99}), line_of(1, {"set": {}})]
-    with pytest.raises(JournalError, match="line 1: it is of format 99, this version reads 3"):
+    with pytest.raises(JournalError, match="line 1: it is of format 99, this version reads 4"):
         read(b"".join(lines))
 
 

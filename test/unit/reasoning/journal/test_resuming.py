@@ -96,7 +96,7 @@ def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume):
     with pytest.raises(JournalError, match="line 2 is not as it was written: start without it"):
         opened(folder, resume, AGAIN)
     left.write_bytes(line_of(0, {**BEFORE.record, "format": 1}))
-    with pytest.raises(JournalError, match=r"line 1: it is of format 1, this version reads 3: .*journal clear"):
+    with pytest.raises(JournalError, match=r"line 1: it is of format 1, this version reads 4: .*journal clear"):
         opened(folder, resume, AGAIN)
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert found.odd, "another launch begins anew, and tells it"
