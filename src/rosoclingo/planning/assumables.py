@@ -30,7 +30,8 @@ class Assumables:
 
     def assumptions(self, untold: FrozenSet[clingo.Symbol]) -> List[int]:
         """Return the assumptions by which all facts but those ``untold`` were told."""
-        return [-literal if fact in untold else literal for fact, literal in self._told.items()]
+        told = {self._told[fact] for fact in self.facts - untold}  # to look each fact up would hash it in Python
+        return [literal if literal in told else -literal for literal in self._told.values()]
 
     def among(self, core: Iterable[int]) -> FrozenSet[clingo.Symbol]:
         """Return the facts of which the assumptions in ``core`` are."""
