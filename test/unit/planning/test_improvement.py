@@ -64,7 +64,7 @@ def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news
         solver.update(update)
         plan = worse(solver.log.plan, walk.step, idle)
         solver.restore(solver.log.adopt(plan))
-        entries = solver.log.entries
+        key = solver.log.key
         while (result := solver.improve(stop_after(looks))) is not None:
             better = Plan.in_result(result)
             assert better == solver.log.plan
@@ -73,7 +73,7 @@ def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news
             assert walk.allows(result.horizon, frozenset(at(better, walk.step, result.horizon)))
             plan = better
         assert solver.log.plan == plan
-        assert solver.log.entries == entries
+        assert solver.log.key == key, "nothing is taken but the plan"
         done = at(plan, walk.step, walk.step)
         if looks is None:
             next_step = Walk(walk.step + 1, walk.facts, walk.done | done)

@@ -406,4 +406,4 @@ def test_stream_survives_fifty_kills():
             now = [one for one in actions if one.arguments[2].number == cycle]
             done += now
         assert len(done) >= 3
-        assert len(solver.log.entries) <= 8
+        assert solver.log.length <= 8
