@@ -166,8 +166,8 @@ def first_plans(record: Record) -> Iterator[Optional[int]]:
 def what_if(record: Record) -> List[Optional[bool]]:
     """Return whether there would be an answer to the last update without some of its facts, question by question."""
     solver, last = before_last(record)
-    doubted = _atoms(record["doubted"])
-    return [solver.inquire(last, doubted, _atoms(untold)).satisfiable for untold in record["untold"]]
+    assumable = _atoms(record["doubted"])
+    return [solver.inquire(last, assumable, _atoms(disabled)).satisfiable for disabled in record["untold"]]
 
 
 def why(record: Record) -> Any:

@@ -28,9 +28,9 @@ class Assumables:
                 self.literals.setdefault(one, literal)
         self.literals.update(self._told)
 
-    def assumptions(self, untold: FrozenSet[clingo.Symbol]) -> List[int]:
-        """Return the assumptions by which all facts but those ``untold`` were told."""
-        told = {self._told[fact] for fact in self.facts - untold}  # to look each fact up would hash it in Python
+    def assumptions(self, disabled: FrozenSet[clingo.Symbol]) -> List[int]:
+        """Return the assumptions by which all facts but those ``disabled`` were told."""
+        told = {self._told[fact] for fact in self.facts - disabled}  # to look each fact up would hash it in Python
         return [literal if literal in told else -literal for literal in self._told.values()]
 
     def among(self, core: Iterable[int]) -> FrozenSet[clingo.Symbol]:

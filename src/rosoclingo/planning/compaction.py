@@ -23,7 +23,7 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.snapshot import ClosedHeads, Fact, Past, Snapshot, Told
+from rosoclingo.planning.snapshot import ClosedHeads, Fact, Past, Snapshot, TimedStatement
 
 MOST_STEPS = 16
 """So many steps to retire are worth a look."""
@@ -76,12 +76,12 @@ def _moved(grounding: Grounding, snapshot: Snapshot, fixed: FixedAtoms, facts: S
     # the last cycle is told for its returns, those before it for the actions that steps to come can still have of them
     closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.may_act(c, first)}
     recent = tuple((step, atom) for atom, step in shown.items() if step >= first - SHOWN_STEPS)
-    told: List[Fact] = [*(Told(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
+    told: List[Fact] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
     told += [ClosedHeads(false)] if false else []
     return replace(snapshot, told=tuple(told), closed=closed, past=Past(first, frozenset(kept - opened), recent))
 
 
-def _shortened(grounding: Grounding, fixed: FixedAtoms, true: Set[clingo.Symbol]) -> Iterator[Told]:
+def _shortened(grounding: Grounding, fixed: FixedAtoms, true: Set[clingo.Symbol]) -> Iterator[TimedStatement]:
     """Yield the constraints on atoms of base, and the statements in order but for facts, without what facts decide."""
     decided = fixed.steps.keys() - fixed.base | true
     ties = {Statement(None, (Literal(atom, atom not in fixed.true),)) for atom in fixed.steps.keys() - decided}
@@ -96,4 +96,4 @@ def _shortened(grounding: Grounding, fixed: FixedAtoms, true: Set[clingo.Symbol]
         if statement.head not in true:
             yield told._replace(statement=statement)
     for tie in sorted(ties, key=str):
-        yield Told(tie, FOREVER, 0)
+        yield TimedStatement(tie, FOREVER, 0)

@@ -6,7 +6,7 @@ import clingo
 
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.solving.atom_table import BackendSession, ControlAtoms
-from rosoclingo.planning.snapshot import Told
+from rosoclingo.planning.snapshot import TimedStatement
 
 _NEVER = -1
 """The update that has closed an external that no statement defines."""
@@ -49,7 +49,7 @@ class Definitions(ControlAtoms):
         """The atoms that bodies mention and nothing has brought yet."""
         return self._absent.keys()
 
-    def add(self, told: Told, guards: Iterable[int] = (), assumable: bool = False) -> None:
+    def add(self, told: TimedStatement, guards: Iterable[int] = (), assumable: bool = False) -> None:
         """Add a statement, whose head is open, under ``guards``."""
         statement, lasts = told.statement, told.lifetime == FOREVER and not assumable
         head = statement.head

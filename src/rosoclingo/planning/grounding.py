@@ -31,7 +31,7 @@ from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
-from rosoclingo.planning.snapshot import NOT_EXTERNAL, ClosedHeads, Fact, Forgotten, Past, Snapshot, Told
+from rosoclingo.planning.snapshot import NOT_EXTERNAL, ClosedHeads, Fact, ForgottenSteps, Past, Snapshot, TimedStatement
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
@@ -101,8 +101,8 @@ class Grounding:
         self.horizon = self.past.first - 1
         self.warnings = [*snapshot.odd, *_unused_facts(program, snapshot)]
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
-        self.in_force: List[Told] = []
-        self.waiting: List[Told] = []
+        self.in_force: List[TimedStatement] = []
+        self.waiting: List[TimedStatement] = []
         self.false: Set[clingo.Symbol] = set()
         self.ground_parts: List[Tuple[range, Parts]] = []
         self._dropped = dropped
@@ -167,7 +167,7 @@ class Grounding:
             self._control.add(*PAST, text)
             self._ground([(PAST[0], [])], self.past.first - 1)
         for atom in assumable:
-            self._add(Told(Statement(atom), FOREVER, 0))
+            self._add(TimedStatement(Statement(atom), FOREVER, 0))
 
     def _ground(self, parts: Parts, step: int, steps: range = range(0)) -> None:
         self._session.close()
@@ -224,7 +224,7 @@ class Grounding:
             for cycle in steps:
                 self._actions.close_cycle(cycle, snapshot.closed[cycle])
                 for action in sorted(committed & snapshot.closed[cycle]):
-                    self.definitions.add(Told(commitment(action), FOREVER, 0))
+                    self.definitions.add(TimedStatement(commitment(action), FOREVER, 0))
             self.simplify()
 
     # ---- Statements --------------------------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ class Grounding:
     def _put_in_force(self, entries: Iterable[Fact]) -> None:
         """Put in force what a snapshot holds, in order; nothing is searched before all is."""
         for one in entries:
-            if isinstance(one, Forgotten):
+            if isinstance(one, ForgottenSteps):
                 self.forget(one.first, one.last, spared=one.spared)
             elif isinstance(one, ClosedHeads):
                 self._close(one.atoms)
@@ -251,7 +251,7 @@ class Grounding:
             self.definitions.close(atom)
             self.false.add(atom)
 
-    def _take(self, told: Told) -> None:
+    def _take(self, told: TimedStatement) -> None:
         """Put a statement in force if it defines its head, have it wait for its step, or ignore it."""
         statement, known, head = told.statement, self.definitions, told.statement.head
         if head is None or (head not in self._given and (known.is_open(head, told.update) or self._is_strange(head))):
@@ -268,7 +268,7 @@ class Grounding:
         else:
             self._warn(told, NOT_EXTERNAL.format(head))
 
-    def _add(self, told: Told) -> None:
+    def _add(self, told: TimedStatement) -> None:
         self.in_force.append(told)
         subject = told.statement.subject
         assumed = None if subject is None else self._assumables.literals.get(subject)
@@ -277,7 +277,7 @@ class Grounding:
             guards.append(self._ends.beyond(told.lifetime + 1))
         self.definitions.add(told, guards, assumed is not None)
 
-    def _warn(self, told: Told, text: str) -> None:
+    def _warn(self, told: TimedStatement, text: str) -> None:
         if told.update == self.snapshot.number:
             self.warnings.append(text)
 
@@ -380,7 +380,7 @@ class Grounding:
         lacking = self._lacking(question.lacking)
         kept = {one.symbol: one.literal for one in self._named(question.kept)}
         claim = self._claim() if question.believes else None
-        blameable = [*self._assumables.assumptions(question.untold), *([] if claim is None else [-claim])]
+        blameable = [*self._assumables.assumptions(question.disabled), *([] if claim is None else [-claim])]
         blameable += kept.values()
         horizon = self._ends.range(question.first, question.last)
         self._session.close()

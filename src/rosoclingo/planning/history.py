@@ -74,7 +74,7 @@ def cycle_of(action: clingo.Symbol) -> int:
 
 
 @dataclass(frozen=True)
-class Taken:
+class AcceptedUpdate:
     """``update`` was accepted and led to ``horizon``, the last ground step; None stands for a search without an update.
 
     ``predicted``: the answer before it is one after it as well, so that it took no search.
@@ -86,7 +86,7 @@ class Taken:
 
 
 @dataclass(frozen=True)
-class Adopted:
+class AdoptedPlan:
     """``plan`` is in force, and later searches begin with it. It does not change the snapshot."""
 
     plan: Plan
@@ -123,7 +123,7 @@ class Checkpoint:
         return self.message["step"], self.message["horizon"], self.message["keep_from"]
 
 
-Entry = Union[Taken, Adopted, Checkpoint]
+Entry = Union[AcceptedUpdate, AdoptedPlan, Checkpoint]
 
 
 class History:
@@ -147,19 +147,19 @@ class History:
         self.before, self.entry = before, entry
         self._snapshot: Optional[Snapshot] = None
         self._key: Optional[bytes] = None
-        self.length: int = 0 if before is None else before.length + isinstance(entry, Taken)
+        self.length: int = 0 if before is None else before.length + isinstance(entry, AcceptedUpdate)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
         self.over: int = 0 if before is None else before.over
         self.plan: Optional[Plan] = None if before is None else before.plan
-        if isinstance(entry, Taken):
+        if isinstance(entry, AcceptedUpdate):
             self._reach(entry)
-        elif isinstance(entry, Adopted):
+        elif isinstance(entry, AdoptedPlan):
             self.plan = entry.plan
         elif isinstance(entry, Checkpoint):
             self.length, (self.step, self.horizon, self.over) = 0, entry.reach
 
-    def _reach(self, entry: Taken) -> None:
+    def _reach(self, entry: AcceptedUpdate) -> None:
         """Note how far an update leads."""
         self.horizon = entry.horizon
         if entry.update is not None:
@@ -196,22 +196,22 @@ class History:
         An action among them was not executed.
         """
         withdrawn = StreamUpdate(items=tuple(map(Withdraw, sorted(facts))))
-        return self.then(Taken(withdrawn, self.horizon)) if facts else self
+        return self.then(AcceptedUpdate(withdrawn, self.horizon)) if facts else self
 
     def adopt(self, plan: Optional[Plan]) -> "History":
         """Return the history with ``plan`` in force; this one if there is none, or it is in force already."""
-        return self if plan is None or plan == self.plan else self.then(Adopted(plan))
+        return self if plan is None or plan == self.plan else self.then(AdoptedPlan(plan))
 
     def checkpoint(self, snapshot: Snapshot) -> "History":
         """Return the history with a checkpoint of its ``snapshot``, or an equivalent one; its plan stays in force."""
-        plan = () if self.plan is None else (Adopted(self.plan),)
+        plan = () if self.plan is None else (AdoptedPlan(self.plan),)
         return self.then(Checkpoint(snapshot), *plan).cut()
 
     @property
     def without_plan(self) -> "History":
         """The history without the plans that were adopted at its end."""
         log = self
-        while isinstance(log.entry, Adopted) and log.before is not None:
+        while isinstance(log.entry, AdoptedPlan) and log.before is not None:
             log = log.before
         return log
 
@@ -219,7 +219,7 @@ class History:
     def predicted(self) -> bool:
         """Whether the last update took no search."""
         last = self.last
-        return last is not None and isinstance(last.entry, Taken) and last.entry.predicted
+        return last is not None and isinstance(last.entry, AcceptedUpdate) and last.entry.predicted
 
     def cut(self) -> "History":
         """Let go of what lies before the last checkpoint but one: nobody goes back that far."""
@@ -240,7 +240,7 @@ class History:
     def last(self) -> Optional["History"]:
         """The log up to the last update, None where there is none or it was let go."""
         log: Optional[History] = self
-        while log is not None and not (isinstance(log.entry, Taken) and log.entry.update is not None):
+        while log is not None and not (isinstance(log.entry, AcceptedUpdate) and log.entry.update is not None):
             log = log.before
         return log
 
@@ -248,7 +248,7 @@ class History:
     def update(self) -> Optional[StreamUpdate]:
         """The last update, None where there is none."""
         last = self.last
-        return last.entry.update if last is not None and isinstance(last.entry, Taken) else None
+        return last.entry.update if last is not None and isinstance(last.entry, AcceptedUpdate) else None
 
     @property
     def entries(self) -> List[Entry]:
@@ -274,7 +274,7 @@ class History:
             if log._key is None:
                 entry = log.entry
                 log._key = (
-                    key if entry is None or isinstance(entry, Adopted) else key_after(key, entry_to_message(entry))
+                    key if entry is None or isinstance(entry, AdoptedPlan) else key_after(key, entry_to_message(entry))
                 )
             key = log._key
         return key
@@ -299,17 +299,17 @@ class History:
 
 def fold(snapshot: Snapshot, entry: Optional[Entry], reader: Reader) -> Snapshot:
     """Return the snapshot after one more entry."""
-    if isinstance(entry, Taken):
+    if isinstance(entry, AcceptedUpdate):
         return snapshot.after(entry.update, reader).searched(entry.horizon, reader.program)
     return entry.snapshot if isinstance(entry, Checkpoint) else snapshot
 
 
 def entry_to_message(entry: Entry) -> Message:
     """Return ``entry`` as a plain value that JSON knows."""
-    if isinstance(entry, Taken):
+    if isinstance(entry, AcceptedUpdate):
         text = None if entry.update is None else str(entry.update)
         return {"do": "update", "update": text, "horizon": entry.horizon, "predicted": entry.predicted}
-    if isinstance(entry, Adopted):
+    if isinstance(entry, AdoptedPlan):
         actions, horizon, shortest = entry.plan
         return {"do": "adopt", "actions": symbols_to_text(sorted(actions)), "horizon": horizon, "shortest": shortest}
     return {"do": "checkpoint", "snapshot": entry.message}
@@ -320,9 +320,9 @@ def entry_from_message(message: Message) -> Entry:
     do = message["do"]
     if do == "update":
         text = message["update"]
-        return Taken(None if text is None else parse_update(text), message["horizon"], message["predicted"])
+        return AcceptedUpdate(None if text is None else parse_update(text), message["horizon"], message["predicted"])
     if do == "adopt":
-        return Adopted(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
+        return AdoptedPlan(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
     return Checkpoint(message=message["snapshot"])
 
 

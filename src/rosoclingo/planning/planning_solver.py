@@ -40,8 +40,8 @@ class PlanningSolver(StreamSolver, Protocol):
     def inquire(
         self,
         update: StreamUpdate,
-        doubted: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
+        assumable: FrozenSet[clingo.Symbol],
+        disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Callable[[], bool]] = None,
     ) -> Verdict:
-        """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
+        """Tell whether there would be an answer after ``update``, had the facts ``disabled`` not been told."""

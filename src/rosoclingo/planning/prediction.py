@@ -1,4 +1,4 @@
-"""What is foreseen: an answer stays one when what it plans is done with success, where its rules do not ask for that.
+"""What is predicted: an answer stays one when what it plans is done with success, where its rules do not ask for that.
 
 Let M be an answer, and R the returns of success for actions of M that are to be told. If in every ground rule in
 whose body one of R stands, under ``not`` or not, some literal that is no return is false in M, then M and R together
@@ -18,7 +18,7 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import RETURN
 from rosoclingo.oclingo.program.return_rules import ACTS, ASKS, ReturnRules
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Statement, StreamUpdate
-from rosoclingo.planning.history import History, Plan, Taken, cycle_of
+from rosoclingo.planning.history import AcceptedUpdate, History, Plan, cycle_of
 
 
 class Predicted(NamedTuple):
@@ -40,7 +40,7 @@ def predict(
     is_open: Callable[[clingo.Symbol], bool],
     is_true: Callable[[clingo.Symbol], Optional[bool]],
 ) -> Predicted:
-    """Return what is foreseen of an answer with these ``actions``.
+    """Return what is predicted of an answer with these ``actions``.
 
     ``rules`` say what returns bear on, ``is_open`` whether an external may still be told, ``is_true`` what the answer
     says of an atom: None where no ground rule defines it.
@@ -78,8 +78,8 @@ def _by_cycle(plan: Plan) -> Dict[int, Set[clingo.Symbol]]:
     return actions
 
 
-def goes_on(plan: Plan, foreseen: FrozenSet[clingo.Symbol], step: int, update: StreamUpdate) -> bool:
-    """Whether ``update`` tells that what is planned for ``step`` was done, with success that is ``foreseen``.
+def goes_on(plan: Plan, predicted: FrozenSet[clingo.Symbol], step: int, update: StreamUpdate) -> bool:
+    """Whether ``update`` tells that what is planned for ``step`` was done, with success that is ``predicted``.
 
     And nothing else, and that something is left to do. The answer that has the ``plan`` is one after the update then.
     """
@@ -87,19 +87,19 @@ def goes_on(plan: Plan, foreseen: FrozenSet[clingo.Symbol], step: int, update: S
     if update.step != step + 1 or plan.horizon <= step or max(actions, default=step) <= step:
         return False  # an answer's horizon is never less than the step of the last update
     due = actions.get(step, set())
-    known = foreseen.intersection(map(success_of, due))
+    known = predicted.intersection(map(success_of, due))
     plain = all(_is_plain(item, known, step) for item in update.items)
     return plain and update.committed == due and Closed(step, step) in update.items
 
 
 def log_after(
-    log: History, plan: Plan, foreseen: FrozenSet[clingo.Symbol], updates: Iterable[StreamUpdate]
+    log: History, plan: Plan, predicted: FrozenSet[clingo.Symbol], updates: Iterable[StreamUpdate]
 ) -> Optional[History]:
     """Return the ``log`` after ``updates`` for all of which its ``plan`` goes on, see :func:`goes_on`; else None."""
     for update in updates:
-        if not goes_on(plan, foreseen, log.step, update):
+        if not goes_on(plan, predicted, log.step, update):
             return None
-        log = log.then(Taken(update, log.horizon, predicted=True))
+        log = log.then(AcceptedUpdate(update, log.horizon, predicted=True))
     return log
 
 

@@ -25,7 +25,7 @@ class Question(NamedTuple):
         given: only answers in which these atoms are so.
         lacking: only answers in which at least one of these atoms is false.
         kept: only answers in which these atoms are true; those because of which there is none are told.
-        untold: assumable facts that were not told; all others were.
+        disabled: assumable facts that were not told; all others were.
         believes: whether to take it for true if the program claims that there is no plan.
         models: number of answers to find, 0 for all.
         conflicts: limit of conflicts, None for no limit.
@@ -47,7 +47,7 @@ class Question(NamedTuple):
     given: Given = ()
     lacking: Sequence[clingo.Symbol] = ()
     kept: Sequence[clingo.Symbol] = ()
-    untold: FrozenSet[clingo.Symbol] = frozenset()
+    disabled: FrozenSet[clingo.Symbol] = frozenset()
     believes: bool = True
     models: int = 1
     conflicts: Optional[int] = None

@@ -29,7 +29,7 @@ _NUMBER = clingo.SymbolType.Number
 NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 
 
-class Told(NamedTuple):
+class TimedStatement(NamedTuple):
     """A statement with its lifetime, and the number of the update that brought it.
 
     The number is 0 for statements that came before the step that declares their head: these define it together.
@@ -40,7 +40,7 @@ class Told(NamedTuple):
     update: int
 
 
-class Forgotten(NamedTuple):
+class ForgottenSteps(NamedTuple):
     """Externals that steps ``first`` to ``last`` declare and no statement before defines are false for good.
 
     The heads ``spared`` were defined then by statements that lapse.
@@ -57,7 +57,7 @@ class ClosedHeads(NamedTuple):
     atoms: FrozenSet[clingo.Symbol]
 
 
-Fact = Union[Told, Forgotten, ClosedHeads]
+Fact = Union[TimedStatement, ForgottenSteps, ClosedHeads]
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,9 @@ class Snapshot:
     # ---- What it says ------------------------------------------------------------------------------------------------
 
     @property
-    def entries(self) -> Iterator[Told]:
+    def entries(self) -> Iterator[TimedStatement]:
         """The statements with their lifetimes."""
-        return (one for one in self.told if isinstance(one, Told))
+        return (one for one in self.told if isinstance(one, TimedStatement))
 
     @property
     def permanent(self) -> Iterator[Statement]:
@@ -215,7 +215,7 @@ class Snapshot:
         told, odd = _taken(kept, timely, step, settled, number_of)
         due = _forgotten_by(program, found.horizon + 1, horizon)
         due += [
-            Forgotten(one.first, min(one.last, horizon))
+            ForgottenSteps(one.first, min(one.last, horizon))
             for one in update.items
             if isinstance(one, Forget) and one.first <= horizon
         ]
@@ -245,7 +245,9 @@ class Snapshot:
             return self
         facts = with_their_failures(facts)
         past = self.past if self.past is None else replace(self.past, facts=self.past.facts - facts)
-        told = tuple(one for one in self.told if not (isinstance(one, Told) and one.statement.concerns(facts)))
+        told = tuple(
+            one for one in self.told if not (isinstance(one, TimedStatement) and one.statement.concerns(facts))
+        )
         closed = {cycle: executed - facts for cycle, executed in self.closed.items()}
         return replace(self, past=past, told=told, closed=closed)
 
@@ -254,7 +256,7 @@ class Snapshot:
 
         The same if something lapses or was forgotten by then.
         """
-        if any(not isinstance(one, Told) or one.lifetime not in (FOREVER, UPDATE) for one in self.told):
+        if any(not isinstance(one, TimedStatement) or one.lifetime not in (FOREVER, UPDATE) for one in self.told):
             return self
         atoms = (atom for one in self.statements for atom in one.atoms)
         told = [value.number for atom in atoms for value in atom.arguments if value.type is _NUMBER]
@@ -286,7 +288,7 @@ class Snapshot:
 
 def _lapses(one: Fact, settled: int) -> bool:
     """Whether a statement holds at no horizon from ``settled`` on, once there is another update."""
-    return isinstance(one, Told) and (one.lifetime == UPDATE or _has_passed(one.lifetime, settled))
+    return isinstance(one, TimedStatement) and (one.lifetime == UPDATE or _has_passed(one.lifetime, settled))
 
 
 def _has_passed(lifetime: Lifetime, settled: int) -> bool:
@@ -303,9 +305,9 @@ def _taken(
         if isinstance(item, Statement):
             lifetime = lifetime_of(section, step)
             if not (_has_passed(lifetime, settled) or item.is_tautology):
-                told.append(Told(item, lifetime, number_of(item)))
+                told.append(TimedStatement(item, lifetime, number_of(item)))
         elif isinstance(item, Retract):
-            less = [one for one in told if not (isinstance(one, Told) and one.lifetime == Term(item.term))]
+            less = [one for one in told if not (isinstance(one, TimedStatement) and one.lifetime == Term(item.term))]
             if len(less) == len(told):
                 odd.append(f"Term {item.term} has not been asserted. The retraction is ignored.")
             told = less
@@ -314,18 +316,20 @@ def _taken(
     return told, tuple(odd)
 
 
-def _sparing(forgotten: List[Forgotten], told: Iterable[Fact]) -> List[Forgotten]:
+def _sparing(forgotten: List[ForgottenSteps], told: Iterable[Fact]) -> List[ForgottenSteps]:
     """Return what is ``forgotten`` after the statements ``told``."""
     if not forgotten:
         return []
-    lapsing = (one.statement.head for one in told if isinstance(one, Told) and one.lifetime != FOREVER)
+    lapsing = (one.statement.head for one in told if isinstance(one, TimedStatement) and one.lifetime != FOREVER)
     spared = frozenset(head for head in lapsing if head is not None)
     return [one._replace(spared=spared) for one in forgotten]
 
 
-def _forgotten_by(program: ReactiveProgram, first: int, last: int) -> List[Forgotten]:
+def _forgotten_by(program: ReactiveProgram, first: int, last: int) -> List[ForgottenSteps]:
     """Return what the program itself forgets when steps ``first`` to ``last`` are ground."""
     if not program.forgets:
         return []
     found = ((step, at) for at in range(first, last + 1) for step in program.forgotten_at(at))
-    return [Forgotten(step, step) for step, at in found if step < at]  # what a step declares itself it cannot forget
+    return [
+        ForgottenSteps(step, step) for step, at in found if step < at
+    ]  # what a step declares itself it cannot forget

@@ -8,14 +8,14 @@ import clingo
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import Reader, is_foreseen
+from rosoclingo.oclingo.program.update_reader import Reader, is_predictable
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.compaction import MOST_STEPS, compacted, end_of_past
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import Adopted, History, Plan, Taken
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, History, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.prediction import log_after
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError
@@ -96,9 +96,9 @@ class PredictingSolver:
     def _log_after(self, updates: Sequence[StreamUpdate]) -> Optional[History]:
         """Return the history after ``updates`` that are all predicted; None if one takes a search."""
         answer, plan = self._known_answer, self.log.plan
-        if answer is None or plan is None or not answer.foreseen:
+        if answer is None or plan is None or not answer.predicted:
             return None
-        return log_after(self.log, plan, answer.foreseen, updates)
+        return log_after(self.log, plan, answer.predicted, updates)
 
     def _go_on(self, update: Optional[StreamUpdate]) -> Optional[SolveResult]:
         """Take ``update`` if it is predicted, and return the answer; None if it takes a search."""
@@ -228,7 +228,7 @@ class PlanSolver(PredictingSolver):
                 found = asking.run(shortest(asking, self.models, self._hint), halt)
             else:
                 limit = TimeLimit(
-                    self._plan_time, update is not None and is_foreseen(update, before.permanent), self._clock
+                    self._plan_time, update is not None and is_predictable(update, before.permanent), self._clock
                 )
                 found = asking.run(Soon(asking, self.models, self.log.plan, limit).run(), halt)
         except StoppedError:
@@ -253,7 +253,7 @@ class PlanSolver(PredictingSolver):
             found.proven,
             self._predicted(asking, reply, found.proven),
         )
-        return result, self.log.then(Taken(update, asking.horizon))
+        return result, self.log.then(AcceptedUpdate(update, asking.horizon))
 
     def _asking(
         self,
@@ -355,9 +355,9 @@ class PlanSolver(PredictingSolver):
         told, log = set(), self.log
         while self._searched is not None and log is not self._searched.log:
             entry = log.entry
-            if isinstance(entry, Taken) and entry.predicted and entry.update is not None:
+            if isinstance(entry, AcceptedUpdate) and entry.predicted and entry.update is not None:
                 told |= {head for head in entry.update.heads if head is not None}
-            elif not isinstance(entry, Adopted):
+            elif not isinstance(entry, AdoptedPlan):
                 return None
             if log.before is None:
                 return None
@@ -369,27 +369,27 @@ class PlanSolver(PredictingSolver):
     def inquire(
         self,
         update: StreamUpdate,
-        doubted: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
+        assumable: FrozenSet[clingo.Symbol],
+        disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
         dropped: Optional[Stop] = None,
     ) -> Verdict:
-        """Tell whether there would be an answer after ``update``, had the facts ``untold`` never been told.
+        """Return whether there would be an answer after ``update`` without the facts ``disabled``.
 
-        Nothing is taken. The ``untold`` are among those ``doubted``: facts of the stream or of the update, and actions,
-        which were not executed then. As long as the history, the update and the facts in doubt are the same, the
-        program is ground once, whatever is untold. Raises SolverError as :meth:`update` does.
+        The history stays as it is. The ``disabled`` are some of the ``assumable``: facts of the stream or the update,
+        and actions, which then were not executed. The program is ground once for a history, an update and assumable
+        facts. Raises SolverError as :meth:`update` does.
         """
         self._stop = False
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        found = self.probe(update, doubted, untold, self._halting(stopped), dropped)
+        found = self.probe(update, assumable, disabled, self._halting(stopped), dropped)
         return Verdict(found.satisfiable, found.core)
 
     def probe(
         self,
         update: StreamUpdate,
         assumable: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
+        disabled: FrozenSet[clingo.Symbol],
         halt: Stop,
         dropped: Optional[Stop] = None,
         kept: Sequence[clingo.Symbol] = (),
@@ -408,7 +408,7 @@ class PlanSolver(PredictingSolver):
         bound = None if update.bound is None else asking.step + update.bound
         asking.snapshot = replace(asking.snapshot, bound=bound)
         try:
-            reply = asking.run(probe(asking, inquiry.least, untold, kept, believes), halt)
+            reply = asking.run(probe(asking, inquiry.least, disabled, kept, believes), halt)
         except StoppedError:
             reply = UNKNOWN
         self._inquiry = inquiry

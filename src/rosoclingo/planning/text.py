@@ -8,7 +8,7 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime, Term
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.strings import MARK, from_marked, marked
 from rosoclingo.oclingo.progression.updates import Literal, Statement
-from rosoclingo.planning.snapshot import ClosedHeads, Fact, Forgotten, Past, Snapshot, Told
+from rosoclingo.planning.snapshot import ClosedHeads, Fact, ForgottenSteps, Past, Snapshot, TimedStatement
 
 Message = Dict[str, Any]
 
@@ -65,27 +65,31 @@ def snapshot_from_message(message: Message) -> Snapshot:
 
 def _told_to_message(told: Sequence[Fact]) -> Message:
     """Return statements with their updates, the lifetimes of those that lapse, and all others, by place."""
-    entries = [one for one in told if isinstance(one, Told)]
+    entries = [one for one in told if isinstance(one, TimedStatement)]
     lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
     return {
         "statements": _statements_to_text(one.statement for one in entries),
         "updates": [one.update for one in entries],
         "lifetimes": [one for one in lifetimes if one[1] != FOREVER],
-        "others": [[place, *_other_to_values(one)] for place, one in enumerate(told) if not isinstance(one, Told)],
+        "others": [
+            [place, *_other_to_values(one)] for place, one in enumerate(told) if not isinstance(one, TimedStatement)
+        ],
     }
 
 
 def _told_from_message(message: Message) -> Tuple[Fact, ...]:
     lifetimes = {place: _lifetime_from_value(value) for place, value in message["lifetimes"]}
     pairs = zip(_statements_from_text(message["statements"]), message["updates"])
-    told: List[Fact] = [Told(one, lifetimes.get(place, FOREVER), number) for place, (one, number) in enumerate(pairs)]
+    told: List[Fact] = [
+        TimedStatement(one, lifetimes.get(place, FOREVER), number) for place, (one, number) in enumerate(pairs)
+    ]
     for place, atoms, steps in message["others"]:
         found = symbols_from_text(atoms)
-        told.insert(place, Forgotten(steps[0], steps[1], found) if steps else ClosedHeads(found))
+        told.insert(place, ForgottenSteps(steps[0], steps[1], found) if steps else ClosedHeads(found))
     return tuple(told)
 
 
-def _other_to_values(one: Union[Forgotten, ClosedHeads]) -> List[Any]:
+def _other_to_values(one: Union[ForgottenSteps, ClosedHeads]) -> List[Any]:
     if isinstance(one, ClosedHeads):
         return [symbols_to_text(one.atoms), []]
     return [symbols_to_text(one.spared), [one.first, one.last]]

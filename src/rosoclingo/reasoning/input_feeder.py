@@ -367,7 +367,7 @@ class InputFeeder:
         requests = self._after_rejected(self._requests)
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
 
-    def foreseen(
+    def predicted(
         self, step: int, executed: Sequence[Action], goals: Iterable[Goal] = (), over: int = 0
     ) -> StreamUpdate:
         """Return the update of ``step`` where ``executed`` was done with success and nothing has come but ``goals``."""
@@ -427,7 +427,7 @@ def requests_of(goals: Iterable[Goal]) -> FrozenSet[Symbol]:
 
 
 def _in_order(facts: Sequence[Observation], done: Iterable[Action]) -> Iterator[Observation]:
-    """Yield ``facts`` with the returns of success in the order of the actions: so what is foreseen is what comes."""
+    """Yield ``facts`` with the returns of success in the order of the actions: so what is predicted is what comes."""
     places = {success_of(action): place for place, action in enumerate(done)}
     returns = iter(sorted((fact for fact in facts if fact.atom in places), key=lambda fact: places[fact.atom]))
     for fact in facts:

@@ -44,7 +44,7 @@ class Outlook(NamedTuple):
 class Join(NamedTuple):
     """Goals that are to join in a later cycle.
 
-    ``over`` and ``lookahead`` stay until then, ``updates`` are those that are foreseen, the last without the goals;
+    ``over`` and ``lookahead`` stay until then, ``updates`` are those that are predicted, the last without the goals;
     with them it is ``whole``.
     """
 
@@ -128,9 +128,9 @@ class Preparations:
         goals, over, fresh = waiting[:number], planner.log.over, number + served - len(self._goals.fed)
         lookahead = steps_for(served + number, self._limit, left, fresh)
         last = cycle + int(lasts)
-        updates = [self._feeder.foreseen(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]
+        updates = [self._feeder.predicted(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]
         self._asked = step
-        whole = self._feeder.foreseen(last, plan.at(last - 1), goals, over)
+        whole = self._feeder.predicted(last, plan.at(last - 1), goals, over)
         if not planner.prepare([*updates[:-1], whole], lookahead):
             return False
         self.join = Join(planner, tuple(goals), over, lookahead, tuple(updates), whole)

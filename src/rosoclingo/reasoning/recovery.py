@@ -280,28 +280,28 @@ class _Attempts:
     def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
         """Whether there is a plan, of so many ``steps`` at least, for the goals kept; raises UndecidedError."""
         question = self._question
-        untold = _facts_of(one for one in question.observations if one not in seen)
+        disabled = _facts_of(one for one in question.observations if one not in seen)
         dropped = [goal for goal in question.goals if goal not in kept]
-        untold |= requests_of(dropped) if self._withhold else frozenset(self._cancels(kept))
+        disabled |= requests_of(dropped) if self._withhold else frozenset(self._cancels(kept))
         steps = max(steps, self.lookahead)
-        if any(one.tells_of(untold, steps) for one in self._refuted):
+        if any(one.tells_of(disabled, steps) for one in self._refuted):
             return False
-        verdict = self._ask(untold, steps)
+        verdict = self._ask(disabled, steps)
         if verdict.satisfiable is None:
             raise UndecidedError
         if not verdict.satisfiable:
-            self._refuted.append(_Refuted(verdict.core, verdict.core & untold, steps))
+            self._refuted.append(_Refuted(verdict.core, verdict.core & disabled, steps))
         return verdict.satisfiable
 
-    def _ask(self, untold: FrozenSet[Symbol], steps: int) -> Verdict:
+    def _ask(self, disabled: FrozenSet[Symbol], steps: int) -> Verdict:
         goals = self._question.goals
         cancels = self._cancels(goals)
-        doubted = _facts_of(self._question.observations)
-        doubted |= requests_of(goals) if self._withhold else frozenset(cancels)
+        assumable = _facts_of(self._question.observations)
+        assumable |= requests_of(goals) if self._withhold else frozenset(cancels)
         update = StreamUpdate(self._question.step, items=tuple(map(Statement, cancels)))
         try:
             self._beside = self._beside or self._planner.restarted()
-            return self._beside.inquire(update, doubted, untold, steps)
+            return self._beside.inquire(update, assumable, disabled, steps)
         except SolverError:  # takes too long, or is refused
             return Verdict(None)
 
@@ -318,15 +318,15 @@ def _both_ways(planner: Planner, question: Question) -> Iterator[_Attempts]:
 
 
 class _Refuted(NamedTuple):
-    """There is no plan of at most so many ``steps`` where of the facts in ``core`` just these are ``untold``."""
+    """There is no plan of at most so many ``steps`` where of the facts in ``core`` just these are ``disabled``."""
 
     core: FrozenSet[Symbol]
-    untold: FrozenSet[Symbol]
+    disabled: FrozenSet[Symbol]
     steps: int
 
-    def tells_of(self, untold: FrozenSet[Symbol], steps: int) -> bool:
-        """Whether there is none for this reason where these facts are untold."""
-        return steps <= self.steps and self.core & untold == self.untold
+    def tells_of(self, disabled: FrozenSet[Symbol], steps: int) -> bool:
+        """Whether there is none for this reason where these facts are disabled."""
+        return steps <= self.steps and self.core & disabled == self.disabled
 
 
 def _facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:

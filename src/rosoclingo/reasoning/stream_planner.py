@@ -21,7 +21,7 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
 from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.goals import Goal, Outcome
@@ -187,15 +187,15 @@ class Planner:
         return result if result.outcome is SolveOutcome.SATISFIABLE else None
 
     def inquire(
-        self, update: StreamUpdate, doubted: FrozenSet[Symbol], untold: FrozenSet[Symbol], steps: int
+        self, update: StreamUpdate, assumable: FrozenSet[Symbol], disabled: FrozenSet[Symbol], steps: int
     ) -> Verdict:
-        """Whether there would be a plan of so many ``steps`` after ``update``, had the facts ``untold`` not been told.
+        """Return whether there would be a plan of at most ``steps`` after ``update`` without the facts ``disabled``.
 
-        Nothing is taken. The ``untold`` are among those ``doubted``; as long as only they and the steps change, the
-        program is ground once.
+        The history stays as it is. The ``disabled`` are some of the ``assumable``. The program is ground once as long as
+        only they and the steps change.
         """
         whole = _whole(self.log, update, steps)
-        verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, doubted, untold, stopped))
+        verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, assumable, disabled, stopped))
         self._note(halt if verdict.satisfiable is None else None)
         return verdict
 
@@ -224,7 +224,7 @@ class Planner:
         log, whole = self.log, []  # type: History, List[StreamUpdate]
         for update in updates:
             whole.append(_whole(log, update, lookahead))
-            log = log.then(Taken(whole[-1], log.horizon))
+            log = log.then(AcceptedUpdate(whole[-1], log.horizon))
         return self._solver.prepare(whole[-1], whole[:-1])
 
     def has_prepared(self, update: StreamUpdate) -> bool:
@@ -243,7 +243,7 @@ class Planner:
         if before is None or taken is None:
             return self._beside(self.log.without(without))
         horizon = max(before.horizon, taken.step or before.step)
-        return self._beside(before.without(without).then(Taken(taken.less(without), horizon)))
+        return self._beside(before.without(without).then(AcceptedUpdate(taken.less(without), horizon)))
 
     def at(self, log: History) -> "Planner":
         """Return a planner beside this one that has taken what is in ``log``."""

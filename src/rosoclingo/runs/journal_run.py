@@ -8,7 +8,7 @@ from typing import Iterator, List, Optional, Set, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.planning.history import Taken, entry_from_message
+from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
 from rosoclingo.reasoning.journal.lines import Header, JournalError, Moment, State, history
 from rosoclingo.reasoning.records import actions_of, group, log_of, plan_of
 from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun, RecordingError, RunProgram
@@ -63,7 +63,7 @@ class JournalReader:
         entries = {name: value for name, value in group(state, "log").items() if name not in self._known}
         self._known.update(entries)
         taken = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
-        return [one.update for one in taken if isinstance(one, Taken) and one.update is not None]
+        return [one.update for one in taken if isinstance(one, AcceptedUpdate) and one.update is not None]
 
     def _in_force(self) -> List[StreamUpdate]:
         """Of several updates of one step the last; one that begins anew goes through the cycles before."""

@@ -14,7 +14,7 @@ import clingo
 from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Anew
-from rosoclingo.planning.history import Checkpoint, History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
 from rosoclingo.runs.topic_atoms import action_in
 
 #: The form of what :meth:`RunProgram.text` writes.
@@ -169,7 +169,7 @@ class RecordedRun:
                 f"what came before cycle {self.cycles[0].cycle} is in it as a state alone, of which there is no stream:"
                 " take a bag of the run (record:=true)"
             )
-        taken = [entry.update for entry in before if isinstance(entry, Taken) and entry.update is not None]
+        taken = [entry.update for entry in before if isinstance(entry, AcceptedUpdate) and entry.update is not None]
         updates = [update for one in self.cycles for update in one.updates]
         first = {one.step: one for one in taken if (one.step or 1) < (updates[0].step or 1)}  # in force is the last
         return "\n".join(map(str, [*first.values(), *updates]))

@@ -116,7 +116,7 @@ def test_what_would_be_is_told_as_without_it(news):
         for step, facts in enumerate(news, 1):
             told(solver, step, " ".join(f"{fact}." for fact in facts))
         update = parse_update(f"#step {len(news)} : {BOUND}. #endstep.")
-        doubted = frozenset(parse_atom(fact) for facts in news for fact in facts)
-        some = [frozenset(few) for count in range(3) for few in combinations(sorted(doubted)[:4], count)]
-        verdicts.append([solver.inquire(update, doubted, untold).satisfiable for untold in some])
+        assumable = frozenset(parse_atom(fact) for facts in news for fact in facts)
+        some = [frozenset(few) for count in range(3) for few in combinations(sorted(assumable)[:4], count)]
+        verdicts.append([solver.inquire(update, assumable, disabled).satisfiable for disabled in some])
     assert verdicts[0] == verdicts[1]

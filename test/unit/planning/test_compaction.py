@@ -21,7 +21,7 @@ from rosoclingo.oclingo import (
 from rosoclingo.oclingo.progression.updates import Forget, Literal, Over, Statement, StreamUpdate
 from rosoclingo.planning import compaction, grounding
 from rosoclingo.planning import solver as solver_module
-from rosoclingo.planning.history import Checkpoint, History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
 from rosoclingo.planning.solver import PlanSolver
 
 pytestmark = pytest.mark.usefixtures("compacts_at_once")
@@ -338,7 +338,7 @@ class Trip:
 
     def compact(self):
         self.over = max(self.over, self.step - self.draw(st.integers(0, 2)))
-        over = Taken(StreamUpdate(items=(Over(self.over),)), self.solver.horizon)
+        over = AcceptedUpdate(StreamUpdate(items=(Over(self.over),)), self.solver.horizon)
         self.solver.restore(self.solver.log.then(over))
         self.solver.checkpoint()
 

@@ -6,7 +6,7 @@ from rosoclingo.oclingo import ReactiveProgram, fact, parse_atom
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.planning.fixed_atoms import fixed_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.snapshot import Snapshot, Told
+from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 
 MARKS = "#theory marks { term { - : 1, unary }; &mark/0 : term, any }. "
 FACTS = "#program cumulative(t). p(t). q(t) :- p(t-1), not r(t). { r(t) }. :- not r(t)."
@@ -83,8 +83,8 @@ def test_ends_of_horizons_keep_no_step_open(name, offset):
 def test_projection_in_base_of_named_atoms_is_read():
     """clingo projects ``_`` under ``not`` by a rule of its own for every atom that it knows."""
     text, atom = "#external q/2. #program cumulative(t). p(t) :- not q(_,t+1).", fact(parse_atom("q(a,3)"))
-    assert first_open(text, (3,), 4, told=(Told(atom, 5, 0),)) == 1, "q(a,3) is open"
-    assert first_open(text, (3,), 4, told=(Told(atom, FOREVER, 0),)) == 4
+    assert first_open(text, (3,), 4, told=(TimedStatement(atom, 5, 0),)) == 1, "q(a,3) is open"
+    assert first_open(text, (3,), 4, told=(TimedStatement(atom, FOREVER, 0),)) == 4
 
 
 def test_remarks_of_clingo_are_not_repeated(capfd):

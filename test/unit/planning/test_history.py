@@ -15,8 +15,8 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact,
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Closed, Literal, Over, Statement, StreamUpdate, Withdraw
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import Checkpoint, History, Plan, Taken, entry_to_message, key_after
-from rosoclingo.planning.snapshot import Snapshot, Told
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan, entry_to_message, key_after
+from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
 from rosoclingo.planning.workers.pool import WorkerPool
@@ -175,14 +175,14 @@ def test_history_of_a_worker_equals_that_of_a_solver(parts, updates):
 
 
 def taken(text, horizon=1):
-    return Taken(parse_update(f"{text} #endstep."), horizon)
+    return AcceptedUpdate(parse_update(f"{text} #endstep."), horizon)
 
 
 ONE, TWO, THREE = (taken(f"#over {step}.") for step in (1, 2, 3))
 
 
 def test_history_text_has_a_line_for_each_entry():
-    log = History().then(Taken(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
+    log = History().then(AcceptedUpdate(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
     log = log.adopt(Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2, shortest=True))
     assert log.text().splitlines() == [
         '{"do":"update","update":null,"horizon":1,"predicted":false}',
@@ -206,7 +206,7 @@ def test_history_knows_step_horizon_and_steps_over():
         (taken("#over 4."), (1, 1, 4)),
         (taken("#step 5. #over 3.", 7), (5, 7, 4)),
         (taken("#over 6. #over 1.", 8), (5, 8, 6)),
-        (Taken(None, 9), (5, 9, 6)),
+        (AcceptedUpdate(None, 9), (5, 9, 6)),
         (taken("#anew.", 1), (1, 1, 0)),
         (taken("#step 3. #anew. #over 2.", 4), (3, 4, 2)),
         (Checkpoint(Snapshot(step=7, horizon=8, keep_from=6)), (7, 8, 6)),
@@ -225,10 +225,10 @@ def test_history_since_an_earlier_one_has_the_entries_between():
 
 
 def test_history_knows_its_last_update():
-    log = History().then(Taken(None, 1))
+    log = History().then(AcceptedUpdate(None, 1))
     assert (log.last, log.update) == (None, None)
     updated = log.then(TWO)
-    for longer in (updated, updated.then(Taken(None, 3))):
+    for longer in (updated, updated.then(AcceptedUpdate(None, 3))):
         assert (longer.last, longer.update) == (updated, TWO.update)
 
 
@@ -249,7 +249,9 @@ def test_history_cut_drops_all_before_the_last_checkpoint_but_one():
 @pytest.mark.parametrize(("size", "longer"), [(0, True), (299, True), (300, False)])
 def test_history_needs_fewer_checkpoints_of_large_snapshots(size, longer):
     log = History().then(ONE, TWO, THREE)
-    snapshot = Snapshot(told=tuple(Told(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(size)))
+    snapshot = Snapshot(
+        told=tuple(TimedStatement(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(size))
+    )
     assert log.is_longer(2, snapshot) is longer
     assert not log.is_longer(3, snapshot)
 

@@ -16,7 +16,7 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, comm
 from rosoclingo.oclingo.progression.updates import Closed, Over
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import History, Plan, Taken, cycle_of
+from rosoclingo.planning.history import AcceptedUpdate, History, Plan, cycle_of
 from rosoclingo.planning.prediction import success_of
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
@@ -116,7 +116,7 @@ def program_of(name):
 def roomy(name, horizon, **options):
     """A solver that finds longer plans than there are, since so many steps are ground before anything is asked."""
     solver = PlanSolver(program_of(name), plan_time=0.0, **options)
-    solver.restore(History().then(Taken(None, horizon)))
+    solver.restore(History().then(AcceptedUpdate(None, horizon)))
     return solver
 
 
@@ -193,7 +193,7 @@ def test_predicted_updates_cost_no_search_after_improvement_and_checkpoint(name,
     solver.update(StreamUpdate(1, 60, tuple(fact(parse_atom(f"_request({goal},2)")) for goal in goals)))
     solver.restore(solver.log.adopt(worse(solver.log.plan, 1, 3)))
     better = solver.improve()
-    assert better.foreseen
+    assert better.predicted
     solver.checkpoint()
     searches.clear()
     for _ in range(9):
@@ -217,7 +217,7 @@ def test_improving_goes_on_asking_the_same_grounding_after_predicted_updates(mon
         assert built == []
     solver.restore(solver.log.adopt(worse(solver.log.plan, solver.step, 1)))
     past = (Closed(solver.step, solver.step), *map(commitment, at(solver.log.plan, solver.step, solver.step)))
-    solver.restore(solver.log.then(Taken(StreamUpdate(items=past), solver.horizon)))
+    solver.restore(solver.log.then(AcceptedUpdate(StreamUpdate(items=past), solver.horizon)))
     assert_answer(solver, solver.improve())
     assert len(built) == 2, "anew, as something else was told, and for the comparison"
 
@@ -405,7 +405,7 @@ def test_a_stop_ends_the_building_of_a_grounding():
     """The next call builds it then."""
     solver = idling(solver_of())
     plan = solver.log.plan
-    solver.restore(solver.log.then(Taken(None, 150)))
+    solver.restore(solver.log.then(AcceptedUpdate(None, 150)))
     looks = count()
     assert solver.improve(lambda: next(looks) >= 2) is None
     assert next(looks) <= 5, "not one for each piece"

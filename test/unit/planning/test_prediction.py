@@ -92,7 +92,7 @@ def test_the_answer_is_one_that_a_search_finds(rules, news, plan_time):
         before, update = solver.log, told(solver, fails, wanted)
         result = solver.update(update)
         if solver.log.predicted:
-            event("foreseen")
+            event("predicted")
             rest = solver.log.plan.since(update.step).actions
             found = searched(solver, before, update, rest)
             assert found.outcome is SolveOutcome.SATISFIABLE
@@ -142,9 +142,11 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
     ],
 )
 def test_an_answer_goes_on_where_the_step_was_done_as_planned(step, items, expected):
-    plan, foreseen = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
-    assert goes_on(plan, foreseen, 1, StreamUpdate(step, None, items)) is expected
-    assert not goes_on(Plan(frozenset([NOW]), 2), foreseen, 1, StreamUpdate(step, None, items)), "nothing is left to do"
+    plan, predicted = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
+    assert goes_on(plan, predicted, 1, StreamUpdate(step, None, items)) is expected
+    assert not goes_on(Plan(frozenset([NOW]), 2), predicted, 1, StreamUpdate(step, None, items)), (
+        "nothing is left to do"
+    )
 
 
 def test_what_is_not_foreseen_is_searched(searches):
@@ -175,12 +177,12 @@ def test_a_log_that_went_on_otherwise_is_searched(searches):
 
 @pytest.mark.parametrize("options", [{"models": 0}, {"oclingo_strings": True}])
 def test_other_solvers_foresee_nothing(options):
-    assert asked(solver_of(WALK + FAILS, **options)).foreseen == frozenset()
+    assert asked(solver_of(WALK + FAILS, **options)).predicted == frozenset()
 
 
 def test_nothing_is_foreseen_of_an_answer_that_lapses():
     items = (Statement(parse_atom("_request(3,1)")), Volatile(), commitment(parse_atom("at(1,1)")))
-    assert solver_of(WALK + FAILS).update(StreamUpdate(1, 20, items)).foreseen == frozenset()
+    assert solver_of(WALK + FAILS).update(StreamUpdate(1, 20, items)).predicted == frozenset()
 
 
 @pytest.mark.parametrize(
@@ -192,11 +194,11 @@ def test_nothing_is_foreseen_of_an_answer_that_lapses():
     ],
 )
 def test_nothing_is_foreseen_where_answers_tell_more_or_less_than_actions(text):
-    assert asked(solver_of(text)).foreseen == frozenset()
+    assert asked(solver_of(text)).predicted == frozenset()
 
 
 def walked(solver, steps):
-    """So many updates that are foreseen, each of which lets what lies before it be over."""
+    """So many updates that are predicted, each of which lets what lies before it be over."""
     for _ in range(steps):
         solver.update(told(solver, further=[Over(solver.step)]))
 
@@ -225,7 +227,7 @@ def test_a_long_log_of_what_was_foreseen_begins_anew(compacts_at_once, monkeypat
     assert solver.log.length == 0
     searches.clear()
     walked(solver, 1)
-    assert searches == [], "what was foreseen still is"
+    assert searches == [], "what was predicted still is"
     walked(same, 6)
     other = reader_of(solver)
     assert other.snapshot.past.first == 5
@@ -238,13 +240,13 @@ def test_a_long_log_of_what_was_foreseen_begins_anew(compacts_at_once, monkeypat
 def test_a_plan_that_was_improved_is_foreseen(searches):
     """With all returns with which it stays an answer: it is not said to be the shortest."""
     solver = solver_of(WALK + "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).")
-    assert len(asked(solver).foreseen) == 1
+    assert len(asked(solver).predicted) == 1
     plan = solver.log.plan
     last = max(plan.actions, key=cycle_of)
     solver.restore(solver.log.adopt(Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)))
     better = solver.improve()
     assert Plan.in_result(better).actions == plan.actions
-    assert better.foreseen == {success_of(action) for action in plan.actions}
+    assert better.predicted == {success_of(action) for action in plan.actions}
     searches.clear()
     result = solver.update(told(solver))
     assert (result.answers, result.shortest) == (better.answers, False)
@@ -264,18 +266,18 @@ def test_what_is_answered_without_a_search_took_no_time_and_warns_of_nothing():
 
 def test_returns_that_the_program_does_not_take_are_not_foreseen():
     text = (WALK + FAILS).replace("#external _return/3.", "#external _return(go,2,t).")
-    assert asked(solver_of(text)).foreseen == {parse_atom("_return(go,2,2)")}
+    assert asked(solver_of(text)).predicted == {parse_atom("_return(go,2,2)")}
 
 
 def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
     """A shorter plan may come in with them."""
     solver = solver_of(WALK + "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).", plan_time=None)
     asked(solver)
-    foreseen = []
+    predicted = []
     for _ in range(2):
         assert solver.update(told(solver)).shortest
-        foreseen.append(solver.log.predicted)
-    assert foreseen == [True, False]
+        predicted.append(solver.log.predicted)
+    assert predicted == [True, False]
 
 
 @pytest.mark.mostly_slow
@@ -294,17 +296,17 @@ def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
     ],
 )
 def test_which_returns_of_a_plan_are_foreseen(rule, returns, certain):
-    assert len(asked(solver_of(WALK + rule)).foreseen) == certain
-    assert len(asked(solver_of(WALK + rule, plan_time=None)).foreseen) == certain
+    assert len(asked(solver_of(WALK + rule)).predicted) == certain
+    assert len(asked(solver_of(WALK + rule, plan_time=None)).predicted) == certain
     found = asked(solver_of(WALK + rule, plan_time=0.0))
-    assert len(found.foreseen) == (certain if found.shortest else returns)
+    assert len(found.predicted) == (certain if found.shortest else returns)
 
 
 def test_what_the_stream_asks_for_is_not_foreseen():
     solver, told_first = solver_of(WALK + FAILS), parse_atom("_return(go,1,1)")
-    assert told_first in asked(solver).foreseen
+    assert told_first in asked(solver).predicted
     rule = Statement(parse_atom("odd(1)"), (commitment(told_first).body[0],))
     solver = solver_of(WALK + FAILS)
     result = solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(3,1)")), rule)))
-    assert told_first not in result.foreseen
-    assert len(result.foreseen) == 2
+    assert told_first not in result.predicted
+    assert len(result.predicted) == 2

@@ -8,13 +8,13 @@ from stream_play import WALK, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
-from rosoclingo.planning.snapshot import ClosedHeads, Forgotten, Past, Snapshot, Told
+from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, TimedStatement
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
-PERMANENT = [Told(one, FOREVER, 1) for one in (fact(A), fact(B), RULE, DENIAL, commitment(GO))]
-LAPSING = [Told(fact(A), UPDATE, 2), Told(fact(B), 9, 2), Told(RULE, 9, 2)]
-OTHERS = [Forgotten(0, 1), Forgotten(1, 2, frozenset([A])), ClosedHeads(frozenset([B]))]
+PERMANENT = [TimedStatement(one, FOREVER, 1) for one in (fact(A), fact(B), RULE, DENIAL, commitment(GO))]
+LAPSING = [TimedStatement(fact(A), UPDATE, 2), TimedStatement(fact(B), 9, 2), TimedStatement(RULE, 9, 2)]
+OTHERS = [ForgottenSteps(0, 1), ForgottenSteps(1, 2, frozenset([A])), ClosedHeads(frozenset([B]))]
 SNAPSHOT = Snapshot(
     step=3,
     horizon=4,
@@ -34,7 +34,7 @@ def test_snapshot_without_facts_keeps_only_their_shown_atoms():
     found = SNAPSHOT.without(frozenset([A, GO]))
     assert list(found.permanent) == [fact(B), RULE, DENIAL]
     assert list(found.lapsing) == [fact(B), RULE]
-    assert [one for one in found.told if not isinstance(one, Told)] == OTHERS
+    assert [one for one in found.told if not isinstance(one, TimedStatement)] == OTHERS
     assert found.closed == {1: frozenset(), 2: frozenset()}
     assert found.past == Past(2, frozenset([B]), ((1, A),))
     assert SNAPSHOT.without(frozenset()) == SNAPSHOT

@@ -8,7 +8,7 @@ import pytest
 from rosoclingo.oclingo import fact, parse_atom, parse_term, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Term
 from rosoclingo.oclingo.progression.strings import strings_apart
-from rosoclingo.planning.snapshot import ClosedHeads, Forgotten, Past, Snapshot, Told
+from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, TimedStatement
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message, symbol_list, symbols_to_text
 
 SAID = '_said("a, b",f("c"))'
@@ -24,16 +24,16 @@ WITH_ALL = Snapshot(
     settled=6,
     number=5,
     told=(
-        Forgotten(0, 2),
-        Told(fact(A), FOREVER, 1),
-        Told(APART, FOREVER, 2),
-        Told(PLAIN, FOREVER, 2),
-        Forgotten(2, 3, frozenset([A, APART.head])),
+        ForgottenSteps(0, 2),
+        TimedStatement(fact(A), FOREVER, 1),
+        TimedStatement(APART, FOREVER, 2),
+        TimedStatement(PLAIN, FOREVER, 2),
+        ForgottenSteps(2, 3, frozenset([A, APART.head])),
         ClosedHeads(frozenset([A, APART.head])),
-        Told(RULE, 4, 2),
-        Told(APART, UPDATE, 0),
-        Told(DENIAL, Term(parse_term('x("y")')), 4),
-        Forgotten(4, 4),
+        TimedStatement(RULE, 4, 2),
+        TimedStatement(APART, UPDATE, 0),
+        TimedStatement(DENIAL, Term(parse_term('x("y")')), 4),
+        ForgottenSteps(4, 4),
     ),
     closed={1: frozenset([GO, APART.head]), 2: frozenset()},
     keep_from=4,

@@ -11,7 +11,7 @@ from rosoclingo.oclingo import (
     SolveResult,
     parse_atom,
 )
-from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings, GoalProgress, PlanMade, Problem
 from rosoclingo.reasoning.keywords import LONGEST
@@ -86,7 +86,7 @@ class Procrastinator:
         self.log = History()
 
     def update(self, update, stopped=None):
-        self.log = self.log.then(Taken(update, update.step + 1))
+        self.log = self.log.then(AcceptedUpdate(update, update.step + 1))
         later = parse_atom(f"_action_lib(go,1,{update.step + 1})")
         seconds = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
         return SolveResult(

@@ -109,11 +109,11 @@ class Beside:
         outcome = self._outcome(update, self._without, withdrawn, self.lookahead)
         return SolveResult(outcome, (), STEP + 3, STEP)
 
-    def inquire(self, update, doubted, untold, steps):
+    def inquire(self, update, doubted, disabled, steps):
         assert self._without == frozenset()
-        assert untold <= doubted
+        assert disabled <= doubted
         requests = {request(one.key) for one in self._world.goals}
-        outcome = self._outcome(update, untold, untold & requests, steps)
+        outcome = self._outcome(update, disabled, disabled & requests, steps)
         satisfiable = None if outcome is INTERRUPTED else outcome is SATISFIABLE
         if satisfiable or not self._world.cores:
             return Verdict(satisfiable, frozenset() if satisfiable else doubted)
@@ -121,13 +121,13 @@ class Beside:
         whole = next((one for one in self._world.conflicts if one <= told), None)
         return Verdict(False, frozenset(fact for fact in doubted if whole is None or name(fact) in whole))
 
-    def _outcome(self, update, untold, withdrawn, steps):
+    def _outcome(self, update, disabled, withdrawn, steps):
         world = self._world
         assert update.step == STEP
         world.updates.append(update)
-        told = {item.head for item in update.items if isinstance(item, Statement)} - untold
+        told = {item.head for item in update.items if isinstance(item, Statement)} - disabled
         gone = {str(atom.arguments[0].arguments[0]) for atom in told | withdrawn}
-        seen = {str(one.atom.arguments[0]) for one in world.observations if one.atom not in untold}
+        seen = {str(one.atom.arguments[0]) for one in world.observations if one.atom not in disabled}
         return world.outcome({one.key for one in world.goals} - gone, seen, bool(withdrawn), steps)
 
 

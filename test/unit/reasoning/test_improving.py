@@ -85,7 +85,7 @@ def test_nothing_is_asked_where_nothing_is_left_to_try(driver):
 
 
 def test_a_log_is_kept_short_while_actions_run_though_no_plan_gets_shorter():
-    """What was foreseen takes no search, after which that is done else."""
+    """What was predicted takes no search, after which that is done else."""
     stops = []
 
     class Noting(PlanSolver):

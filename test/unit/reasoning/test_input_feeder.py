@@ -41,11 +41,11 @@ def test_order_is_commitments_requests_facts():
 
 def test_what_is_foreseen_is_what_comes_whichever_action_ends_first():
     feeder, done = InputFeeder(), [action("_action_lib(a,x,4)"), action("_action_lib(b,y,4)")]
-    foreseen = feeder.foreseen(5, done, over=2)
+    predicted = feeder.predicted(5, done, over=2)
     feeder.add_executed(done)
     for text in ("_return(b,y,4)", "_return(a,x,4)"):
         feeder.add_fact(parse_atom(text))
-    assert feeder.next_update(5, over=2).update == foreseen
+    assert feeder.next_update(5, over=2).update == predicted
     feeder.add_fact(parse_atom("_seen(ball)"))
     assert words(str(feeder.next_update(5).update))[-5:-2] == words("_return(a,x,4). _return(b,y,4). _seen(ball).")
 
@@ -60,12 +60,12 @@ def test_a_failure_stays_where_it_came():
 
 def test_goals_that_are_foreseen_come_as_they_would():
     feeder, new = InputFeeder(), goal("goal(c,d,2)")
-    foreseen = feeder.foreseen(5, [action("_action_lib(a,x,4)")], [new])
+    predicted = feeder.predicted(5, [action("_action_lib(a,x,4)")], [new])
     feeder.add_executed([action("_action_lib(a,x,4)")])
     feeder.add_fact(parse_atom("_return(a,x,4)"))
-    assert feeder.next_update(5).update != foreseen
+    assert feeder.next_update(5).update != predicted
     feeder.add_goal(new)
-    assert feeder.next_update(5).update == foreseen
+    assert feeder.next_update(5).update == predicted
 
 
 def test_a_goal_waits_until_the_program_has_heard_that_an_earlier_one_of_its_identifier_is_given_up():

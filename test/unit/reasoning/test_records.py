@@ -5,7 +5,7 @@ import json
 import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_update
-from rosoclingo.planning.history import Adopted, Checkpoint, History, Plan, Taken
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, History, Plan
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import action_of
@@ -13,7 +13,7 @@ from rosoclingo.reasoning.records import LogRecorder, group, keys_of, log_of, pl
 
 
 def update(step):
-    return Taken(parse_update(f"#step {step}. #endstep."), step)
+    return AcceptedUpdate(parse_update(f"#step {step}. #endstep."), step)
 
 
 def plan(step):
@@ -27,8 +27,8 @@ def checkpoint(step):
 ENTRIES = {
     **{f"update {step}": update(step) for step in (1, 2, 3)},
     **{f"checkpoint {step}": checkpoint(step) for step in (0, 1, 2, 3)},
-    "search": Taken(None, 1),
-    **{f"plan {step}": Adopted(plan(step)) for step in (1, 2)},
+    "search": AcceptedUpdate(None, 1),
+    **{f"plan {step}": AdoptedPlan(plan(step)) for step in (1, 2)},
 }
 
 

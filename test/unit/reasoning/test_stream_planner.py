@@ -16,7 +16,7 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.progression.updates import Over
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.keywords import action_of
@@ -190,7 +190,7 @@ class Told:
             raise self.error
         for _ in range(self.asks):
             stopped()
-        self.log = self.log.then(Taken(update, update.step + 9))
+        self.log = self.log.then(AcceptedUpdate(update, update.step + 9))
         return SolveResult(self.outcome, (), update.step, update.step)
 
     def inquire(self, *question):

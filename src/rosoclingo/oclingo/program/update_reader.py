@@ -40,7 +40,7 @@ class Reader:
         return _with_failures(update, before) if FAILED in self.program.open_signatures else update
 
 
-def is_foreseen(update: StreamUpdate, before: Iterable[Statement]) -> bool:
+def is_predictable(update: StreamUpdate, before: Iterable[Statement]) -> bool:
     """Whether ``update`` holds nothing but commitments and the returns of what was done with success.
 
     ``before`` are the statements that hold for ever before it.

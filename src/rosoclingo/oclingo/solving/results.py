@@ -39,7 +39,7 @@ class SolveResult:
         warnings: what was ignored and why.
         permanent: True if no further step and no external can make the program satisfiable.
         shortest: True if it is proven that no answer has a lesser horizon.
-        foreseen: success returns that leave the answer unchanged. An update with only these and the matching
+        predicted: success returns that leave the answer unchanged. An update with only these and the matching
             commitments needs no search.
         statistics: seconds of wall time spent in ``ground`` and ``solve``; and seconds of processor time that were
             ``needed`` for an answer, less what went on improving it.
@@ -54,7 +54,7 @@ class SolveResult:
     permanent: bool = False
     statistics: Dict[str, float] = field(default_factory=dict, compare=False)
     shortest: bool = False
-    foreseen: FrozenSet[clingo.Symbol] = frozenset()
+    predicted: FrozenSet[clingo.Symbol] = frozenset()
 
 
 def refusal(error: RuntimeError, messages: Optional[Messages], program: ReactiveProgram) -> str:

@@ -56,10 +56,12 @@ class Questions:
 
         Raises UndecidedError, and SolverError if the update is refused.
         """
-        untold = self.told - (self.told if told is None else told)
+        disabled = self.told - (self.told if told is None else told)
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
         try:
-            reply = self._solver.probe(update, self.told, untold, self._halt, self._halt, sorted(kept), believes=False)
+            reply = self._solver.probe(
+                update, self.told, disabled, self._halt, self._halt, sorted(kept), believes=False
+            )
         except DroppedError:
             raise UndecidedError from None
         if reply.satisfiable is None:

@@ -18,7 +18,7 @@ PIECE = 32
 class Verdict(NamedTuple):
     """Whether there is an answer, None if that was not found out before a stop.
 
-    If there is none, ``core`` holds assumable facts: it is so whenever these are told or untold as they were.
+    If there is none, ``core`` holds assumable facts: it is so whenever these are told or disabled as they were.
     """
 
     satisfiable: Optional[bool]
@@ -28,11 +28,11 @@ class Verdict(NamedTuple):
 def probe(
     asking: Asking,
     least: int,
-    untold: FrozenSet[clingo.Symbol],
+    disabled: FrozenSet[clingo.Symbol],
     kept: Sequence[clingo.Symbol] = (),
     believes: bool = True,
 ) -> Strategy[Reply]:
-    """Look for an answer, had the facts ``untold`` not been told, in which the atoms ``kept`` are true.
+    """Look for an answer, had the facts ``disabled`` not been told, in which the atoms ``kept`` are true.
 
     It may have a horizon of at least ``least``, whatever the bound. The longest horizon that may do is asked for last:
     with more steps it is easier to find an answer, but all of them have to be ground if there is none, unless the
@@ -44,7 +44,7 @@ def probe(
     end = max(least, asking.last())
     last = min(asking.horizon, end)
     while True:
-        reply = yield Question(min(asking.first, last), last, untold=untold, kept=kept, believes=believes)
+        reply = yield Question(min(asking.first, last), last, disabled=disabled, kept=kept, believes=believes)
         if reply.satisfiable is not False:
             return reply
         core = set(reply.core) if idles else core | reply.core

@@ -40,27 +40,27 @@ A conflict among few steps is cheap, and more steps make all that follows dearer
 """
 
 PROOF_AGAIN = 0.1
-"""Part of the time that is given to prove once more that a plan that went on as foreseen is the shortest."""
+"""Part of the time that is given to prove once more that a plan that went on as predicted is the shortest."""
 
 
 class TimeLimit:
     """The time for one update: ``seconds`` of ``clock`` from now on.
 
-    Where the update is ``foreseen``, as it tells nothing but that things went as planned, a plan that can be kept has
+    Where the update is ``predicted``, as it tells nothing but that things went as planned, a plan that can be kept has
     had its time before.
 
     Attributes:
-        foreseen: whether the update is such.
+        predicted: whether the update is such.
 
     """
 
-    def __init__(self, seconds: float, foreseen: bool = False, clock: Clock = CLOCK) -> None:
-        self._seconds, self.foreseen, self._clock = seconds, foreseen, clock
+    def __init__(self, seconds: float, predicted: bool = False, clock: Clock = CLOCK) -> None:
+        self._seconds, self.predicted, self._clock = seconds, predicted, clock
         self._begin = clock()
 
     def plan_is_kept(self, shortest: bool) -> None:
         """Note that the last plan, proven to be the ``shortest`` or not, still is one."""
-        if self.foreseen:
+        if self.predicted:
             self._seconds *= PROOF_AGAIN if shortest else 0.0
 
     def is_over(self) -> bool:
@@ -115,7 +115,7 @@ class Soon:
         for plan in (rest, later):
             found = yield from self._exactly(plan)
             if found.satisfiable:
-                if plan is rest and self._time.foreseen:
+                if plan is rest and self._time.predicted:
                     self._best = found
                 else:
                     yield from self._take(found)

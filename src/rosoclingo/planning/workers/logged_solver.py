@@ -5,7 +5,7 @@ from typing import Callable, Optional
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.question import Stop
 
 
@@ -46,9 +46,9 @@ class LoggedSolver:
         if entries is None:
             self._solver, self._read, entries = self._make(), History(), self.log.entries
         for one in entries:
-            if isinstance(one, Taken):
+            if isinstance(one, AcceptedUpdate):
                 self._solver.take_again(one.update, one.horizon)
         self._read = self.log
         result = search(self._solver)
-        self.log = self._read = self.log.then(Taken(update, self._solver.horizon))
+        self.log = self._read = self.log.then(AcceptedUpdate(update, self._solver.horizon))
         return result

@@ -83,12 +83,12 @@ class ProcessSolver(PredictingSolver):
     def inquire(
         self,
         update: StreamUpdate,
-        doubted: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
+        assumable: FrozenSet[clingo.Symbol],
+        disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
     ) -> Verdict:
-        """Return whether ``update`` would have an answer, had ``untold`` never been asserted; raises as updates do."""
-        facts = {"doubted": symbols_to_text(sorted(doubted)), "untold": symbols_to_text(sorted(untold))}
+        """Return whether ``update`` would have an answer without the facts ``disabled``; raises as updates do."""
+        facts = {"assumable": symbols_to_text(sorted(assumable)), "disabled": symbols_to_text(sorted(disabled))}
         command = {"do": "inquire", "history": self.log.text(), "update": str(update), **facts}
         reply = self._pool.ask(command, stopped)
         return Verdict(reply["satisfiable"], symbols_from_text(reply["core"]))

@@ -31,7 +31,7 @@ def program_from_message(message: Message) -> ReactiveProgram:
 
 def result_to_message(result: SolveResult) -> Message:
     """Return ``result`` for :func:`result_from_message`."""
-    texts = {"answers": [*map(symbols_to_text, result.answers)], "foreseen": symbols_to_text(result.foreseen)}
+    texts = {"answers": [*map(symbols_to_text, result.answers)], "predicted": symbols_to_text(result.predicted)}
     return {**vars(result), "outcome": result.outcome.value, **texts}
 
 
@@ -40,7 +40,7 @@ def result_from_message(message: Message) -> SolveResult:
     values = {
         "outcome": SolveOutcome(message["outcome"]),
         "answers": tuple(map(symbols_from_text, message["answers"])),
-        "foreseen": symbols_from_text(message["foreseen"]),
+        "predicted": symbols_from_text(message["predicted"]),
         "warnings": tuple(message["warnings"]),
     }
     return SolveResult(**{**message, **values})

@@ -130,9 +130,9 @@ class WorkerMain:
 
     def _inquire(self, command: Message) -> Message:
         """Find out what would be, had some facts not been asserted."""
-        doubted, untold = (symbols_from_text(command[key]) for key in ("doubted", "untold"))
+        assumable, disabled = (symbols_from_text(command[key]) for key in ("assumable", "disabled"))
         update = parse_update(command["update"])
-        verdict = self._planner.inquire(update, doubted, untold, self._is_interrupted, self._is_dropped)
+        verdict = self._planner.inquire(update, assumable, disabled, self._is_interrupted, self._is_dropped)
         return {"satisfiable": verdict.satisfiable, "core": symbols_to_text(sorted(verdict.core))}
 
     def _explain(self, command: Message) -> Message:

@@ -11,7 +11,7 @@ from rosoclingo.oclingo.progression.updates import Literal, Statement, StreamUpd
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.why_not import WhyNot
-from rosoclingo.planning.history import Plan, Taken
+from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.settings import CoreSettings
@@ -70,7 +70,7 @@ class SteeredSolver(PlanSolver):
         self.restore(before)
         other = super().update(steered, stopped, dropped)
         found = other if other.answers else result
-        self.restore(before.then(Taken(update, found.horizon)).adopt(Plan.in_result(found)))
+        self.restore(before.then(AcceptedUpdate(update, found.horizon)).adopt(Plan.in_result(found)))
         return found
 
 

@@ -17,9 +17,9 @@ from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement, StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import Plan, Taken
+from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.question import Question, Read, Reply, StoppedError
-from rosoclingo.planning.snapshot import Snapshot, Told
+from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 from rosoclingo.planning.solver import PredictingSolver
 from rosoclingo.planning.strategies.probe import Verdict
 
@@ -139,8 +139,8 @@ class Streams:
             for cycle, executed in snapshot.closed.items()
             for atom in grounding.actions(cycle, cycle)
         )
-        untold = grounding.assumable - told
-        return Question(0, 0, tuple(done), kept=demanded, untold=untold, **_BRIEFLY)
+        disabled = grounding.assumable - told
+        return Question(0, 0, tuple(done), kept=demanded, disabled=disabled, **_BRIEFLY)
 
     def _descend(self, grounding: Grounding, question: Question, first: int, last: int, hint: int) -> Optional[int]:
         ends = [one for one in (max(hint, first), max(hint, first) + 3) if one < last]
@@ -202,7 +202,7 @@ class Streams:
             end *= _GROWTH
         first = self.program.first_step
         facts = {retimed(one, cycle) for one in self._known for cycle in range(first, end + 2)}
-        entries = tuple(Told(Statement(one), FOREVER, 1) for one in sorted(facts))
+        entries = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
         snapshot = Snapshot(first, end, settled=first, number=1, told=entries)
         self._groundings.append(Grounding(self.program, snapshot, end, frozenset(facts)))
         return self._groundings[-1]
@@ -257,7 +257,7 @@ class SharedSolver(PredictingSolver):
         warnings = self._ignored(update)
         spent = {"solve": 0.0, "ground": 0.0, "needed": 0.0}
         result = SolveResult(outcome, answers, horizon, snapshot.step, warnings, statistics=spent, shortest=True)
-        self.log = self.log.then(Taken(update, horizon)).adopt(Plan.in_result(result))
+        self.log = self.log.then(AcceptedUpdate(update, horizon)).adopt(Plan.in_result(result))
         return result
 
     def _after(self, update: StreamUpdate) -> Snapshot:
@@ -286,12 +286,12 @@ class SharedSolver(PredictingSolver):
     def inquire(
         self,
         update: StreamUpdate,
-        doubted: FrozenSet[clingo.Symbol],
-        untold: FrozenSet[clingo.Symbol],
+        assumable: FrozenSet[clingo.Symbol],
+        disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Callable[[], bool]] = None,
     ) -> Verdict:
-        """Tell whether there would be an answer after ``update``, had the facts ``untold`` not been told."""
-        snapshot = self._after(replace(update, bound=None)).without(untold)
+        """Tell whether there would be an answer after ``update``, had the facts ``disabled`` not been told."""
+        snapshot = self._after(replace(update, bound=None)).without(disabled)
         bound = 0 if update.bound is None else update.bound
         found = self._streams.least(snapshot, bound, self.log.horizon)
-        return Verdict(found is not None, frozenset() if found is not None else doubted)
+        return Verdict(found is not None, frozenset() if found is not None else assumable)

@@ -4,7 +4,7 @@ import pytest
 from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.program.update_reader import Reader, is_foreseen, with_their_failures
+from rosoclingo.oclingo.program.update_reader import Reader, is_predictable, with_their_failures
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Volatile, Withdraw
 
 PROGRAM = """
@@ -75,7 +75,7 @@ COMMITMENT, RETURN, OTHER = (
 
 
 @pytest.mark.parametrize(
-    ("before", "items", "foreseen"),
+    ("before", "items", "predicted"),
     [
         ([], [Closed(1, 1), Over(1), Cumulative(), COMMITMENT, RETURN], True),
         ([COMMITMENT], [RETURN], True),
@@ -86,5 +86,5 @@ COMMITMENT, RETURN, OTHER = (
         ([], [COMMITMENT, Volatile()], False),
     ],
 )
-def test_only_commitments_and_their_successes_are_foreseen(before, items, foreseen):
-    assert is_foreseen(StreamUpdate(2, None, tuple(items)), before) is foreseen
+def test_only_commitments_and_their_successes_are_foreseen(before, items, predicted):
+    assert is_predictable(StreamUpdate(2, None, tuple(items)), before) is predicted

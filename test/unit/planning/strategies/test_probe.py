@@ -11,7 +11,7 @@ from rosoclingo.oclingo import SolveOutcome, SolverError, commitment, fact, pars
 from rosoclingo.oclingo.progression.updates import Closed, StreamUpdate
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import Taken
+from rosoclingo.planning.history import AcceptedUpdate
 
 # ---- On random streams -----------------------------------------------------------------------------------------------
 
@@ -89,7 +89,11 @@ def without(solver, text, update, disabled):
     fresh = planner_of(text)
     fresh.restore(
         fresh.log.then(
-            *(Taken(one.update.less(disabled), one.horizon) for one in solver.log.entries if isinstance(one, Taken))
+            *(
+                AcceptedUpdate(one.update.less(disabled), one.horizon)
+                for one in solver.log.entries
+                if isinstance(one, AcceptedUpdate)
+            )
         )
     )
     return fresh.update(update.less(disabled)).outcome is SolveOutcome.SATISFIABLE

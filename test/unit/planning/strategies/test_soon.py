@@ -38,10 +38,10 @@ def plan(horizon, *cycles, shortest=False):
     return Plan(actions(*cycles), horizon, shortest)
 
 
-def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, foreseen=False):
+def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted=False):
     """Return the plan's horizon, False for none and None after a stop; whether it is proven; and the questions."""
     world = FakeGrounding(plans, **options)
-    limit = TimeLimit(seconds, foreseen, world.time)
+    limit = TimeLimit(seconds, predicted, world.time)
     found, asked = world.run(lambda asking: Soon(asking, models, last, limit).run(), block)
     if found is None:
         return None, False, asked
@@ -154,7 +154,7 @@ def test_soon_goes_on_with_the_last_plan_step_by_step():
 
 @pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize(
-    ("last", "foreseen", "least"),
+    ("last", "predicted", "least"),
     [
         (plan(9, 9), True, 9),
         (plan(9, 9, shortest=True), True, 7),
@@ -163,9 +163,9 @@ def test_soon_goes_on_with_the_last_plan_step_by_step():
         (plan(3, 2, shortest=True), True, 3),
     ],
 )
-def test_soon_proves_a_predicted_plan_again_in_a_tenth_of_the_time(last, foreseen, least):
+def test_soon_proves_a_predicted_plan_again_in_a_tenth_of_the_time(last, predicted, least):
     """None of it if it was not the shortest; one that is no longer a plan leaves the time as it is."""
-    assert run(LONG, AT_9, last, seconds=20, foreseen=foreseen)[0] == least
+    assert run(LONG, AT_9, last, seconds=20, predicted=predicted)[0] == least
 
 
 @pytest.mark.usefixtures("plain")

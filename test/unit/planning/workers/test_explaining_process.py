@@ -5,7 +5,7 @@ import pytest
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.workers import explaining_process, worker
 from rosoclingo.planning.workers.explaining_process import explain_apart
 
@@ -19,7 +19,7 @@ EXPLODING = (
 
 
 def stream(text, steps, *before):
-    log = History().then(*(Taken(parse_update(one), 1) for one in before))
+    log = History().then(*(AcceptedUpdate(parse_update(one), 1) for one in before))
     return Stream(log, parse_update(text), steps)
 
 

@@ -9,7 +9,7 @@ from children import kill
 from plain_walk import ONWARD, onward, program_text
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
-from rosoclingo.planning.history import Adopted, Plan, cycle_of
+from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import process_solver
 from rosoclingo.planning.workers.pool import WorkerPool
@@ -115,7 +115,7 @@ def test_worker_puts_checkpoint_behind_predicted_updates(here, pool, monkeypatch
     solver = pool.solver()
 
     def length():
-        return sum(not isinstance(one, Adopted) for one in solver.log.entries)
+        return sum(not isinstance(one, AdoptedPlan) for one in solver.log.entries)
 
     ask = parse_update("#step 1 : 50. _request(9,1). #endstep.")
     assert solver.update(ask) == here.update(ask)
@@ -142,13 +142,13 @@ def test_worker_answers_what_would_be():
     text = "#external e/1.\n#program cumulative(t).\n:- e(1), e(2), not e(3).\n"
     here = PlanSolver(ReactiveProgram.from_text(text))
     update = parse_update('#step 2 : 1. e(1). e(2). e("3"). #end step.')
-    doubted = frozenset(map(parse_atom, ["e(1)", "e(2)", 'e("3")']))
+    assumable = frozenset(map(parse_atom, ["e(1)", "e(2)", 'e("3")']))
     with WorkerPool(ReactiveProgram.from_text(text), shortest=True) as pool:
         solver = pool.solver()
         solver.update(parse_update("#step 1 : 1. #end step."))
         here.update(parse_update("#step 1 : 1. #end step."))
         log = solver.log
-        for untold in (frozenset(), frozenset([parse_atom("e(1)")])):
-            assert solver.inquire(update, doubted, untold) == here.inquire(update, doubted, untold)
-        assert solver.inquire(update, doubted, frozenset()).core == doubted - {parse_atom('e("3")')}
+        for disabled in (frozenset(), frozenset([parse_atom("e(1)")])):
+            assert solver.inquire(update, assumable, disabled) == here.inquire(update, assumable, disabled)
+        assert solver.inquire(update, assumable, frozenset()).core == assumable - {parse_atom('e("3")')}
         assert solver.log is log

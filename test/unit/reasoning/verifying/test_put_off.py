@@ -6,7 +6,7 @@ from core_driver import Driver
 from verified_programs import VISITS, edited, more
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
-from rosoclingo.planning.history import History, Taken
+from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.verifying.moves import Answer, Happening, Move
@@ -26,7 +26,7 @@ class Later:
 
     def update(self, update, stopped=None):
         """Answer with an action of the next cycle."""
-        self.log = self.log.then(Taken(update, update.step + 1))
+        self.log = self.log.then(AcceptedUpdate(update, update.step + 1))
         answer = frozenset([parse_atom(f"_action_lib(go,hall,{update.step + 1})")])
         spent = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
         return SolveResult(SolveOutcome.SATISFIABLE, (answer,), update.step + 1, update.step, statistics=spent)
