@@ -191,8 +191,8 @@ class Planner:
     ) -> Verdict:
         """Return whether there would be a plan of at most ``steps`` after ``update`` without the facts ``disabled``.
 
-        The history stays as it is. The ``disabled`` are some of the ``assumable``. The program is ground once as long as
-        only they and the steps change.
+        The history stays as it is. The ``disabled`` are some of the ``assumable``. The program is ground once if only
+        they and the steps change.
         """
         whole = _whole(self.log, update, steps)
         verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, assumable, disabled, stopped))
