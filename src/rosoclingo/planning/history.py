@@ -140,13 +140,14 @@ class History:
 
     """
 
-    __slots__ = ("_key", "_snapshot", "before", "entry", "horizon", "length", "over", "plan", "step")
+    __slots__ = ("_key", "_line", "_snapshot", "before", "entry", "horizon", "length", "over", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
         """Append ``entry`` to the history ``before``; without arguments the history is empty."""
         self.before, self.entry = before, entry
         self._snapshot: Optional[Snapshot] = None
         self._key: Optional[bytes] = None
+        self._line: Optional[str] = None
         self.length: int = 0 if before is None else before.length + isinstance(entry, AcceptedUpdate)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
@@ -289,7 +290,14 @@ class History:
 
     def text(self) -> str:
         """Return :attr:`entries` as lines of JSON."""
-        return "".join(_line(entry_to_message(entry)) for entry in self.entries)
+        return "".join(log.line for log in self._path() if log.entry is not None)
+
+    @property
+    def line(self) -> str:
+        """The last entry as a line of JSON."""
+        if self._line is None and self.entry is not None:
+            self._line = entry_to_line(self.entry)
+        return self._line or ""
 
     @classmethod
     def parse(cls, text: str) -> "History":
@@ -324,6 +332,11 @@ def entry_from_message(message: Message) -> Entry:
     if do == "adopt":
         return AdoptedPlan(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
     return Checkpoint(message=message["snapshot"])
+
+
+def entry_to_line(entry: Entry) -> str:
+    """Return ``entry`` as a line of JSON."""
+    return _line(entry_to_message(entry))
 
 
 def key_after(before: bytes, message: Message) -> bytes:

@@ -29,7 +29,7 @@ def explain_apart(
             return stopped() or elapsed() >= seconds
 
         try:
-            reply = pool.ask({"do": "explain", "stream": stream_to_message(stream)}, is_late)
+            reply = pool.ask({"do": "explain", "stream": stream_to_message(stream)}, None, is_late)
         except DroppedError as error:
             if is_late():
                 raise DroppedError(f"it was not found out in {seconds:g} s") from None

@@ -10,6 +10,7 @@ from typing import Any, Callable, Optional, Set, Type, TypeVar
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.planning.history import History
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.process_solver import ProcessSolver
@@ -132,9 +133,9 @@ class WorkerPool:
 
     # ---- Asking ------------------------------------------------------------------------------------------------------
 
-    def ask(self, command: Message, stopped: Optional[Stop], idly: bool = False) -> Message:
+    def ask(self, command: Message, log: Optional[History], stopped: Optional[Stop], idly: bool = False) -> Message:
         """Return the reply to ``command`` as :meth:`Worker.ask` does; DroppedError stands for a lost worker."""
-        return self._do(lambda worker: worker.ask(command, stopped, self._patience, idly), stopped)
+        return self._do(lambda worker: worker.ask(command, log, stopped, self._patience, idly), stopped)
 
     def search(self, search: Search, stopped: Optional[Stop]) -> Message:
         """Return the reply to ``search``; the standby takes over if it has begun that."""
@@ -146,7 +147,7 @@ class WorkerPool:
             """Ask a worker, which may have begun."""
             if worker.searches(search):
                 return worker.finish(stopped, self._patience)
-            return worker.ask(search.command, stopped, self._patience)
+            return worker.ask(search.command, search.log, stopped, self._patience)
 
         reply = self._do(do, stopped)
         if self._active is not None and self._active.has_grown():
@@ -165,7 +166,7 @@ class WorkerPool:
             if begun is None or not begun.has_answer_of(search) or begun.log.plan != search.log.plan:
                 if self._have_standby().has_grown():
                     self._discard_standby()
-                self._have_standby().begin(search.command, search)
+                self._have_standby().begin(search.command, search.log, search)
             return True
         return False
 

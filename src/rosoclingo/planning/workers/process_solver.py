@@ -67,7 +67,7 @@ class ProcessSolver(PredictingSolver):
         if self.log.plan is None or self.log.plan.shortest:
             return None
         reply = self._ask_idly("improve", stopped)
-        return self._answered(reply) if reply else None
+        return self._answered(reply) if "result" in reply else None
 
     def shorten_log(self, stopped: Optional[Stop] = None) -> None:
         """Put a checkpoint at the end of the history, if it has grown long by predicted updates.
@@ -78,7 +78,7 @@ class ProcessSolver(PredictingSolver):
             return
         reply = self._ask_idly("shorten", stopped)
         if reply:
-            self._replace_log(self._log_with(reply))
+            self._replace_log(self._log_after_reply(reply))
 
     def inquire(
         self,
@@ -89,14 +89,13 @@ class ProcessSolver(PredictingSolver):
     ) -> Verdict:
         """Return whether ``update`` would have an answer without the facts ``disabled``; raises as updates do."""
         facts = {"assumable": symbols_to_text(sorted(assumable)), "disabled": symbols_to_text(sorted(disabled))}
-        command = {"do": "inquire", "history": self.log.text(), "update": str(update), **facts}
-        reply = self._pool.ask(command, stopped)
+        reply = self._pool.ask({"do": "inquire", "update": str(update), **facts}, self.log, stopped)
         return Verdict(reply["satisfiable"], symbols_from_text(reply["core"]))
 
     def _ask_idly(self, do: str, stopped: Optional[Stop]) -> Message:
         """Return the reply to a command that only improves what there is; an empty one after a stop."""
         with suppress(NotReadyError):
-            return self._pool.ask({"do": do, "history": self.log.text()}, stopped, idly=True)
+            return self._pool.ask({"do": do}, self.log, stopped, idly=True)
         return {}
 
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stop]) -> SolveResult:
@@ -108,11 +107,13 @@ class ProcessSolver(PredictingSolver):
         remarks = [one for one in reply["remarks"] if one not in reported]
         reported.update(remarks)
         result = replace(result, warnings=(*result.warnings, *remarks))
-        log = self._log_with(reply)
+        log = self._log_after_reply(reply)
         if log.plan is not None:  # that of a prefetched answer may have begun with an earlier plan
             log = log.adopt(Plan.in_result(result))
         self.log, self._answer = log, (log, result)
         return result
 
-    def _log_with(self, reply: Message) -> History:
-        return self.log.then(*map(entry_from_message, reply["entries"])).cut()
+    def _log_after_reply(self, reply: Message) -> History:
+        """Return the history after a reply; a prefetched one began with another object for the same history."""
+        log: History = reply["log"]
+        return log if reply["start"] is self.log else self.log.then(*map(entry_from_message, reply["entries"])).cut()

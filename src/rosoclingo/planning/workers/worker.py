@@ -12,7 +12,7 @@ from typing import NamedTuple, NoReturn, Optional, Tuple
 
 from rosoclingo.oclingo.errors import DroppedError, Fault, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.planning.history import History
+from rosoclingo.planning.history import History, entry_from_message, entry_to_line
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.channel import Channel
@@ -42,7 +42,7 @@ class Search(NamedTuple):
     def command(self) -> Message:
         """The command for a worker."""
         text = None if self.update is None else str(self.update)
-        return {"do": "update", "history": self.log.text(), "update": text, "improves": self.improves}
+        return {"do": "update", "update": text, "improves": self.improves}
 
     def has_answer_of(self, other: "Search") -> bool:
         """Return whether both have the same answer."""
@@ -58,6 +58,7 @@ class Worker:
         is_ready: whether it has loaded the program.
         reached: the last step that the search under way has ground, as far as the worker has reported.
         search: the search that was begun last; None after :meth:`abandon` and for other commands.
+        log: the history to which the last reply has led; None while a command is under way, or if it has failed.
 
     """
 
@@ -83,6 +84,8 @@ class Worker:
         self._worked, self._first_memory = 0.0, 0
         self.is_ready, self.reached = False, 0
         self.search: Optional[Search] = None
+        self.log: Optional[History] = None
+        self._start: Optional[History] = None  # the history of the command that was begun last
         self.begin(load)
 
     # ---- The process -------------------------------------------------------------------------------------------------
@@ -129,9 +132,17 @@ class Worker:
 
     # ---- Commands ----------------------------------------------------------------------------------------------------
 
-    def begin(self, command: Message, search: Optional[Search] = None) -> None:
-        """Have the worker do ``command``, that of a ``search`` or another one; a command under way is abandoned."""
+    def begin(self, command: Message, log: Optional[History] = None, search: Optional[Search] = None) -> None:
+        """Have the worker do ``command`` after ``log``, that of a ``search`` or another one; abandon the one before.
+
+        The worker gets the entries that have followed its own history, or else the whole history.
+        """
         self.abandon()
+        if log is not None:
+            entries = None if self.log is None else log.since(self.log)
+            text = log.text() if entries is None else "".join(map(entry_to_line, entries))
+            command = {**command, "history": text, "continues": entries is not None}
+        self.log, self._start = None, log
         self._channel.send(command)
         self._open += 1
         self.search, self.reached = search, 0
@@ -148,14 +159,21 @@ class Worker:
             if not self._receive(POLL) and stopped is not None and stopped():
                 raise NotReadyError("stopped before the solver was ready: nothing was solved, send it again")
 
-    def ask(self, command: Message, stopped: Optional[Stop], patience: Patience, idly: bool = False) -> Message:
-        """Do ``command`` once the program is loaded; see :meth:`wait_until_ready` and :meth:`finish`."""
+    def ask(
+        self,
+        command: Message,
+        log: Optional[History],
+        stopped: Optional[Stop],
+        patience: Patience,
+        idly: bool = False,
+    ) -> Message:
+        """Do ``command`` once the program is loaded; see :meth:`wait_until_ready`, :meth:`begin`, :meth:`finish`."""
         self.wait_until_ready(stopped)
-        self.begin(command)
+        self.begin(command, log)
         return self.finish(stopped, patience, idly)
 
     def finish(self, stopped: Optional[Stop], patience: Patience, idly: bool = False) -> Message:
-        """Wait for the last reply to the command under way, and return it.
+        """Wait for the last reply to the command under way, and return it with the histories before and after it.
 
         A stop interrupts the command; so does an answer that is only improved. After the first seconds of ``patience``
         it is dropped, after the second ones WorkerLostError is raised. A command that is done ``idly``, to improve what
@@ -178,7 +196,9 @@ class Worker:
         reply, self.search, self._reply = self._reply or {}, None, None
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
-        return reply
+        if self._start is not None:
+            self.log = self._start.then(*map(entry_from_message, reply.get("entries", ()))).cut()
+        return {**reply, "start": self._start, "log": self.log}
 
     def is_busy(self) -> bool:
         """Return whether it loads the program, or a command is under way."""

@@ -75,7 +75,7 @@ class WorkerMain:
     def _reply_to(self, command: Message) -> Message:
         self._reported = time.monotonic()
         if "history" in command:
-            self._solver.restore(self._history(command["history"]))
+            self._solver.restore(self._history(command["history"], command["continues"]))
             self._cache(self._solver.log)
         try:
             return self._handlers[command["do"]](command)
@@ -151,16 +151,20 @@ class WorkerMain:
 
     # ---- Histories ---------------------------------------------------------------------------------------------------
 
-    def _history(self, text: str) -> History:
-        """Return the history of a text, made from the longest one in the cache."""
+    def _history(self, text: str, continues: bool) -> History:
+        """Return the history of a text: it continues the last one, or else is made from the longest in the cache."""
         lines, rest = text.splitlines(keepends=True), []
+        if continues:
+            return self._solver.log.then(*(entry_from_message(json.loads(line)) for line in lines))
         while lines and "".join(lines) not in self._histories:
             rest.append(lines.pop())
         log = self._histories.get("".join(lines)) or History()
         return log.then(*(entry_from_message(json.loads(line)) for line in reversed(rest)))
 
     def _cache(self, log: History) -> None:
-        """Cache a history, and drop the one that was used least recently."""
+        """Cache a history, and drop the one that was used least recently; those without checkpoints are too long."""
+        if not isinstance(self._solver, PlanSolver):
+            return
         text = log.text()
         self._histories.pop(text, None)
         self._histories[text] = log
