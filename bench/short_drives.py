@@ -71,7 +71,7 @@ class Planner:
         begin = time.process_time()
         result = solver.update(parse_update(f"#step 1. {told} #endstep."))
         seconds = time.process_time() - begin
-        actions = sorted((one.arguments for one in Plan.in_result(result).actions), key=lambda one: one[2].number)
+        actions = sorted((one.arguments for one in Plan.from_result(result).actions), key=lambda one: one[2].number)
         way = [self._floor.start, *(str(place) for kind, place, _ in actions if kind.name == "move_base")]
         metres = sum(self._floor.distances[min(pair), max(pair)] for pair in zip(way, way[1:]))
         return metres, len(actions), seconds

@@ -36,7 +36,7 @@ class FakeGrounding:
 
     def run(self, make, block):
         """Return what the strategy made by ``make(asking)`` finds, None after a stop; and the notes."""
-        snapshot = Snapshot(step=self.step, settled=self.step, horizon=self.horizon)
+        snapshot = Snapshot(step=self.step, min_horizon=self.step, horizon=self.horizon)
         asking = Asking(self.program, snapshot, self.build, block, self.most)
         try:
             found = asking.run(make(asking), lambda: self.halts is not None and self.questions >= self.halts)

@@ -1,6 +1,6 @@
 """Logs of streams as another process or a record on disk would read them; and the answers of their readers."""
 
-from rosoclingo.planning.history import Checkpoint, History
+from rosoclingo.planning.history import History
 
 
 def copied(log):
@@ -10,7 +10,7 @@ def copied(log):
 
 def cut(solver):
     """The log of a solver as one checkpoint, read from its text."""
-    return copied(History().then(Checkpoint(solver.snapshot)))
+    return copied(History().checkpoint(solver.snapshot))
 
 
 def texts(result):

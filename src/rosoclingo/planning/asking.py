@@ -1,4 +1,4 @@
-"""The one loop that asks a grounding what strategies want to know, and the one way to stop it."""
+"""The loop that runs a strategy: it sends the questions to a grounding and polls for a stop."""
 
 import math
 import time
@@ -15,41 +15,37 @@ from rosoclingo.planning.snapshot import Snapshot
 T = TypeVar("T")
 
 PIECE_ATOMS = 250_000
-"""About so many atoms are ground between two looks at the stop: each call of clingo goes through all there are."""
+"""Approximate number of atoms ground between two polls: each call of clingo iterates over all existing atoms."""
 
 Build = Callable[[Snapshot, int], Grounding]
 """Grounds the program with a snapshot up to a horizon."""
 
 
 class Asking:
-    """A snapshot, its grounding, and what strategies may know of both.
+    """A snapshot and its grounding, which is built and extended as questions need it.
 
     Attributes:
         program: the reactive logic program.
-        snapshot: what is in force.
-        block: steps to grow by at once; 1 if an answer may not outlive further steps.
+        snapshot: the snapshot of the history.
+        block: the number of steps to ground at once; 1 if further steps can invalidate an answer.
+        grounding: the grounding, None before the first question.
         seconds: wall time spent in clingo's search so far.
-        is_stopped: whether the strategy at work is to end.
+        is_stopped: the stop of the running strategy.
 
     """
 
     def __init__(
-        self,
-        program: ReactiveProgram,
-        snapshot: Snapshot,
-        build: Build,
-        block: int,
-        limit: Optional[int] = None,
+        self, program: ReactiveProgram, snapshot: Snapshot, build: Build, block: int, limit: Optional[int] = None
     ) -> None:
-        """Prepare to ask a grounding that is built when there is a question; ``limit`` is the last step of all."""
+        """Prepare for questions without grounding anything; no step after ``limit`` is ever ground."""
         self.program, self.snapshot, self.block = program, snapshot, block
         self._build, self._limit = build, limit
-        self._grounding: Optional[Grounding] = None
+        self.grounding: Optional[Grounding] = None
         self.seconds = 0.0
         self.is_stopped: Stop = lambda: False
 
     def run(self, strategy: Strategy[T], stopped: Stop) -> T:
-        """Ask what the ``strategy`` wants to know; raises :class:`StoppedError` if it has found nothing by then."""
+        """Return the result of ``strategy``; raises :class:`StoppedError` if it has none at the stop."""
         self.is_stopped = stopped
         try:
             question = next(strategy)
@@ -61,19 +57,10 @@ class Asking:
                 else:
                     question = strategy.send(reply)
         except StopIteration as end:
-            found: T = end.value
-            return found
+            result: T = end.value
+            return result
 
-    # ---- What strategies may know ------------------------------------------------------------------------------------
-
-    @property
-    def grounding(self) -> Optional[Grounding]:
-        """The grounding, None if nothing was asked."""
-        return self._grounding
-
-    def ground(self) -> Grounding:
-        """Return the grounding, which is built if there is none."""
-        return self._at_least(self.horizon)
+    # ---- For strategies ----------------------------------------------------------------------------------------------
 
     @property
     def step(self) -> int:
@@ -81,37 +68,38 @@ class Asking:
         return self.snapshot.step
 
     @property
-    def first(self) -> int:
-        """The least horizon that an answer may have."""
-        return self.snapshot.settled
+    def min_horizon(self) -> int:
+        """The least possible horizon of an answer."""
+        return self.snapshot.min_horizon
 
     @property
     def horizon(self) -> int:
-        """The last step that is ground, or will be with the first question."""
-        return self.snapshot.horizon if self._grounding is None else self._grounding.horizon
+        """The last step that is ground, or that the first question will ground."""
+        return self.snapshot.horizon if self.grounding is None else self.grounding.horizon
 
-    @property
-    def may_grow(self) -> bool:
-        """Whether bound and limit allow another step."""
-        return self.last(self.horizon + 1) > self.horizon
+    def may_grow(self, horizon: int) -> bool:
+        """Return whether bound and limit allow a step after ``horizon``."""
+        return self.last(horizon + 1) > horizon
 
     def last(self, most: Optional[int] = None) -> int:
-        """Return the least of bound, limit and ``most``; the present horizon if there is none of them."""
+        """Return the least of bound, limit and ``most``; the current horizon if all are None."""
         ends = [end for end in (self.snapshot.bound, self._limit, most) if end is not None]
         return min(ends, default=self.horizon)
 
-    def actions(self, first: int, last: int, horizon: int = 0) -> List[clingo.Symbol]:
-        """Return the actions of the cycles ``first`` to ``last``, as far as these are not closed.
+    def actions(self, first: int, last: int) -> List[clingo.Symbol]:
+        """Return the possible actions of the cycles ``first`` to ``last`` that are not closed."""
+        return self.ground().actions(first, last)
 
-        The program is ground up to ``horizon`` before, if it is not yet.
-        """
-        return self._at_least(max(horizon, self.horizon)).actions(first, last)
+    def ground(self, horizon: int = 0) -> Grounding:
+        """Return the grounding with all steps up to ``horizon``; build or extend it if necessary."""
+        horizon, grounding = max(horizon, self.snapshot.horizon), self.grounding
+        if grounding is None:
+            self.grounding = grounding = self._new_grounding(horizon)
+        elif grounding.horizon < horizon:
+            self.grounding = grounding = self._extend(grounding, horizon)
+        return grounding
 
-    def claimed_steps(self) -> int:
-        """Return how many steps the program claims that a plan takes at least; 0 for no claim."""
-        return self._at_least(self.horizon).claimed_steps()
-
-    # ---- Asking ------------------------------------------------------------------------------------------------------
+    # ---- Implementation ----------------------------------------------------------------------------------------------
 
     def _ask(self, question: Question) -> Reply:
         stopped = self.is_stopped
@@ -119,41 +107,31 @@ class Asking:
             raise StoppedError
         if question.until is not None and question.until():
             return UNKNOWN
-        for last in self._ends(question.last):
-            self._at_least(last)
+        for last in self._pieces(question.last):
+            self.ground(last)
             if stopped():
                 raise StoppedError
-        grounding, start = self._at_least(question.last), time.perf_counter()
+        grounding, start = self.ground(question.last), time.perf_counter()
         reply = grounding.ask(question, stopped)
         self.seconds += time.perf_counter() - start
         if reply.satisfiable is None and stopped():
             raise StoppedError
         return reply
 
-    def _ends(self, last: int) -> Iterator[int]:
-        """Yield the horizons to grow to, up to ``last``: pieces of even size."""
-        while self._grounding is None or self._grounding.horizon < last:
-            if self._grounding is None:
+    def _pieces(self, last: int) -> Iterator[int]:
+        """Yield the horizons at which to poll while grounding up to ``last``, in pieces of equal size."""
+        while self.grounding is None or self.grounding.horizon < last:
+            if self.grounding is None:
                 yield self.snapshot.horizon
                 continue
-            rest = last - self._grounding.horizon
-            number = round(rest / max(PIECE, PIECE_ATOMS // self._grounding.atoms_per_step))
-            yield last if self._grounding.is_cyclic else self._grounding.horizon + math.ceil(rest / max(1, number))
+            rest = last - self.grounding.horizon
+            number = round(rest / max(PIECE, PIECE_ATOMS // self.grounding.atoms_per_step))
+            yield last if self.grounding.is_cyclic else self.grounding.horizon + math.ceil(rest / max(1, number))
 
-    def _at_least(self, horizon: int) -> Grounding:
-        """Return a grounding up to ``horizon`` at least."""
-        grounding = self._grounding
-        if grounding is None:
-            grounding = self._built(max(horizon, self.snapshot.horizon))
-        elif grounding.horizon < horizon:
-            grounding = self._grown(grounding, horizon)
-        self._grounding = grounding
-        return grounding
+    def _extend(self, grounding: Grounding, horizon: int) -> Grounding:
+        """Return the extended grounding, or a new one if it cannot grow.
 
-    def _grown(self, grounding: Grounding, horizon: int) -> Grounding:
-        """Return a grounding that has grown, or one built in its place.
-
-        clingo takes rules that define the same atom at several steps, or that close a loop, only together.
+        Rules that define the same atom at several steps, or that close a loop, have to be ground in one call of clingo.
         """
         if not grounding.is_cyclic:
             try:
@@ -162,9 +140,9 @@ class Asking:
             except DroppedError:
                 raise
             except SolverError:
-                self._grounding = None  # a fault of another kind shows again
-        return self._built(horizon)
+                self.grounding = None  # any other error occurs again
+        return self._new_grounding(horizon)
 
-    def _built(self, horizon: int) -> Grounding:
-        """Return a new grounding, with what the program forgets by ``horizon`` as if it had grown to it."""
-        return self._build(self.snapshot.searched(horizon, self.program), horizon)
+    def _new_grounding(self, horizon: int) -> Grounding:
+        """Return a new grounding that forgets the same externals as one that has grown to ``horizon``."""
+        return self._build(self.snapshot.with_horizon(horizon, self.program), horizon)

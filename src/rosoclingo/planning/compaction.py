@@ -23,7 +23,7 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.snapshot import ClosedHeads, Fact, Past, Snapshot, TimedStatement
+from rosoclingo.planning.snapshot import ClosedHeads, Past, Snapshot, SnapshotItem, TimedStatement
 
 MOST_STEPS = 16
 """So many steps to retire are worth a look."""
@@ -76,9 +76,9 @@ def _moved(grounding: Grounding, snapshot: Snapshot, fixed: FixedAtoms, facts: S
     # the last cycle is told for its returns, those before it for the actions that steps to come can still have of them
     closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.may_act(c, first)}
     recent = tuple((step, atom) for atom, step in shown.items() if step >= first - SHOWN_STEPS)
-    told: List[Fact] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
+    told: List[SnapshotItem] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
     told += [ClosedHeads(false)] if false else []
-    return replace(snapshot, told=tuple(told), closed=closed, past=Past(first, frozenset(kept - opened), recent))
+    return replace(snapshot, items=tuple(told), closed=closed, past=Past(first, frozenset(kept - opened), recent))
 
 
 def _shortened(grounding: Grounding, fixed: FixedAtoms, true: Set[clingo.Symbol]) -> Iterator[TimedStatement]:
@@ -86,7 +86,7 @@ def _shortened(grounding: Grounding, fixed: FixedAtoms, true: Set[clingo.Symbol]
     decided = fixed.steps.keys() - fixed.base | true
     ties = {Statement(None, (Literal(atom, atom not in fixed.true),)) for atom in fixed.steps.keys() - decided}
     known = {*grounding.in_force, *grounding.waiting}
-    for told in filter(known.__contains__, grounding.snapshot.entries):
+    for told in filter(known.__contains__, grounding.snapshot.timed_statements):
         statement = told.statement
         if statement.head is None:
             if any(one.atom in decided and (one.atom in true) is not one.positive for one in statement.body):

@@ -31,7 +31,15 @@ from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
-from rosoclingo.planning.snapshot import NOT_EXTERNAL, ClosedHeads, Fact, ForgottenSteps, Past, Snapshot, TimedStatement
+from rosoclingo.planning.snapshot import (
+    NOT_EXTERNAL,
+    ClosedHeads,
+    ForgottenSteps,
+    Past,
+    Snapshot,
+    SnapshotItem,
+    TimedStatement,
+)
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
@@ -99,7 +107,7 @@ class Grounding:
         self.is_cyclic = _closes_loops(program, snapshot)
         self.past = snapshot.past or Past(program.first_step, frozenset())
         self.horizon = self.past.first - 1
-        self.warnings = [*snapshot.odd, *_unused_facts(program, snapshot)]
+        self.warnings = [*snapshot.warnings, *_unused_facts(program, snapshot)]
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
         self.in_force: List[TimedStatement] = []
         self.waiting: List[TimedStatement] = []
@@ -139,12 +147,12 @@ class Grounding:
             self._ground_to(last)
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
-        self._put_in_force(snapshot.told)
-        over = {clingo.Number(cycle) for cycle in snapshot.closed.keys() - snapshot.returning}
+        self._put_in_force(snapshot.items)
+        over = {clingo.Number(cycle) for cycle in snapshot.closed.keys() - snapshot.awaiting_returns}
         for one in self._control.symbolic_atoms.by_signature(*RETURN):
             if one.symbol.arguments[2] in over and self.definitions.is_undefined(one.symbol):
                 self.definitions.close(one.symbol)
-        self._ends.settle(min(snapshot.settled, self.horizon))
+        self._ends.settle(min(snapshot.min_horizon, self.horizon))
 
     def _declare_open(self) -> Set[clingo.Symbol]:
         """Make the heads of open signatures known: as facts, which are returned, or as externals."""
@@ -154,7 +162,7 @@ class Grounding:
             for head in heads
             if self.program.is_open_signature(head) and not self.snapshot.is_too_late(self.program, head)
         ]
-        facts = self.snapshot.facts_without(self._assumables.facts)
+        facts = self.snapshot.permanent_facts(self._assumables.facts)
         self._externals.stepless.update(opened)
         self._ground([self.program.open_part(atom, atom in facts) for atom in opened], 1)
         return facts.intersection(opened)
@@ -229,7 +237,7 @@ class Grounding:
 
     # ---- Statements --------------------------------------------------------------------------------------------------
 
-    def _put_in_force(self, entries: Iterable[Fact]) -> None:
+    def _put_in_force(self, entries: Iterable[SnapshotItem]) -> None:
         """Put in force what a snapshot holds, in order; nothing is searched before all is."""
         for one in entries:
             if isinstance(one, ForgottenSteps):
@@ -362,7 +370,7 @@ class Grounding:
                 self._add(told)
             else:
                 self.waiting.append(told)
-        self._put_in_force(self.snapshot.searched(last, self.program).told[len(self.snapshot.told) :])
+        self._put_in_force(self.snapshot.with_horizon(last, self.program).items[len(self.snapshot.items) :])
 
     @property
     def _is_complete(self) -> bool:
@@ -404,7 +412,9 @@ class Grounding:
         if result.satisfiable or answers.found:
             return answers.reply()
         if self.is_conflicting:
-            lasts = all(one.lifetime == FOREVER for one in self.snapshot.entries)  # else it may lapse with a statement
+            lasts = all(
+                one.lifetime == FOREVER for one in self.snapshot.timed_statements
+            )  # else it may lapse with a statement
             return Reply(False, hopeless=True, permanent=lasts)
         if not blames:
             return Reply(False)
@@ -447,7 +457,7 @@ class Grounding:
 
         It may be wrong if something was told of a later step.
         """
-        if STEPS not in self.program.head_signatures or self.snapshot.tells_of_later(self.program):
+        if STEPS not in self.program.head_signatures or self.snapshot.mentions_later_steps(self.program):
             return None
         known = self._control.symbolic_atoms[no_plan_from(self.snapshot.step)]
         return (known.literal or None) if known is not None else None
@@ -515,7 +525,7 @@ def _closes_loops(program: ReactiveProgram, snapshot: Snapshot) -> bool:
 def _unused_facts(program: ReactiveProgram, snapshot: Snapshot) -> Iterator[str]:
     """Yield, once for each predicate, what to tell of facts of the last update that nothing has any use for."""
     known = set(program.open_signatures)
-    for statement, _, number in snapshot.entries:
+    for statement, _, number in snapshot.timed_statements:
         if statement.head is None or signature_of(statement.head) in known:
             continue
         known.add(signature_of(statement.head))

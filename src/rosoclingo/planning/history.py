@@ -1,12 +1,13 @@
 """The history of a stream: accepted updates, adopted plans and checkpoints, as a list of plain values.
 
-It is the only state: undo is a shorter history; workers, the journal and replay read the same list, as lines of JSON.
+The history is the only state of a solver. To undo is to continue from a shorter history; workers, the journal and
+replay read the same list as lines of JSON.
 """
 
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import clingo
 
@@ -28,12 +29,12 @@ _dated_actions = DatedActions()
 
 
 class Plan(NamedTuple):
-    """The actions of an answer: where a later search begins, never a part of the state.
+    """The actions of an answer; later searches start from them.
 
     Attributes:
-        actions: its ``_action_lib`` atoms.
-        horizon: that of the answer.
-        shortest: whether it was proven that there is no shorter one.
+        actions: the ``_action_lib`` atoms.
+        horizon: the horizon of the answer.
+        shortest: whether all shorter horizons were refuted.
 
     """
 
@@ -42,21 +43,21 @@ class Plan(NamedTuple):
     shortest: bool = False
 
     @classmethod
-    def of(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
-        """Return the plan in an answer, whose ``atoms`` may be other symbols as well that a ``#show`` has named."""
+    def from_atoms(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
+        """Return the plan in the shown ``atoms`` of an answer; other symbols are ignored."""
         return cls(_dated_actions(atoms), horizon, shortest)
 
     @classmethod
-    def in_result(cls, result: SolveResult) -> "Optional[Plan]":
+    def from_result(cls, result: SolveResult) -> "Optional[Plan]":
         """Return the plan in the last answer, None if there is no answer."""
-        return cls.of(result.answers[-1], result.horizon, result.shortest) if result.answers else None
+        return cls.from_atoms(result.answers[-1], result.horizon, result.shortest) if result.answers else None
 
-    def since(self, cycle: int) -> "Plan":
-        """Return what is to be done from ``cycle`` on."""
+    def rest(self, cycle: int) -> "Plan":
+        """Return the plan with the actions from ``cycle`` on."""
         return self._replace(actions=frozenset(one for one in self.actions if cycle_of(one) >= cycle))
 
-    def later(self) -> "Plan":
-        """Return the same done one cycle later, as where an action has failed and is tried again."""
+    def delayed(self) -> "Plan":
+        """Return the plan delayed by one cycle, for instance to repeat a failed action."""
         actions = (
             clingo.Function(one.name, [*one.arguments[:2], clingo.Number(cycle_of(one) + 1)]) for one in self.actions
         )
@@ -64,7 +65,7 @@ class Plan(NamedTuple):
 
     @property
     def last_cycle(self) -> int:
-        """The cycle of the last action; less than any where there is none."""
+        """The cycle of the last action; a very small number if there are no actions."""
         return max(map(cycle_of, self.actions), default=-(2**31))
 
 
@@ -75,9 +76,13 @@ def cycle_of(action: clingo.Symbol) -> int:
 
 @dataclass(frozen=True)
 class AcceptedUpdate:
-    """``update`` was accepted and led to ``horizon``, the last ground step; None stands for a search without an update.
+    """An accepted update.
 
-    ``predicted``: the answer before it is one after it as well, so that it took no search.
+    Attributes:
+        update: the update, None for a search without one.
+        horizon: the last ground step after the search.
+        predicted: whether the previous answer was predicted to stay valid, so that there was no search.
+
     """
 
     update: Optional[StreamUpdate]
@@ -87,60 +92,36 @@ class AcceptedUpdate:
 
 @dataclass(frozen=True)
 class AdoptedPlan:
-    """``plan`` is in force, and later searches begin with it. It does not change the snapshot."""
+    """``plan`` was adopted: later searches start from it. It does not change the snapshot."""
 
     plan: Plan
 
 
+@dataclass(frozen=True)
 class Checkpoint:
-    """All before led to :attr:`snapshot`: reading may begin here."""
+    """The snapshot of all earlier entries as a plain value for JSON; it makes these entries unnecessary."""
 
-    def __init__(self, snapshot: Optional[Snapshot] = None, message: Optional[Message] = None) -> None:
-        """Take the snapshot, or its message, from which it is made only if it is asked for."""
-        self._snapshot, self._message = snapshot, message
-
-    @property
-    def snapshot(self) -> Snapshot:
-        """The snapshot."""
-        if self._snapshot is None:
-            assert self._message is not None
-            self._snapshot = snapshot_from_message(self._message)
-        return self._snapshot
-
-    @property
-    def message(self) -> Message:
-        """The snapshot as a plain value that JSON knows."""
-        if self._message is None:
-            assert self._snapshot is not None
-            self._message = snapshot_to_message(self._snapshot)
-        return self._message
-
-    @property
-    def reach(self) -> Tuple[int, int, int]:
-        """Step, horizon, and the step before which all is over."""
-        if self._snapshot is not None:
-            return self._snapshot.step, self._snapshot.horizon, self._snapshot.keep_from
-        return self.message["step"], self.message["horizon"], self.message["keep_from"]
+    message: Message
 
 
 Entry = Union[AcceptedUpdate, AdoptedPlan, Checkpoint]
 
 
 class History:
-    """A history up to its last entry: an immutable list of which longer ones are made.
+    """An immutable list of entries, linked from its last entry to the earlier ones.
 
     Attributes:
         entry: the last entry; None for the empty history.
-        before: the history without it; None as well if what lies before a checkpoint was released.
+        before: the history without it; None for the empty history, or if it was released.
         length: the number of updates since the last checkpoint.
         step: k, the step of the last update.
         horizon: N, the last ground step.
-        over: steps before it are over.
+        keep_from: steps before it are over.
         plan: the plan in force, None for none.
 
     """
 
-    __slots__ = ("_key", "_line", "_snapshot", "before", "entry", "horizon", "length", "over", "plan", "step")
+    __slots__ = ("_key", "_line", "_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
         """Append ``entry`` to the history ``before``; without arguments the history is empty."""
@@ -151,169 +132,167 @@ class History:
         self.length: int = 0 if before is None else before.length + isinstance(entry, AcceptedUpdate)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
-        self.over: int = 0 if before is None else before.over
+        self.keep_from: int = 0 if before is None else before.keep_from
         self.plan: Optional[Plan] = None if before is None else before.plan
         if isinstance(entry, AcceptedUpdate):
-            self._reach(entry)
+            self._advance(entry)
         elif isinstance(entry, AdoptedPlan):
             self.plan = entry.plan
         elif isinstance(entry, Checkpoint):
-            self.length, (self.step, self.horizon, self.over) = 0, entry.reach
+            self.length, message = 0, entry.message
+            self.step, self.horizon, self.keep_from = message["step"], message["horizon"], message["keep_from"]
 
-    def _reach(self, entry: AcceptedUpdate) -> None:
-        """Note how far an update leads."""
+    def _advance(self, entry: AcceptedUpdate) -> None:
         self.horizon = entry.horizon
         if entry.update is not None:
             if Anew() in entry.update.items:
-                self.step, self.over = 1, 0
+                self.step, self.keep_from = 1, 0
             self.step = self.step if entry.update.step is None else entry.update.step
-            self.over = max([self.over, *(item.step for item in entry.update.items if isinstance(item, Over))])
+            self.keep_from = max([self.keep_from, *(one.step for one in entry.update.items if isinstance(one, Over))])
+
+    # ---- Contents ----------------------------------------------------------------------------------------------------
 
     def snapshot(self, reader: Reader) -> Snapshot:
-        """Return the snapshot to which it leads; computed once for each history."""
-        unread: List[History] = []
-        known = self
-        while known._snapshot is None and known.before is not None and not isinstance(known.entry, Checkpoint):
-            unread.append(known)
-            known = known.before
-        if known._snapshot is None:
-            first = known.entry.snapshot if isinstance(known.entry, Checkpoint) else Snapshot.first(reader.program)
-            known._snapshot = fold(first, known.entry, reader)
-        snapshot = known._snapshot
-        for one in reversed(unread):
-            snapshot = one._snapshot = fold(snapshot, one.entry, reader)
+        """Return the snapshot of this history; it is cached in each history on the way."""
+        snapshot = Snapshot.initial(reader.program)
+        for history in self._path(lambda one: one._snapshot is not None):
+            if history._snapshot is None:
+                history._snapshot = fold(snapshot, history.entry, reader)
+            snapshot = history._snapshot
         return snapshot
-
-    def then(self, *entries: Entry) -> "History":
-        """Return the log with further entries."""
-        log = self
-        for entry in entries:
-            log = History(log, entry)
-        return log
-
-    def without(self, facts: FrozenSet[clingo.Symbol]) -> "History":
-        """Return the history after which it is as if none of ``facts`` had been asserted.
-
-        An action among them was not executed.
-        """
-        withdrawn = StreamUpdate(items=tuple(map(Withdraw, sorted(facts))))
-        return self.then(AcceptedUpdate(withdrawn, self.horizon)) if facts else self
-
-    def adopt(self, plan: Optional[Plan]) -> "History":
-        """Return the history with ``plan`` in force; this one if there is none, or it is in force already."""
-        return self if plan is None or plan == self.plan else self.then(AdoptedPlan(plan))
-
-    def checkpoint(self, snapshot: Snapshot) -> "History":
-        """Return the history with a checkpoint of its ``snapshot``, or an equivalent one; its plan stays in force."""
-        plan = () if self.plan is None else (AdoptedPlan(self.plan),)
-        return self.then(Checkpoint(snapshot), *plan).cut()
-
-    @property
-    def without_plan(self) -> "History":
-        """The history without the plans that were adopted at its end."""
-        log = self
-        while isinstance(log.entry, AdoptedPlan) and log.before is not None:
-            log = log.before
-        return log
-
-    @property
-    def predicted(self) -> bool:
-        """Whether the last update took no search."""
-        last = self.last
-        return last is not None and isinstance(last.entry, AcceptedUpdate) and last.entry.predicted
-
-    def cut(self) -> "History":
-        """Let go of what lies before the last checkpoint but one: nobody goes back that far."""
-        log, passed = self, 0
-        while log.before is not None:
-            passed += isinstance(log.entry, Checkpoint)
-            if passed > 1:
-                log.before = None
-                break
-            log = log.before
-        return self
-
-    def is_longer(self, limit: int, snapshot: Snapshot) -> bool:
-        """Whether so much more than ``limit`` entries followed the last checkpoint that another is worth its while."""
-        return self.length > max(limit, snapshot.size // 100)
-
-    @property
-    def last(self) -> Optional["History"]:
-        """The log up to the last update, None where there is none or it was let go."""
-        log: Optional[History] = self
-        while log is not None and not (isinstance(log.entry, AcceptedUpdate) and log.entry.update is not None):
-            log = log.before
-        return log
-
-    @property
-    def update(self) -> Optional[StreamUpdate]:
-        """The last update, None where there is none."""
-        last = self.last
-        return last.entry.update if last is not None and isinstance(last.entry, AcceptedUpdate) else None
 
     @property
     def entries(self) -> List[Entry]:
-        """What another solver has to read, in order: the last checkpoint, if there is one, and all that followed."""
-        return [log.entry for log in self._path() if log.entry is not None]
+        """The last checkpoint, if there is one, and all later entries: they determine the snapshot and the plan."""
+        return [history.entry for history in self._path() if history.entry is not None]
 
-    def since(self, other: "History") -> Optional[List[Entry]]:
-        """Return the entries that follow after ``other``; None where this log does not go on from it."""
-        found: List[Entry] = []
-        log: Optional[History] = self
-        while log is not other:
-            if log is None or log.entry is None:
+    def entries_after(self, other: "History") -> Optional[List[Entry]]:
+        """Return the entries after ``other``; None if this history does not continue from it."""
+        entries: List[Entry] = []
+        history: Optional[History] = self
+        while history is not other:
+            if history is None or history.entry is None:
                 return None
-            found.append(log.entry)
-            log = log.before
-        return found[::-1]
+            entries.append(history.entry)
+            history = history.before
+        return entries[::-1]
 
     @property
     def key(self) -> bytes:
-        """A hash of the entries that the snapshot follows from; plans are left out."""
+        """A hash of the entries that determine the snapshot, that is without adopted plans."""
         key = b""
-        for log in self._path():
-            if log._key is None:
-                entry = log.entry
-                log._key = (
-                    key if entry is None or isinstance(entry, AdoptedPlan) else key_after(key, entry_to_message(entry))
-                )
-            key = log._key
+        for history in self._path(lambda one: one._key is not None):
+            if history._key is None:
+                entry = history.entry
+                if entry is not None and not isinstance(entry, AdoptedPlan):
+                    earlier = b"" if isinstance(entry, Checkpoint) else key
+                    key = hashlib.sha256(earlier + history.line.encode("ascii")).digest()
+                history._key = key
+            key = history._key
         return key
-
-    def _path(self) -> List["History"]:
-        """Return the logs from the last checkpoint, or the start, to this one."""
-        found, log = [self], self
-        while log.before is not None and not isinstance(log.entry, Checkpoint):
-            log = log.before
-            found.append(log)
-        return found[::-1]
 
     def text(self) -> str:
         """Return :attr:`entries` as lines of JSON."""
-        return "".join(log.line for log in self._path() if log.entry is not None)
+        return "".join(history.line for history in self._path())
 
     @property
     def line(self) -> str:
-        """The last entry as a line of JSON."""
-        if self._line is None and self.entry is not None:
-            self._line = entry_to_line(self.entry)
-        return self._line or ""
+        """The last entry as a line of JSON; cached."""
+        if self._line is None:
+            self._line = "" if self.entry is None else entry_to_line(self.entry)
+        return self._line
 
     @classmethod
     def parse(cls, text: str) -> "History":
-        """Return the log of which ``text`` holds the entries."""
-        return cls().then(*(entry_from_message(json.loads(line)) for line in text.splitlines()))
+        """Return the history with the entries in ``text``."""
+        return cls().with_entries(*(entry_from_message(json.loads(line)) for line in text.splitlines()))
+
+    def _path(self, is_start: Callable[["History"], bool] = lambda one: False) -> List["History"]:
+        """Return the histories from the last checkpoint, or the last one that ``is_start``, up to this one."""
+        path = [self]
+        while path[-1].before is not None and not isinstance(path[-1].entry, Checkpoint) and not is_start(path[-1]):
+            path.append(path[-1].before)
+        return path[::-1]
+
+    # ---- The last update ---------------------------------------------------------------------------------------------
+
+    @property
+    def update(self) -> Optional[StreamUpdate]:
+        """The last update, None if there is none."""
+        last = self._last_update
+        return None if last is None else last[1].update
+
+    @property
+    def before_update(self) -> Optional["History"]:
+        """The history before the last update, None if there is none or it was released."""
+        last = self._last_update
+        return None if last is None else last[0].before
+
+    @property
+    def predicted(self) -> bool:
+        """Whether the last update needed no search."""
+        last = self._last_update
+        return last is not None and last[1].predicted
+
+    @property
+    def _last_update(self) -> Optional[Tuple["History", AcceptedUpdate]]:
+        """The history up to the last update, and its entry."""
+        history: Optional[History] = self
+        while history is not None:
+            if isinstance(history.entry, AcceptedUpdate) and history.entry.update is not None:
+                return history, history.entry
+            history = history.before
+        return None
+
+    # ---- Longer and shorter histories --------------------------------------------------------------------------------
+
+    def with_entries(self, *entries: Entry) -> "History":
+        """Return the history with further entries."""
+        history = self
+        for entry in entries:
+            history = History(history, entry)
+        return history
+
+    def withdraw(self, facts: FrozenSet[clingo.Symbol]) -> "History":
+        """Return the history with an update that withdraws ``facts``; a withdrawn action was not executed."""
+        update = StreamUpdate(items=tuple(map(Withdraw, sorted(facts))))
+        return self.with_entries(AcceptedUpdate(update, self.horizon)) if facts else self
+
+    def adopt(self, plan: Optional[Plan]) -> "History":
+        """Return the history with ``plan`` in force; the same history if that changes nothing or there is no plan."""
+        return self if plan is None or plan == self.plan else self.with_entries(AdoptedPlan(plan))
+
+    def checkpoint(self, snapshot: Snapshot) -> "History":
+        """Return the history with a checkpoint of its ``snapshot``, or an equivalent one; the plan stays in force."""
+        history = self.with_entries(Checkpoint(snapshot_to_message(snapshot)))
+        history._snapshot = snapshot
+        return (history if self.plan is None else history.with_entries(AdoptedPlan(self.plan))).cut()
+
+    def cut(self) -> "History":
+        """Release all entries before the last checkpoint but one, and return this history."""
+        history, checkpoints = self, 0
+        while history.before is not None:
+            checkpoints += isinstance(history.entry, Checkpoint)
+            if checkpoints > 1:
+                history.before = None
+                break
+            history = history.before
+        return self
+
+    def is_longer(self, limit: int, snapshot: Snapshot) -> bool:
+        """Return whether there are more than ``limit`` updates to fold, relative to the size of its ``snapshot``."""
+        return self.length > max(limit, snapshot.size // 100)
 
 
 def fold(snapshot: Snapshot, entry: Optional[Entry], reader: Reader) -> Snapshot:
     """Return the snapshot after one more entry."""
     if isinstance(entry, AcceptedUpdate):
-        return snapshot.after(entry.update, reader).searched(entry.horizon, reader.program)
-    return entry.snapshot if isinstance(entry, Checkpoint) else snapshot
+        return snapshot.with_update(entry.update, reader).with_horizon(entry.horizon, reader.program)
+    return snapshot_from_message(entry.message) if isinstance(entry, Checkpoint) else snapshot
 
 
 def entry_to_message(entry: Entry) -> Message:
-    """Return ``entry`` as a plain value that JSON knows."""
+    """Return ``entry`` as a plain value for JSON."""
     if isinstance(entry, AcceptedUpdate):
         text = None if entry.update is None else str(entry.update)
         return {"do": "update", "update": text, "horizon": entry.horizon, "predicted": entry.predicted}
@@ -324,26 +303,16 @@ def entry_to_message(entry: Entry) -> Message:
 
 
 def entry_from_message(message: Message) -> Entry:
-    """Return the entry of :func:`entry_to_message`."""
+    """Return the entry from the value of :func:`entry_to_message`."""
     do = message["do"]
     if do == "update":
         text = message["update"]
         return AcceptedUpdate(None if text is None else parse_update(text), message["horizon"], message["predicted"])
     if do == "adopt":
         return AdoptedPlan(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
-    return Checkpoint(message=message["snapshot"])
+    return Checkpoint(message["snapshot"])
 
 
 def entry_to_line(entry: Entry) -> str:
     """Return ``entry`` as a line of JSON."""
-    return _line(entry_to_message(entry))
-
-
-def key_after(before: bytes, message: Message) -> bytes:
-    """Return the key of a log of which the last entry is ``message`` and the one before has the key ``before``."""
-    rest = b"" if message["do"] == "checkpoint" else before
-    return hashlib.sha256(rest + _line(message).encode("ascii")).digest()
-
-
-def _line(message: Message) -> str:
-    return json.dumps(message, separators=(",", ":")) + "\n"
+    return json.dumps(entry_to_message(entry), separators=(",", ":")) + "\n"

@@ -1,12 +1,11 @@
-"""The horizon of an answer as literals.
+"""The horizon of an answer as literals, so that one grounding can be solved for any horizon or range of horizons.
 
-By these literals one grounding can be asked for any horizon, or for the least of a range. ``beyond(T)`` says that step
-T lies beyond the horizon. It is free, but once true it stays true for all later steps; so the horizon H is where
-``not beyond(H), beyond(H+1)``, and an instance of ``#volatile t : w.`` of step S, which holds while S <= H <= S+w-1,
-holds where ``not beyond(S), beyond(S+w)``.
+``beyond(T)`` means that step T lies after the horizon. It is a choice, but implies ``beyond(T+1)``; so the horizon is H
+iff ``not beyond(H), beyond(H+1)``. An instance of ``#volatile t : w.`` at step S holds while S <= H <= S+w-1, that is
+under ``not beyond(S), beyond(S+w)``.
 """
 
-from typing import Collection, Dict, List
+from typing import Dict, List
 
 import clingo
 
@@ -16,77 +15,74 @@ from rosoclingo.oclingo.solving.atom_table import HOLDS, OPEN, BackendSession
 
 
 class HorizonLiterals:
-    """The literals ``beyond(T)`` of one control, made as they are needed, and the program's names for them."""
+    """The literals ``beyond(T)`` of one control, created on demand, and the atoms by which rules refer to them.
+
+    Attributes:
+        coming: the steps that rules refer to and that are not ground yet, with the literals of these atoms. Until they
+            are ground they lie beyond the horizon.
+
+    """
 
     def __init__(self, control: clingo.Control, session: BackendSession, before: int) -> None:
-        """Start with step ``before``, which never lies beyond."""
+        """Start with step ``before``, which never lies beyond the horizon."""
         self._session = session
         self._last = before
         self._settled = before
         self._beyond: Dict[int, int] = {}
         self._index = AtomIndex(control, [BEYOND])
-        self._known: Dict[int, int] = {}  # grounded step that may lie beyond -> literal of the program's name for it
-        self._coming: Dict[int, int] = {}  # step that is not grounded yet -> likewise
+        self._linked: Dict[int, int] = {}  # ground step that can lie beyond -> literal of the rules' atom
+        self.coming: Dict[int, int] = {}
 
     def expire(self) -> None:
-        """Note that there may be new names."""
+        """Note that grounding can have added atoms."""
         self._index.expire()
 
-    @property
-    def coming(self) -> Collection[int]:
-        """The steps that rules name and that are not grounded yet: what is of them is forbidden until they are."""
-        return self._coming.keys()
-
-    def _literal(self, step: int) -> int:
-        """Return the literal ``beyond(step)``, making it and those before it."""
+    def beyond(self, step: int) -> int:
+        """Return the literal ``beyond(step)``; create it and all earlier ones if necessary."""
         while self._last < step:
             self._last += 1
-            backend = self._session.backend  # to open one has clasp prepare the program again
+            backend = self._session.backend  # opened only if needed: clasp has to prepare the program again
             literal = self._beyond[self._last] = backend.add_atom()
             backend.add_rule([literal], choice=True)
             if self._last - 1 in self._beyond:
                 backend.add_rule([], [self._beyond[self._last - 1], -literal])
         return self._beyond[step]
 
-    def beyond(self, step: int) -> int:
-        """Return the literal that ``step`` lies beyond the horizon."""
-        return self._literal(step)
-
     def define_window(self, guard: int, step: int, window: int) -> None:
-        """Define ``guard``: true where the horizon lies in step..step+window-1."""
-        end = self._literal(step + window)
-        self._session.backend.add_rule([guard], [end, -self._literal(step)])
+        """Define ``guard``: true iff the horizon lies in step..step+window-1."""
+        end = self.beyond(step + window)
+        self._session.backend.add_rule([guard], [end, -self.beyond(step)])
 
     def link(self, last: int) -> None:
-        """Tie the program's names to the literals; all steps after ``last``, which is grounded, lie beyond."""
-        for atom, name in self._index.fresh():
+        """Link the atoms in rules to the literals; ``last`` is the last ground step, all later ones lie beyond."""
+        for atom, literal in self._index.fresh():
             cycle = atom.arguments[0]
             if cycle.type is clingo.SymbolType.Number and cycle.number > self._settled:
-                self._coming[cycle.number] = name
+                self.coming[cycle.number] = literal
             else:
-                self._session.release(name)
-        for step in sorted(self._coming):
+                self._session.release(literal)
+        for step in sorted(self.coming):
             if step <= last:
-                name = self._known[step] = self._coming.pop(step)
-                self._session.backend.add_external(name, OPEN)  # else it would stay true where its rule is of no use
-                self._session.backend.add_rule([name], [self._literal(step)])
+                literal = self._linked[step] = self.coming.pop(step)
+                self._session.backend.add_external(literal, OPEN)  # otherwise it would stay true if the body is false
+                self._session.backend.add_rule([literal], [self.beyond(step)])
             else:
-                self._session.backend.add_external(self._coming[step], HOLDS)
+                self._session.backend.add_external(self.coming[step], HOLDS)
 
     def settle(self, step: int) -> None:
-        """Say for good that no horizon lies before ``step``, which lets clingo simplify."""
+        """Exclude all horizons before ``step`` for good, so that clingo can simplify."""
         for settled in range(self._settled + 1, step + 1):
-            self._session.backend.add_rule([], [self._literal(settled)])
-            if settled in self._known:
-                # its rule is not enough: it goes where its body is false now, and without a rule the name is open
-                self._session.backend.add_rule([], [self._known.pop(settled)])
+            self._session.backend.add_rule([], [self.beyond(settled)])
+            if settled in self._linked:
+                # clingo drops the rule, as its body is false now; without a rule the atom would be open
+                self._session.backend.add_rule([], [self._linked.pop(settled)])
         self._settled = max(self._settled, step)
 
     def range(self, first: int, last: int) -> List[int]:
-        """Return the assumptions by which the horizon lies in first..last."""
-        end = self._literal(last + 1)
-        return [end] if first <= self._settled else [-self._literal(first), end]
+        """Return the assumptions for a horizon in first..last."""
+        end = self.beyond(last + 1)
+        return [end] if first <= self._settled else [-self.beyond(first), end]
 
     def horizon_of(self, model: clingo.Model, first: int, last: int) -> int:
-        """Return the horizon, known to lie in first..last, of ``model``."""
+        """Return the horizon of ``model``, which lies in first..last."""
         return next((step for step in range(first, last) if model.is_true(self._beyond[step + 1])), last)

@@ -1,4 +1,4 @@
-"""Whether a program's answers outlive further steps."""
+"""Test whether the answers of a program stay valid when further steps are ground."""
 
 from typing import Optional
 from weakref import WeakKeyDictionary
@@ -10,31 +10,31 @@ from rosoclingo.planning.question import Question, Stop
 from rosoclingo.planning.snapshot import Snapshot
 
 _STEPS = 3
-_KNOWN: "WeakKeyDictionary[ReactiveProgram, bool]" = WeakKeyDictionary()
+_RESULTS: "WeakKeyDictionary[ReactiveProgram, bool]" = WeakKeyDictionary()
 
 
 def may_idle(program: ReactiveProgram, stopped: Stop) -> bool:
-    """Whether the first answer stays one when further steps are ground; found out once for a program.
+    """Return whether the first answer stays valid when further steps are ground; cached by program.
 
-    False as well if ``stopped`` ended the trial; the next call then makes another one.
+    Returns False if ``stopped`` ended the test; the next call repeats it.
     """
-    known = _KNOWN.get(program)
-    if known is None:
-        known = _try(program, stopped)
-        if known is not None:
-            _KNOWN[program] = known
-    return bool(known)
+    if program not in _RESULTS:
+        result = _test(program, stopped)
+        if result is None:
+            return False
+        _RESULTS[program] = result
+    return _RESULTS[program]
 
 
-def _try(program: ReactiveProgram, stopped: Stop) -> Optional[bool]:
+def _test(program: ReactiveProgram, stopped: Stop) -> Optional[bool]:
     first = program.first_step
     question = Question(first, first, believes=False)
     try:
-        grounding = Grounding(program, Snapshot(horizon=first, step=first, settled=first), first)
-        found = grounding.ask(question, stopped).satisfiable
-        if found:
+        grounding = Grounding(program, Snapshot(horizon=first, step=first, min_horizon=first), first)
+        result = grounding.ask(question, stopped).satisfiable
+        if result:
             grounding.grow_to(first + _STEPS)
-            found = grounding.ask(question, stopped).satisfiable
-        return found
-    except SolverError:  # the search itself tells what is wrong
+            result = grounding.ask(question, stopped).satisfiable
+        return result
+    except SolverError:  # the search reports the error
         return False

@@ -1,47 +1,127 @@
-"""The interface of a solver of plans, in this process or in a worker."""
+"""The base class of planners, which work in this process or in a worker."""
 
-from typing import Callable, FrozenSet, Optional, Protocol, Sequence
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from typing import Callable, FrozenSet, Optional, Sequence, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.oclingo.solving.stream_solver import StreamSolver
-from rosoclingo.planning.history import History
+from rosoclingo.planning.history import AcceptedUpdate, History, Plan
+from rosoclingo.planning.prediction import is_predicted
+from rosoclingo.planning.question import Stop
 from rosoclingo.planning.strategies.probe import Verdict
 
+LONG_PREDICTED = 20
+"""Number of updates after which a checkpoint is worthwhile even without a search: every reader has to fold them."""
 
-class PlanningSolver(StreamSolver, Protocol):
+
+class PlanningSolver(ABC):
     """Solves a reactive logic program under a stream of updates; answers are plans.
 
-    See :class:`~rosoclingo.planning.solver.PlanSolver` and
+    This base class keeps the history and answers predicted updates without a search. The solvers are
+    :class:`~rosoclingo.planning.solver.PlanSolver` and
     :class:`~rosoclingo.planning.workers.process_solver.ProcessSolver`.
+
+    Attributes:
+        log: the history, which is the whole state of the solver.
+
     """
 
+    def __init__(self) -> None:
+        self.log = History()
+        self._answer: Optional[Tuple[History, SolveResult]] = None  # the last answer and its history
+        self._under_way: Callable[[], int] = lambda: 0  # the last step that the running search has ground
+
     @property
-    def log(self) -> History:
-        """All that was taken, from which all else follows."""
+    def horizon(self) -> int:
+        """N, the last step that was searched."""
+        return self.log.horizon
+
+    @property
+    def reached(self) -> int:
+        """The last step that is ground, also during a search."""
+        return max(self.horizon, self._under_way())
+
+    @property
+    def step(self) -> int:
+        """k, the step of the last update."""
+        return self.log.step
 
     def restore(self, log: History) -> None:
-        """Go on from a history: an earlier one, or another solver's."""
+        """Continue from another history, of this solver or of any other."""
+        self.log = log
 
-    def improve(self, stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
-        """Look for a shorter plan until there is one, ``stopped`` says so or nothing is left to try."""
+    @abstractmethod
+    def solve(self, stopped: Optional[Stop] = None) -> SolveResult:
+        """Search without an update."""
 
-    def prepare(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
-        """Have the answer to ``update`` prepared, should it come after those ``before``; tell whether that is done."""
+    @abstractmethod
+    def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
+        """Accept ``update`` and search for answers until there is one, the bound is reached or ``stopped``."""
 
-    def has_prepared(self, update: StreamUpdate) -> bool:
-        """Whether the answer to ``update`` is there, should it come next."""
+    @abstractmethod
+    def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
+        """Search for a shorter plan; return None after a stop or if nothing is left to try."""
 
-    def shorten_log(self, stopped: Optional[Callable[[], bool]] = None) -> None:
-        """Put a checkpoint at the end of a history that has grown long, unless ``stopped`` says so before."""
+    @abstractmethod
+    def compact(self, stopped: Optional[Stop] = None) -> None:
+        """Append a checkpoint if many predicted updates followed the last one, unless stopped."""
 
+    @abstractmethod
     def inquire(
         self,
         update: StreamUpdate,
         assumable: FrozenSet[clingo.Symbol],
         disabled: FrozenSet[clingo.Symbol],
-        stopped: Optional[Callable[[], bool]] = None,
+        stopped: Optional[Stop] = None,
     ) -> Verdict:
-        """Tell whether there would be an answer after ``update``, had the facts ``disabled`` not been told."""
+        """Return whether ``update`` would have an answer without the facts ``disabled``."""
+
+    def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
+        """Prefetch the answer to ``update``, in case it follows the updates ``before``; return whether this started.
+
+        Solvers without workers never prefetch.
+        """
+        return False
+
+    def has_prefetched(self, update: StreamUpdate) -> bool:
+        """Return whether the answer to ``update``, as the next update, was prefetched."""
+        return False
+
+    def _adopt(self, result: SolveResult) -> None:
+        """Adopt the plan in ``result``, the answer to the whole history."""
+        self.log = self.log.adopt(Plan.from_result(result))
+        self._answer = self.log, result
+
+    @property
+    def _known_answer(self) -> Optional[SolveResult]:
+        """The answer to the whole history, None if it is not known."""
+        return self._answer[1] if self._answer is not None and self._answer[0] is self.log else None
+
+    def _replace_log(self, log: History) -> None:
+        """Continue with an equivalent history, which has the same answer."""
+        answer, self.log = self._known_answer, log
+        self._answer = None if answer is None else (log, answer)
+
+    def _log_after(self, updates: Sequence[StreamUpdate]) -> Optional[History]:
+        """Return the history after ``updates`` if all of them are predicted; None if one needs a search."""
+        answer, plan, log = self._known_answer, self.log.plan, self.log
+        if answer is None or plan is None or not answer.predicted:
+            return None
+        for update in updates:
+            if not is_predicted(plan, answer.predicted, log.step, update):
+                return None
+            log = log.with_entries(AcceptedUpdate(update, log.horizon, predicted=True))
+        return log
+
+    def _accept_predicted(self, update: StreamUpdate) -> Optional[SolveResult]:
+        """Accept ``update`` and return the answer if it is predicted; None if it needs a search."""
+        log, result = self._log_after([update]), self._known_answer
+        if log is None or result is None:
+            return None
+        self.log = log
+        result = replace(result, step=self.step, warnings=(), statistics=dict.fromkeys(result.statistics, 0.0))
+        self._answer = log, result
+        return result

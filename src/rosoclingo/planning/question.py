@@ -1,4 +1,4 @@
-"""What a strategy asks a grounding, and what it gets to know."""
+"""Questions of strategies to a grounding, and the replies."""
 
 from typing import Callable, FrozenSet, Generator, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
@@ -7,38 +7,37 @@ import clingo
 from rosoclingo.planning.prediction import Predicted
 
 Given = Sequence[Tuple[clingo.Symbol, bool]]
-"""Atoms with the truth values that they are to have."""
+"""Atoms with assumed truth values."""
 
 Stop = Callable[[], bool]
-"""Tells whether a search is to end."""
-
+"""Returns whether to end the search."""
 
 Read = Callable[[clingo.Model], FrozenSet[clingo.Symbol]]
+"""Reads a set of symbols from a model."""
 
 
 class Question(NamedTuple):
-    """Is there an answer of a horizon in ``first`` to ``last``?
+    """Is there an answer with a horizon between ``first`` and ``last``?
 
     Attributes:
         first: the least horizon.
-        last: the greatest one; the program is ground up to it.
-        given: only answers in which these atoms are so.
-        lacking: only answers in which at least one of these atoms is false.
-        kept: only answers in which these atoms are true; those because of which there is none are told.
-        disabled: assumable facts that were not told; all others were.
-        believes: whether to take it for true if the program claims that there is no plan.
-        models: number of answers to find, 0 for all.
-        conflicts: limit of conflicts, None for no limit.
-        best: whether only the best answers count, if the program optimizes.
-        proven: whether the best answer has to be proven best; else the best one found until the stop will do.
-        advised: whether ``#heuristic`` statements count.
-        until: ends this question beside the stop of all; None for nothing.
-        blames: whether the reply tells because of which assumable facts and atoms kept there is no answer.
-        brief: whether it is asked in place, which spares a thread; it has to end soon by ``conflicts`` then, as no stop
-            is heard.
-        shows: whether the reply has the shown atoms of each answer.
-        differ: atoms in which any two answers differ.
-        reads: what to read of the model of each answer.
+        last: the greatest horizon; the program is ground up to it.
+        given: assumed truth values of atoms.
+        lacking: at least one of these atoms has to be false.
+        kept: these atoms have to be true; the reply blames some of them if there is no answer.
+        disabled: the assumable facts that do not hold; all others hold.
+        believes: trust the program if it claims that there is no plan.
+        models: the number of answers to compute, 0 for all.
+        conflicts: the limit of conflicts, None for no limit.
+        best: compute only optimal answers, if the program optimizes.
+        proven: require a proof of optimality; otherwise the best answer found before the stop is accepted.
+        advised: use the ``#heuristic`` statements.
+        until: an additional stop for this question.
+        blames: compute the assumable facts and the atoms of ``kept`` that leave no answer.
+        brief: solve without a thread, which is faster. No stop is polled then, so ``conflicts`` has to be small.
+        shows: compute the shown atoms of each answer.
+        differ: any two answers differ in one of these atoms.
+        reads: functions to apply to the model of each answer.
 
     """
 
@@ -63,18 +62,18 @@ class Question(NamedTuple):
 
 
 class Reply(NamedTuple):
-    """What came of a question.
+    """The reply to a question.
 
     Attributes:
-        satisfiable: whether there is an answer, None if that was not found out.
+        satisfiable: whether there is an answer, None if the search was ended or reached its limit.
         answers: the shown atoms of each answer.
-        horizon: that of the last answer.
-        core: assumable facts because of which there is no answer.
-        blamed: the atoms kept because of which there is none.
-        hopeless: whether no other horizon has an answer either, for the same reason.
-        permanent: whether nothing that may be told makes the program satisfiable again.
-        predicted: returns with which the answer stays one.
-        read: what was read of each answer.
+        horizon: the horizon of the last answer.
+        core: the assumable facts in the unsat core.
+        blamed: the atoms of ``kept`` in the unsat core.
+        hopeless: whether all other horizons are unsatisfiable too, for the same reason.
+        permanent: whether the program stays unsatisfiable after any further update.
+        predicted: returns that leave the last answer valid.
+        read: the results of the question's ``reads`` for each answer.
 
     """
 
@@ -94,8 +93,11 @@ UNKNOWN = Reply(None)
 Result = TypeVar("Result")
 
 Strategy = Generator[Question, Reply, Result]
-"""Yields questions, is sent the replies, and returns what it has found; :class:`StoppedError` is thrown into it."""
+"""Yields questions, receives the replies and returns its result."""
 
 
 class StoppedError(Exception):
-    """A strategy is to end; if it has found something that will do it returns that."""
+    """The search was stopped.
+
+    It is thrown into the running strategy, which returns the best result so far or lets the error pass.
+    """

@@ -1,4 +1,4 @@
-"""Snapshots and symbols as plain values that JSON knows."""
+"""Snapshots and symbols as plain values for JSON."""
 
 from typing import Any, Callable, Dict, FrozenSet, Iterable, List, Sequence, Tuple, Union
 
@@ -8,40 +8,40 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime, Term
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.strings import MARK, from_marked, marked
 from rosoclingo.oclingo.progression.updates import Literal, Statement
-from rosoclingo.planning.snapshot import ClosedHeads, Fact, ForgottenSteps, Past, Snapshot, TimedStatement
+from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, SnapshotItem, TimedStatement
 
 Message = Dict[str, Any]
 
 
 def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
-    """Return ``symbols``, separated by commas."""
+    """Return ``symbols`` as a text, separated by commas."""
     texts = ((str(one), one) for one in symbols)
     return ",".join(str(marked(one)) if '"' in text else text for text, one in texts)
 
 
 def symbol_list(text: str) -> List[clingo.Symbol]:
-    """Return the symbols that :func:`symbols_to_text` printed, in order.
+    """Return the symbols in the text of :func:`symbols_to_text`, in order.
 
-    All are read with one call of clingo's own reader, as the arguments of one tuple; one by one takes twice the time.
+    One call of clingo parses all of them as a tuple, which takes half the time of separate calls.
     """
     symbols = clingo.parse_term(f"({text},)").arguments if text else []
     return [from_marked(one) for one in symbols] if MARK in text else symbols
 
 
 def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
-    """Return the set of the symbols that :func:`symbols_to_text` printed."""
+    """Return the symbols in the text of :func:`symbols_to_text` as a set."""
     return frozenset(symbol_list(text))
 
 
 def snapshot_to_message(snapshot: Snapshot) -> Message:
-    """Return ``snapshot`` for :func:`snapshot_from_message`."""
+    """Return ``snapshot`` as a plain value, see :func:`snapshot_from_message`."""
     return {
         "step": snapshot.step,
         "horizon": snapshot.horizon,
         "bound": snapshot.bound,
-        "settled": snapshot.settled,
+        "min_horizon": snapshot.min_horizon,
         "number": snapshot.number,
-        **_told_to_message(snapshot.told),
+        **_items_to_message(snapshot.items),
         "closed": [[cycle, symbols_to_text(executed)] for cycle, executed in snapshot.closed.items()],
         "keep_from": snapshot.keep_from,
         "past": None if snapshot.past is None else _past_to_message(snapshot.past),
@@ -49,44 +49,44 @@ def snapshot_to_message(snapshot: Snapshot) -> Message:
 
 
 def snapshot_from_message(message: Message) -> Snapshot:
-    """Return the snapshot that :func:`snapshot_to_message` took."""
+    """Return the snapshot from the value of :func:`snapshot_to_message`."""
     return Snapshot(
         step=message["step"],
         horizon=message["horizon"],
         bound=message["bound"],
-        settled=message["settled"],
+        min_horizon=message["min_horizon"],
         number=message["number"],
-        told=_told_from_message(message),
+        items=_items_from_message(message),
         closed={cycle: symbols_from_text(executed) for cycle, executed in message["closed"]},
         keep_from=message["keep_from"],
         past=None if message["past"] is None else _past_from_message(message["past"]),
     )
 
 
-def _told_to_message(told: Sequence[Fact]) -> Message:
-    """Return statements with their updates, the lifetimes of those that lapse, and all others, by place."""
-    entries = [one for one in told if isinstance(one, TimedStatement)]
+def _items_to_message(items: Sequence[SnapshotItem]) -> Message:
+    """Return the statements, their updates, the lifetimes other than FOREVER, and the other items with their places."""
+    entries = [one for one in items if isinstance(one, TimedStatement)]
     lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
     return {
         "statements": _statements_to_text(one.statement for one in entries),
         "updates": [one.update for one in entries],
         "lifetimes": [one for one in lifetimes if one[1] != FOREVER],
         "others": [
-            [place, *_other_to_values(one)] for place, one in enumerate(told) if not isinstance(one, TimedStatement)
+            [place, *_other_to_values(one)] for place, one in enumerate(items) if not isinstance(one, TimedStatement)
         ],
     }
 
 
-def _told_from_message(message: Message) -> Tuple[Fact, ...]:
+def _items_from_message(message: Message) -> Tuple[SnapshotItem, ...]:
     lifetimes = {place: _lifetime_from_value(value) for place, value in message["lifetimes"]}
     pairs = zip(_statements_from_text(message["statements"]), message["updates"])
-    told: List[Fact] = [
+    items: List[SnapshotItem] = [
         TimedStatement(one, lifetimes.get(place, FOREVER), number) for place, (one, number) in enumerate(pairs)
     ]
-    for place, atoms, steps in message["others"]:
-        found = symbols_from_text(atoms)
-        told.insert(place, ForgottenSteps(steps[0], steps[1], found) if steps else ClosedHeads(found))
-    return tuple(told)
+    for place, text, steps in message["others"]:
+        atoms = symbols_from_text(text)
+        items.insert(place, ForgottenSteps(steps[0], steps[1], atoms) if steps else ClosedHeads(atoms))
+    return tuple(items)
 
 
 def _other_to_values(one: Union[ForgottenSteps, ClosedHeads]) -> List[Any]:
@@ -102,8 +102,8 @@ def _statements_to_text(statements: Iterable[Statement]) -> str:
 
 def _statements_from_text(text: str) -> List[Statement]:
     items = parse_update(f"{text}\n#endstep.").items
-    found = [item for item in items if isinstance(item, Statement)]
-    return [_mapped(one, from_marked) for one in found] if MARK in text else found
+    statements = [item for item in items if isinstance(item, Statement)]
+    return [_mapped(one, from_marked) for one in statements] if MARK in text else statements
 
 
 def _mapped(statement: Statement, change: Callable[[clingo.Symbol], clingo.Symbol]) -> Statement:

@@ -144,7 +144,7 @@ class Core:
         """
         if not self.awaited or self._feeder.pending or self._ahead.join is not None:
             return False
-        self._planner.shorten_log(stopped)
+        self._planner.compact(stopped)
         result = self._planner.improve(stopped) if self._improvable else None
         if result is not None:
             self._follow(result)

@@ -32,7 +32,7 @@ def put_off(
     Returns the planner that goes on, and a text about the goals. Raises DisturbedError, with nothing changed.
     """
     last = math.inf if executed is None else max((action.cycle for action in executed), default=0)
-    first = max(last + 1, planner.log.over)
+    first = max(last + 1, planner.log.keep_from)
     fresh = [goal for goal in manager.fed if goal in fresh or (goal.request_cycle or 0) > first]
     fed = manager.fed
     over = [goal for goal in fed if goal.cancelling and (goal.request_cycle or 0) > first]
@@ -61,7 +61,7 @@ def _postponable(planner: Planner, chosen: Sequence[Goal], fresh: Sequence[Goal]
     the success returns, since a program can use them as evidence that the action was possible.
     """
     new = [goal for goal in chosen if goal in fresh or not goal.fed]
-    old = [goal for goal in chosen if goal not in new and (goal.request_cycle or 0) > planner.log.over]
+    old = [goal for goal in chosen if goal not in new and (goal.request_cycle or 0) > planner.log.keep_from]
     gone = [*new, *trial.untouched(old)] if old else new
     return [goal for goal in chosen if goal in gone]
 
@@ -78,7 +78,7 @@ class _Trial:
         look: Callable[[], Any],
     ) -> None:
         self._planner, self._look = planner, look
-        self._successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.over)
+        self._successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.keep_from)
         self._old = [goal for goal in fed if goal not in fresh]
         self._fresh = [goal for goal in fed if goal in fresh]
         self._steps = planner.lookahead

@@ -125,7 +125,7 @@ class Preparations:
         # while such a plan is made the one that there is gets no shorter: between, there is half as much time for that
         if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._ended < lasts / 2:
             return False
-        goals, over, fresh = waiting[:number], planner.log.over, number + served - len(self._goals.fed)
+        goals, over, fresh = waiting[:number], planner.log.keep_from, number + served - len(self._goals.fed)
         lookahead = steps_for(served + number, self._limit, left, fresh)
         last = cycle + int(lasts)
         updates = [self._feeder.predicted(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]

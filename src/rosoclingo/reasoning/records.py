@@ -1,7 +1,7 @@
 """Plain values of what the core remembers: symbols, actions and the solver's log as texts that JSON knows."""
 
 from functools import lru_cache
-from typing import Any, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Tuple
 
 from clingo import Symbol
 
@@ -98,17 +98,13 @@ class LogRecorder:
 
 def log_of(record: Record) -> History:
     """Return the log of :meth:`LogRecorder.record`."""
-    return History().then(*map(entry_from_message, group(record, "log").values()))
-
-
-def _before(log: History) -> Optional[History]:
-    return None if log.last is None else log.last.before
+    return History().with_entries(*map(entry_from_message, group(record, "log").values()))
 
 
 def _needed(log: History) -> List[History]:
     """The logs from the checkpoint, or the start, from which one can also go on instead of the last update."""
     found: List[History] = []
-    before, passed, one = _before(log), False, log
+    before, passed, one = log.before_update, False, log
     while one.entry is not None:
         found.append(one)
         passed = passed or before is None or one is before

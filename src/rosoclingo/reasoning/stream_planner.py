@@ -150,7 +150,7 @@ class Planner:
 
         ``since`` is the cycle of the oldest request that still matters. What lies well before it is over.
         """
-        return max(self.log.over, min(since, step - 1 - RECENT), step - 1 - LONG_AGO)
+        return max(self.log.keep_from, min(since, step - 1 - RECENT), step - 1 - LONG_AGO)
 
     def solve(self) -> SolveResult:
         """Solve before any update."""
@@ -211,10 +211,10 @@ class Planner:
         except SolverError:  # its log is as it was, the next update goes on from there
             return None
 
-    def shorten_log(self, stopped: Callable[[], bool]) -> None:
+    def compact(self, stopped: Callable[[], bool]) -> None:
         """Have a log that has grown long begin anew, so that a solver reads it soon, unless ``stopped`` says so."""
         with suppress(SolverError):  # the log is as it was
-            self._solver.shorten_log(stopped)
+            self._solver.compact(stopped)
 
     def prepare(self, updates: Sequence[StreamUpdate], lookahead: int) -> bool:
         """Have the answer to the last of ``updates`` prepared, should they come next; nothing waits for it.
@@ -224,12 +224,12 @@ class Planner:
         log, whole = self.log, []  # type: History, List[StreamUpdate]
         for update in updates:
             whole.append(_whole(log, update, lookahead))
-            log = log.then(AcceptedUpdate(whole[-1], log.horizon))
-        return self._solver.prepare(whole[-1], whole[:-1])
+            log = log.with_entries(AcceptedUpdate(whole[-1], log.horizon))
+        return self._solver.prefetch(whole[-1], whole[:-1])
 
     def has_prepared(self, update: StreamUpdate) -> bool:
         """Whether the answer to ``update`` is there, should it come next."""
-        return self._solver.has_prepared(_whole(self.log, update, self.lookahead))
+        return self._solver.has_prefetched(_whole(self.log, update, self.lookahead))
 
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with that ``result``, gave no plan."""
@@ -241,9 +241,9 @@ class Planner:
         """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
         before, taken = self._before, self.taken
         if before is None or taken is None:
-            return self._beside(self.log.without(without))
+            return self._beside(self.log.withdraw(without))
         horizon = max(before.horizon, taken.step or before.step)
-        return self._beside(before.without(without).then(AcceptedUpdate(taken.less(without), horizon)))
+        return self._beside(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
 
     def at(self, log: History) -> "Planner":
         """Return a planner beside this one that has taken what is in ``log``."""
@@ -251,7 +251,7 @@ class Planner:
 
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
         """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
-        planner = self._beside((self._before or History()).without(without))
+        planner = self._beside((self._before or History()).withdraw(without))
         return planner, planner.update(update.less(without))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
@@ -268,7 +268,7 @@ class Planner:
     @property
     def _before(self) -> Optional[History]:
         """The log before the last update, None where there is none."""
-        return None if self.log.last is None else self.log.last.before
+        return self.log.before_update
 
     def _beside(self, log: History) -> "Planner":
         return Planner(self._make_solver, self.lookahead, self._watch, log)
@@ -308,7 +308,7 @@ class Planner:
 
 def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
     """Return ``update`` with its bound, and with what it says of the past as far as that is new after ``log``."""
-    known = [item for item in update.items if isinstance(item, Over) and item.step <= log.over]
+    known = [item for item in update.items if isinstance(item, Over) and item.step <= log.keep_from]
     items = tuple(item for item in update.items if item not in known)
     if update.step is not None and update.step > log.step and not any(isinstance(one, Closed) for one in items):
         items = (Closed(log.step, update.step - 1), *items)

@@ -139,7 +139,7 @@ class Replay:
         log = self._solver.log
         if told is not None and told.actions and log.plan is not None:
             step = update.step or 1
-            if log.plan.since(step).actions != told.actions:
+            if log.plan.rest(step).actions != told.actions:
                 self._solver.restore(log.adopt(Plan(told.actions, told.horizon)))
 
     def _judged(self, cycle: RecordedCycle, plans: Sequence["_Told"], result: SolveResult) -> CycleReport:

@@ -113,7 +113,7 @@ def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
     program = ReactiveProgram([Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source(floor.name, floor.instance)])
     told = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
     result = PlanSolver(program, horizon_limit=200).update(StreamUpdate(1, None, told))
-    actions = sorted((one.arguments for one in Plan.in_result(result).actions), key=lambda action: action[2].number)
+    actions = sorted((one.arguments for one in Plan.from_result(result).actions), key=lambda action: action[2].number)
     here = world(*requests, floor=floor)
     for interface, parameter, _ in actions:
         here.do(str(interface), str(parameter))

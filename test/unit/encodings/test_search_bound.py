@@ -117,7 +117,7 @@ def claimed(program, requests):
     """How many steps the program says that a plan takes at least, with a grounding of one step that was searched."""
     told = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
     update = StreamUpdate(1, None, tuple(map(fact, told)))
-    snapshot = Snapshot.first(program).after(update, Reader(program, oclingo_strings=False))
+    snapshot = Snapshot.initial(program).with_update(update, Reader(program, oclingo_strings=False))
     found = []
     for one in (snapshot, replace(snapshot, step=2)):
         grounding = Grounding(program, one, 1)

@@ -282,7 +282,7 @@ def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
 def outcome_without(solver, request):
     """The outcome after the same history without a request."""
     beside = PlanSolver(solver.program)
-    beside.restore(solver.log.without(frozenset([request])))
+    beside.restore(solver.log.withdraw(frozenset([request])))
     return beside.solve().outcome
 
 
@@ -339,14 +339,14 @@ class Trip:
     def compact(self):
         self.over = max(self.over, self.step - self.draw(st.integers(0, 2)))
         over = AcceptedUpdate(StreamUpdate(items=(Over(self.over),)), self.solver.horizon)
-        self.solver.restore(self.solver.log.then(over))
+        self.solver.restore(self.solver.log.with_entries(over))
         self.solver.checkpoint()
 
     def withdraw(self):
         recent = sorted(one for one in self.told | self.committed if one.arguments[-1].number >= self.over)
         if recent:
             facts = self.draw(st.sets(st.sampled_from(recent), min_size=1, max_size=2))
-            self.solver.restore(self.solver.log.without(frozenset(facts)))
+            self.solver.restore(self.solver.log.withdraw(frozenset(facts)))
             self.committed -= facts
             self.told -= facts
 
@@ -364,8 +364,8 @@ class Trip:
 
     def check(self):
         """Each committed action of a closed cycle has its commitment, or is retired."""
-        entries = self.solver.log.since(self.read)
-        self.whole = self.whole.then(*(one for one in entries if not isinstance(one, Checkpoint)))
+        entries = self.solver.log.entries_after(self.read)
+        self.whole = self.whole.with_entries(*(one for one in entries if not isinstance(one, Checkpoint)))
         self.read, snapshot = self.solver.log, self.solver.snapshot
         known, first = set(snapshot.permanent), 0 if snapshot.past is None else snapshot.past.first
         for cycle, executed in snapshot.closed.items():

@@ -15,7 +15,7 @@ FACTS = "#program cumulative(t). p(t). q(t) :- p(t-1), not r(t). { r(t) }. :- no
 def first_open(text, blocks, before, told=()):
     """The first step that is not fixed of a program that has grown block by block."""
     first, *rest = blocks
-    snapshot = Snapshot(horizon=first, told=told)
+    snapshot = Snapshot(horizon=first, items=told)
     grounding = Grounding(ReactiveProgram.from_text(text), snapshot, first)
     for last in rest:
         grounding.grow_to(last)
@@ -76,7 +76,7 @@ def test_ends_of_horizons_keep_no_step_open(name, offset):
     text = f"{{ _action_lib(go,x,{cycle}) }} :- now(T), T = t. :- _action_lib(_,_,{cycle}), now(T), T = t."
     program = ReactiveProgram.from_text(f"#program cumulative(t). now(t). {text}")
     for settled in (3, 4, 5):
-        grounding = Grounding(program, Snapshot(horizon=5, settled=settled), 5)
+        grounding = Grounding(program, Snapshot(horizon=5, min_horizon=settled), 5)
         assert fixed_atoms(grounding, 6, set()).first == min(settled - offset, 5) + 1
 
 

@@ -37,7 +37,9 @@ def atoms(result):
 
 def grounding_of(text, horizon=1, update="", **options):
     program = ReactiveProgram.from_text(text)
-    snapshot = Snapshot.first(program).after(parse_update(f"#step 1. {update} #endstep."), Reader(program, False))
+    snapshot = Snapshot.initial(program).with_update(
+        parse_update(f"#step 1. {update} #endstep."), Reader(program, False)
+    )
     return Grounding(program, snapshot, horizon, **options)
 
 
@@ -110,9 +112,11 @@ def test_rules_for_open_predicates_are_restored_as_rules_and_facts_as_facts():
 @pytest.mark.parametrize("first", [1, 6])
 def test_steps_are_forgotten_however_the_horizon_gets_beyond_them(rules, first):
     program = ReactiveProgram.from_text("#cumulative t. #external e(t). #forget t : t-2. c(t) :- e(t). #volatile t.")
-    snapshot = Snapshot.first(program).after(parse_update(f"#step 1. {rules} #endstep."), Reader(program, False))
+    snapshot = Snapshot.initial(program).with_update(
+        parse_update(f"#step 1. {rules} #endstep."), Reader(program, False)
+    )
     asking = Asking(program, snapshot, lambda one, horizon: Grounding(program, one, horizon), 8)
-    asking.actions(1, 1, first)
+    asking.ground(first)
     assert asking.run(only(Question(1, 6)), lambda: False).satisfiable
     assert [str(one) for one in asking.grounding.undefined_between(1, 6) if one.name == "e"] == ["e(5)", "e(6)"]
 

@@ -15,7 +15,7 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact,
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Closed, Literal, Over, Statement, StreamUpdate, Withdraw
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan, entry_to_message, key_after
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
 from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
@@ -72,8 +72,13 @@ OPTIONS = {"models": 0, "log_limit": 3, "idles": False}
 def readings(writer, old):
     """What a reader can go on from: the same history, its text, its snapshot, an ``old`` snapshot and the rest."""
     log, snapshot = old
-    rest = writer.log.since(log)
-    return [writer.log, copied(writer.log), cut(writer), copied(writer.log if rest is None else snapshot.then(*rest))]
+    rest = writer.log.entries_after(log)
+    return [
+        writer.log,
+        copied(writer.log),
+        cut(writer),
+        copied(writer.log if rest is None else snapshot.with_entries(*rest)),
+    ]
 
 
 def check(mine, its):
@@ -89,7 +94,7 @@ def check_grounding(solver, reference):
     snapshot = solver.snapshot
     assert snapshot_from_message(json.loads(json.dumps(snapshot_to_message(snapshot)))) == snapshot
     grounding = Grounding(solver.program, snapshot, snapshot.horizon)
-    facts = snapshot.facts_without(frozenset())
+    facts = snapshot.permanent_facts(frozenset())
     given_facts = {str(one) for one in facts if solver.program.is_open_signature(one)}
     held = [one.statement for one in reference.held if not one.waiting]
     held = {str(one) for one in held if not (one.body and str(one.head) in given_facts)}
@@ -178,11 +183,15 @@ def taken(text, horizon=1):
     return AcceptedUpdate(parse_update(f"{text} #endstep."), horizon)
 
 
+def checkpoint_of(**values):
+    return History().checkpoint(Snapshot(**values)).entry
+
+
 ONE, TWO, THREE = (taken(f"#over {step}.") for step in (1, 2, 3))
 
 
 def test_history_text_has_a_line_for_each_entry():
-    log = History().then(AcceptedUpdate(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
+    log = History().with_entries(AcceptedUpdate(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
     log = log.adopt(Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2, shortest=True))
     assert log.text().splitlines() == [
         '{"do":"update","update":null,"horizon":1,"predicted":false}',
@@ -198,7 +207,7 @@ def test_history_text_has_a_line_for_each_entry():
 
 def test_history_knows_step_horizon_and_steps_over():
     def leads(log):
-        return log.step, log.horizon, log.over
+        return log.step, log.horizon, log.keep_from
 
     log = History()
     assert leads(log) == (1, 1, 0)
@@ -209,32 +218,32 @@ def test_history_knows_step_horizon_and_steps_over():
         (AcceptedUpdate(None, 9), (5, 9, 6)),
         (taken("#anew.", 1), (1, 1, 0)),
         (taken("#step 3. #anew. #over 2.", 4), (3, 4, 2)),
-        (Checkpoint(Snapshot(step=7, horizon=8, keep_from=6)), (7, 8, 6)),
+        (checkpoint_of(step=7, horizon=8, keep_from=6), (7, 8, 6)),
     ):
-        log = log.then(entry)
+        log = log.with_entries(entry)
         assert leads(log) == leads(copied(log)) == there, entry
 
 
 def test_history_since_an_earlier_one_has_the_entries_between():
-    log = History().then(ONE)
-    longer = log.then(TWO, THREE)
-    assert longer.since(longer) == []
-    assert longer.since(log) == [TWO, THREE]
-    assert log.since(longer) is None
-    assert longer.since(History()) is None, "it may be of another stream"
+    log = History().with_entries(ONE)
+    longer = log.with_entries(TWO, THREE)
+    assert longer.entries_after(longer) == []
+    assert longer.entries_after(log) == [TWO, THREE]
+    assert log.entries_after(longer) is None
+    assert longer.entries_after(History()) is None, "it may be of another stream"
 
 
 def test_history_knows_its_last_update():
-    log = History().then(AcceptedUpdate(None, 1))
-    assert (log.last, log.update) == (None, None)
-    updated = log.then(TWO)
-    for longer in (updated, updated.then(AcceptedUpdate(None, 3))):
-        assert (longer.last, longer.update) == (updated, TWO.update)
+    log = History().with_entries(AcceptedUpdate(None, 1))
+    assert (log.before_update, log.update) == (None, None)
+    updated = log.with_entries(TWO)
+    for longer in (updated, updated.with_entries(AcceptedUpdate(None, 3))):
+        assert (longer.before_update, longer.update) == (log, TWO.update)
 
 
 def test_history_cut_drops_all_before_the_last_checkpoint_but_one():
-    first, second = (Checkpoint(Snapshot(step=step, horizon=step)) for step in (1, 2))
-    log = History().then(ONE, first, TWO, second, THREE).cut()
+    first, second = (checkpoint_of(step=step, horizon=step) for step in (1, 2))
+    log = History().with_entries(ONE, first, TWO, second, THREE).cut()
     kept = []
     one = log
     while one is not None:
@@ -242,15 +251,15 @@ def test_history_cut_drops_all_before_the_last_checkpoint_but_one():
         one = one.before
     assert kept == [THREE, second, TWO, first]
     assert log.entries == [second, THREE]
-    assert log.key == History().then(second, THREE).key != History().then(first, THREE).key
-    assert key_after(History().then(ONE).key, entry_to_message(second)) == History().then(second).key
+    assert log.key == History().with_entries(second, THREE).key != History().with_entries(first, THREE).key
+    assert History().with_entries(ONE, second).key == History().with_entries(second).key
 
 
 @pytest.mark.parametrize(("size", "longer"), [(0, True), (299, True), (300, False)])
 def test_history_needs_fewer_checkpoints_of_large_snapshots(size, longer):
-    log = History().then(ONE, TWO, THREE)
+    log = History().with_entries(ONE, TWO, THREE)
     snapshot = Snapshot(
-        told=tuple(TimedStatement(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(size))
+        items=tuple(TimedStatement(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(size))
     )
     assert log.is_longer(2, snapshot) is longer
     assert not log.is_longer(3, snapshot)
@@ -261,20 +270,20 @@ def test_history_needs_fewer_checkpoints_of_large_snapshots(size, longer):
 
 def test_plan_has_the_actions_of_known_cycles():
     names = ["_action_lib(go,1,3)", "_action_lib(go,2,2)", "_action_lib(go,2,soon)", "_action_lib(go,2)", "at(1,2,3)"]
-    plan = Plan.of(map(parse_atom, names), 4)
+    plan = Plan.from_atoms(map(parse_atom, names), 4)
     assert plan == Plan(frozenset(map(parse_atom, names[:2])), 4, shortest=False)
     assert (plan.last_cycle, Plan(frozenset(), 4).last_cycle < -1000) == (3, True)
-    assert plan.since(3).actions == {parse_atom(names[0])}
-    assert plan.since(2) == plan
+    assert plan.rest(3).actions == {parse_atom(names[0])}
+    assert plan.rest(2) == plan
     moved = {parse_atom("_action_lib(go,1,4)"), parse_atom("_action_lib(go,2,3)")}
-    assert plan._replace(shortest=True).later() == Plan(frozenset(moved), 5)
+    assert plan._replace(shortest=True).delayed() == Plan(frozenset(moved), 5)
 
 
 def test_plan_in_result_is_that_of_the_last_answer():
     answers = tuple(frozenset([parse_atom(f"_action_lib(go,{place},1)")]) for place in "ab")
     result = SolveResult(SolveOutcome.SATISFIABLE, answers, 4, 1, shortest=True)
-    assert Plan.in_result(result) == Plan(answers[1], 4, shortest=True)
-    assert Plan.in_result(SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1)) is None
+    assert Plan.from_result(result) == Plan(answers[1], 4, shortest=True)
+    assert Plan.from_result(SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1)) is None
 
 
 # ---- Histories of solvers --------------------------------------------------------------------------------------------
@@ -313,5 +322,5 @@ def test_history_keeps_two_checkpoints_and_no_more():
         while log is not None:
             log, kept = log.before, kept + 1
         assert kept <= 24
-    assert solver.log.since(first) is None
+    assert solver.log.entries_after(first) is None
     assert isinstance(solver.log.entries[0], Checkpoint)

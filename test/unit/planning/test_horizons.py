@@ -16,7 +16,7 @@ ACTIONS = (
 
 
 def grounding_of(text, last, settled=1):
-    return Grounding(ReactiveProgram.from_text(text), Snapshot(horizon=last, settled=settled), last)
+    return Grounding(ReactiveProgram.from_text(text), Snapshot(horizon=last, min_horizon=settled), last)
 
 
 def ask(grounding, first, last, models=0):

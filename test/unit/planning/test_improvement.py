@@ -50,7 +50,7 @@ def worse(plan, step, idle):
     """The same plan with so many idle steps after the present one: later actions come as much later."""
     later = Plan(frozenset(plan.actions - at(plan, 0, step)), plan.horizon)
     for _ in range(idle):
-        later = later.later()
+        later = later.delayed()
     return Plan(later.actions | at(plan, 0, step), plan.horizon + idle)
 
 
@@ -66,7 +66,7 @@ def test_improved_plans_are_plans_that_leave_past_and_present_alone(advice, news
         solver.restore(solver.log.adopt(plan))
         key = solver.log.key
         while (result := solver.improve(stop_after(looks))) is not None:
-            better = Plan.in_result(result)
+            better = Plan.from_result(result)
             assert better == solver.log.plan
             assert better.horizon < plan.horizon
             assert at(better, 0, walk.step) == at(plan, 0, walk.step)
@@ -116,7 +116,7 @@ def program_of(name):
 def roomy(name, horizon, **options):
     """A solver that finds longer plans than there are, since so many steps are ground before anything is asked."""
     solver = PlanSolver(program_of(name), plan_time=0.0, **options)
-    solver.restore(History().then(AcceptedUpdate(None, horizon)))
+    solver.restore(History().with_entries(AcceptedUpdate(None, horizon)))
     return solver
 
 
@@ -137,13 +137,13 @@ def assert_answer(solver, result):
     snapshot = fresh.snapshot
     assert snapshot.step == result.step
     grounding = Grounding(solver.program, snapshot, max(result.horizon, snapshot.horizon))
-    plan = Plan.in_result(result).actions
+    plan = Plan.from_result(result).actions
     open_actions = grounding.actions(solver.program.first_step, grounding.horizon)
     given = [(one, one in plan) for one in open_actions]
-    assert snapshot.settled <= result.horizon
+    assert snapshot.min_horizon <= result.horizon
     reply = grounding.ask(Question(result.horizon, result.horizon, given), lambda: False)
     assert reply.satisfiable
-    assert Plan.of(reply.answers[0], result.horizon) == Plan.of(result.answers[-1], result.horizon)
+    assert Plan.from_atoms(reply.answers[0], result.horizon) == Plan.from_atoms(result.answers[-1], result.horizon)
     assert reply.answers[0] <= result.answers[-1]
     assert snapshot.past is not None or reply.answers[0] == result.answers[-1]
 
@@ -182,7 +182,7 @@ def improve_at_random(name, data):
                 solver.restore(solver.log.adopt(plan))
                 continue
             event("shorter after a predicted update" if predicted else "shorter")
-            assert Plan.in_result(better) == solver.log.plan
+            assert Plan.from_result(better) == solver.log.plan
             assert_answer(solver, better)
 
 
@@ -217,7 +217,7 @@ def test_improving_goes_on_asking_the_same_grounding_after_predicted_updates(mon
         assert built == []
     solver.restore(solver.log.adopt(worse(solver.log.plan, solver.step, 1)))
     past = (Closed(solver.step, solver.step), *map(commitment, at(solver.log.plan, solver.step, solver.step)))
-    solver.restore(solver.log.then(AcceptedUpdate(StreamUpdate(items=past), solver.horizon)))
+    solver.restore(solver.log.with_entries(AcceptedUpdate(StreamUpdate(items=past), solver.horizon)))
     assert_answer(solver, solver.improve())
     assert len(built) == 2, "anew, as something else was told, and for the comparison"
 
@@ -228,7 +228,7 @@ def test_idle_steps_that_have_passed_stay_idle():
     result = solver.update(StreamUpdate(1, 40, (fact(parse_atom("_request(3,2)")),)))
     solver.restore(History.parse(solver.log.text()))  # it knows of no answer that the next update might leave as it is
     solver.restore(
-        solver.log.adopt(Plan(frozenset(moved(one, 4) for one in Plan.in_result(result).actions), result.horizon + 4))
+        solver.log.adopt(Plan(frozenset(moved(one, 4) for one in Plan.from_result(result).actions), result.horizon + 4))
     )
     predicted = []
     for step in (2, 3):
@@ -236,7 +236,7 @@ def test_idle_steps_that_have_passed_stay_idle():
         predicted.append(solver.log.predicted)
     assert predicted == [False, True]
     better = solver.improve()
-    assert min(map(cycle_of, Plan.in_result(better).actions)) > 3
+    assert min(map(cycle_of, Plan.from_result(better).actions)) > 3
     assert_answer(solver, better)
 
 
@@ -274,7 +274,7 @@ def test_a_shorter_plan_that_returns_since_the_search_exclude_is_refused(told):
     better = solver.improve()
     if told:
         assert better is None
-        assert Plan.in_result(result) == solver.log.plan
+        assert Plan.from_result(result) == solver.log.plan
     else:
         assert better.horizon == 5
         assert_answer(solver, better)
@@ -344,13 +344,12 @@ def test_a_solver_that_has_read_the_history_improves_its_plan():
 
 def test_a_better_plan_is_the_answer_from_then_on():
     solver = idling(solver_of())
-    solver.interrupt()  # what ran before
     began = time.perf_counter()
     result = solver.improve()
     seconds = time.perf_counter() - began
     assert (result.outcome, result.step) == (SolveOutcome.SATISFIABLE, 1)
     assert 3 <= result.horizon < 5
-    assert (Plan.in_result(result), result.shortest) == (solver.log.plan, False)
+    assert (Plan.from_result(result), result.shortest) == (solver.log.plan, False)
     assert 0.0 <= result.statistics.pop("solve") <= seconds
     assert result.statistics == {"ground": 0.0, "needed": 0.0}
 
@@ -370,10 +369,10 @@ def test_the_next_update_goes_on_from_the_better_plan():
     solver = solver_of()
     solver.update(parse_update("#step 1. _request(3,1). #endstep."))
     solver.restore(solver.log.adopt(worse(solver.log.plan, 1, 1)))
-    better = Plan.in_result(solver.improve())
+    better = Plan.from_result(solver.improve())
     (action,) = at(better, 1, 1)
     result = solver.update(StreamUpdate(2, items=parse_update(f"#step 2. :- not {action}. #endstep.").items))
-    assert Plan.in_result(result).since(2).actions == better.since(2).actions
+    assert Plan.from_result(result).rest(2).actions == better.rest(2).actions
     assert result.horizon == 3
 
 
@@ -396,7 +395,7 @@ def test_no_question_is_asked_after_a_stop(looks, monkeypatch):
 
     monkeypatch.setattr(Grounding, "ask", asked)
     while (result := solver.improve(look)) is not None:
-        plan = Plan.in_result(result)
+        plan = Plan.from_result(result)
     assert True in stopped
     assert solver.log.plan == plan
 
@@ -405,7 +404,7 @@ def test_a_stop_ends_the_building_of_a_grounding():
     """The next call builds it then."""
     solver = idling(solver_of())
     plan = solver.log.plan
-    solver.restore(solver.log.then(AcceptedUpdate(None, 150)))
+    solver.restore(solver.log.with_entries(AcceptedUpdate(None, 150)))
     looks = count()
     assert solver.improve(lambda: next(looks) >= 2) is None
     assert next(looks) <= 5, "not one for each piece"

@@ -8,7 +8,7 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, comm
 from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, Statement, Volatile, Withdraw
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.history import History, Plan, cycle_of
-from rosoclingo.planning.prediction import goes_on, success_of
+from rosoclingo.planning.prediction import is_predicted, success_of
 from rosoclingo.planning.solver import PlanSolver
 
 #: A robot on a line of places that goes where it is wanted; what it does with returns follows.
@@ -93,7 +93,7 @@ def test_the_answer_is_one_that_a_search_finds(rules, news, plan_time):
         result = solver.update(update)
         if solver.log.predicted:
             event("predicted")
-            rest = solver.log.plan.since(update.step).actions
+            rest = solver.log.plan.rest(update.step).actions
             found = searched(solver, before, update, rest)
             assert found.outcome is SolveOutcome.SATISFIABLE
             assert found.horizon <= result.horizon
@@ -143,8 +143,8 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
 )
 def test_an_answer_goes_on_where_the_step_was_done_as_planned(step, items, expected):
     plan, predicted = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
-    assert goes_on(plan, predicted, 1, StreamUpdate(step, None, items)) is expected
-    assert not goes_on(Plan(frozenset([NOW]), 2), predicted, 1, StreamUpdate(step, None, items)), (
+    assert is_predicted(plan, predicted, 1, StreamUpdate(step, None, items)) is expected
+    assert not is_predicted(Plan(frozenset([NOW]), 2), predicted, 1, StreamUpdate(step, None, items)), (
         "nothing is left to do"
     )
 
@@ -167,7 +167,7 @@ def test_a_log_that_went_on_otherwise_is_searched(searches):
     solver, wanted = solver_of(WALK + FAILS), [parse_atom("_request(3,1)"), parse_atom("_request(-1,1)")]
     both = solver.update(StreamUpdate(1, 20, tuple(map(Statement, wanted))))
     before, update = solver.log, told(solver)
-    solver.restore(solver.log.without(frozenset(wanted[1:])))
+    solver.restore(solver.log.withdraw(frozenset(wanted[1:])))
     searches.clear()
     assert solver.update(update).outcome is SolveOutcome.SATISFIABLE
     assert searches != []
@@ -217,13 +217,13 @@ def test_a_long_log_of_what_was_foreseen_begins_anew(compacts_at_once, monkeypat
     for one in (solver, same):
         one.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(8,1)")),)))
     walked(solver, 3)
-    solver.shorten_log()
+    solver.compact()
     assert solver.log.length == 4, "that is not long"
     walked(solver, 2)
-    solver.shorten_log(lambda: True)
+    solver.compact(lambda: True)
     assert solver.log.length == 6, "it was stopped"
     assert reader_of(solver).snapshot.past is None
-    solver.shorten_log()
+    solver.compact()
     assert solver.log.length == 0
     searches.clear()
     walked(solver, 1)
@@ -245,7 +245,7 @@ def test_a_plan_that_was_improved_is_foreseen(searches):
     last = max(plan.actions, key=cycle_of)
     solver.restore(solver.log.adopt(Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)))
     better = solver.improve()
-    assert Plan.in_result(better).actions == plan.actions
+    assert Plan.from_result(better).actions == plan.actions
     assert better.predicted == {success_of(action) for action in plan.actions}
     searches.clear()
     result = solver.update(told(solver))

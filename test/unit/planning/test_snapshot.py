@@ -18,7 +18,7 @@ OTHERS = [ForgottenSteps(0, 1), ForgottenSteps(1, 2, frozenset([A])), ClosedHead
 SNAPSHOT = Snapshot(
     step=3,
     horizon=4,
-    told=(*OTHERS[:1], *PERMANENT, *OTHERS[1:], *LAPSING),
+    items=(*OTHERS[:1], *PERMANENT, *OTHERS[1:], *LAPSING),
     closed={1: frozenset([GO]), 2: frozenset()},
     past=Past(2, frozenset([A, B]), ((1, A),)),
 )
@@ -31,14 +31,14 @@ def ignored(result):
 
 
 def test_snapshot_without_facts_keeps_only_their_shown_atoms():
-    found = SNAPSHOT.without(frozenset([A, GO]))
+    found = SNAPSHOT.without_facts(frozenset([A, GO]))
     assert list(found.permanent) == [fact(B), RULE, DENIAL]
     assert list(found.lapsing) == [fact(B), RULE]
-    assert [one for one in found.told if not isinstance(one, TimedStatement)] == OTHERS
+    assert [one for one in found.items if not isinstance(one, TimedStatement)] == OTHERS
     assert found.closed == {1: frozenset(), 2: frozenset()}
     assert found.past == Past(2, frozenset([B]), ((1, A),))
-    assert SNAPSHOT.without(frozenset()) == SNAPSHOT
-    assert replace(SNAPSHOT, past=None).without(frozenset([A])).past is None
+    assert SNAPSHOT.without_facts(frozenset()) == SNAPSHOT
+    assert replace(SNAPSHOT, past=None).without_facts(frozenset([A])).past is None
 
 
 def test_snapshot_size_counts_statements_and_atoms():
@@ -46,8 +46,8 @@ def test_snapshot_size_counts_statements_and_atoms():
 
 
 def test_snapshot_is_steady_if_nothing_lapses_next():
-    assert Snapshot(told=(PERMANENT[0], LAPSING[1])).is_steady
-    assert not Snapshot(told=(LAPSING[1], LAPSING[0])).is_steady
+    assert Snapshot(items=(PERMANENT[0], LAPSING[1])).is_steady
+    assert not Snapshot(items=(LAPSING[1], LAPSING[0])).is_steady
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_facts_of_compacted_steps_alone_are_too_late(atom, too_late):
 def test_first_snapshot_is_at_step_one(first):
     solver = planner_of(f"{first} #cumulative t. #volatile t.")
     snapshot, log = solver.snapshot, solver.log
-    assert (snapshot.step, snapshot.horizon, snapshot.keep_from) == (log.step, log.horizon, log.over) == (1, 1, 0)
+    assert (snapshot.step, snapshot.horizon, snapshot.keep_from) == (log.step, log.horizon, log.keep_from) == (1, 1, 0)
     assert (solver.solve().step, solver.horizon) == (1, 1)
 
 

@@ -21,9 +21,9 @@ WITH_ALL = Snapshot(
     step=3,
     horizon=7,
     bound=9,
-    settled=6,
+    min_horizon=6,
     number=5,
-    told=(
+    items=(
         ForgottenSteps(0, 2),
         TimedStatement(fact(A), FOREVER, 1),
         TimedStatement(APART, FOREVER, 2),

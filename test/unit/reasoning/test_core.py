@@ -86,7 +86,7 @@ class Procrastinator:
         self.log = History()
 
     def update(self, update, stopped=None):
-        self.log = self.log.then(AcceptedUpdate(update, update.step + 1))
+        self.log = self.log.with_entries(AcceptedUpdate(update, update.step + 1))
         later = parse_atom(f"_action_lib(go,1,{update.step + 1})")
         seconds = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
         return SolveResult(

@@ -89,7 +89,7 @@ def test_a_log_is_kept_short_while_actions_run_though_no_plan_gets_shorter():
     stops = []
 
     class Noting(PlanSolver):
-        def shorten_log(self, stopped=None):
+        def compact(self, stopped=None):
             stops.append(stopped)
 
     driver = Driver(SLOW, solver=Noting).goal("a", "do(4,1)")

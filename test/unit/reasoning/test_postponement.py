@@ -33,7 +33,7 @@ class World:
         self.refused = [set(one.split()) for one in others.pop("refused", ())]
         self.outcome = others.pop("outcome", SolveOutcome.UNSATISFIABLE)
         self.least = others.pop("least", LEAST)
-        self.log, self.lookahead = SimpleNamespace(step=STEP, over=others.pop("over", 0)), STEPS
+        self.log, self.lookahead = SimpleNamespace(step=STEP, keep_from=others.pop("over", 0)), STEPS
         assert not others
         self.planners, self.updates, self.bounds = [], [], []
 

@@ -17,7 +17,7 @@ class Noting(PlanSolver):
 
     noted, came = [], []  # type: list, list
 
-    def prepare(self, update, before=()):
+    def prefetch(self, update, before=()):
         self.noted += [*before, update]
         return True
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_update
-from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, History, Plan
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, History, Plan
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import action_of
@@ -21,7 +21,7 @@ def plan(step):
 
 
 def checkpoint(step):
-    return Checkpoint(Snapshot(step=step, horizon=step))
+    return History().checkpoint(Snapshot(step=step, horizon=step)).entry
 
 
 ENTRIES = {
@@ -33,22 +33,16 @@ ENTRIES = {
 
 
 def log_with(*names):
-    return History().then(*map(ENTRIES.get, names))
+    return History().with_entries(*map(ENTRIES.get, names))
 
 
 def names_of(log):
     """The names of all entries, oldest first."""
     found = []
     while log is not None and log.entry is not None:
-        found.append(next(name for name, one in ENTRIES.items() if same(one, log.entry)))
+        found.append(next(name for name, one in ENTRIES.items() if one == log.entry))
         log = log.before
     return found[::-1]
-
-
-def same(one, other):
-    if isinstance(one, Checkpoint) and isinstance(other, Checkpoint):
-        return one.snapshot == other.snapshot
-    return one == other
 
 
 def written(record):
@@ -76,8 +70,8 @@ def test_what_is_kept_begins_at_a_checkpoint_before_the_last_update(entries, pas
     log = log_with(*entries)
     kept = log_of(written(LogRecorder().record(log)))
     assert names_of(kept) == entries[passed:]
-    assert (kept.step, kept.horizon, kept.over) == (log.step, log.horizon, log.over)
-    assert (kept.last is None) == (log.last is None)
+    assert (kept.step, kept.horizon, kept.keep_from) == (log.step, log.horizon, log.keep_from)
+    assert (kept.update is None) == (log.update is None)
     log.cut()
     assert names_of(log_of(written(LogRecorder().record(log)))) == entries[passed:]
 
@@ -87,11 +81,11 @@ def test_each_entry_has_a_name_of_its_own_as_long_as_it_is_kept():
     log = log_with("plan 1", "update 1")
     first = recorder.record(log)
     assert keys_of(first, "log") == ["1", "2"]
-    log = log.then(ENTRIES["checkpoint 1"], ENTRIES["update 2"])
+    log = log.with_entries(ENTRIES["checkpoint 1"], ENTRIES["update 2"])
     second = recorder.record(log)
     assert keys_of(second, "log") == ["3", "4"]
     assert recorder.record(log) == second
-    other = recorder.record(log.then(ENTRIES["plan 2"]))
+    other = recorder.record(log.with_entries(ENTRIES["plan 2"]))
     assert {**other, **second} == other
     assert keys_of(other, "log") == ["3", "4", "5"]
     assert group(other, "log")["5"]["do"] == "adopt"
@@ -102,7 +96,7 @@ def test_each_entry_has_a_name_of_its_own_as_long_as_it_is_kept():
 def test_log_record_keeps_the_plan_of_both_histories(entries):
     log = log_with(*entries)
     kept = log_of(written(LogRecorder().record(log)))
-    assert (kept.last.before.plan, kept.plan) == (log.last.before.plan, log.plan)
+    assert (kept.before_update.plan, kept.plan) == (log.before_update.plan, log.plan)
 
 
 def test_task_plans():

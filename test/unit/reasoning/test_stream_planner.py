@@ -190,7 +190,7 @@ class Told:
             raise self.error
         for _ in range(self.asks):
             stopped()
-        self.log = self.log.then(AcceptedUpdate(update, update.step + 9))
+        self.log = self.log.with_entries(AcceptedUpdate(update, update.step + 9))
         return SolveResult(self.outcome, (), update.step, update.step)
 
     def inquire(self, *question):
@@ -235,7 +235,7 @@ def test_what_the_solver_is_told():
         "#step 14 : 8. #closed 11..13. #over 3. _seen(b).",
         "#step 15 : 0. #closed 14. _seen(c).",
     ]
-    assert planner.log.over == 3
+    assert planner.log.keep_from == 3
     assert str(planner.taken).startswith("#step 15 : 0.")
 
 

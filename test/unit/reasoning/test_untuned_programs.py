@@ -126,7 +126,7 @@ class Run:
 def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
     task = LARGE[kind](seed)
     result = FIRST(task.program).update(ask_all(task))
-    plan = Plan.in_result(result)
+    plan = Plan.from_result(result)
     assert plan is not None
     actions = sorted(plan.actions, key=lambda one: one.arguments[2].number)
     assert superfluous(world_of(task), [(one.arguments[0].name, str(one.arguments[1])) for one in actions]) == set()

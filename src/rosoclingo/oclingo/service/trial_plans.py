@@ -51,7 +51,7 @@ class Trial:
         if self.answer is None:
             return f"{self.name}: {'' if self.why is None else self.why.text()}"
         actions = [atom for atom in self.answer if is_action(atom)]
-        last = Plan.of(actions, self.horizon).last_cycle
+        last = Plan.from_atoms(actions, self.horizon).last_cycle
         table = format_answer(actions or self.answer, self.horizon + 1, width)
         return f"{self.name}: {f'a plan up to step {last}' if actions else 'nothing to do'}\n{table}"
 

@@ -225,7 +225,7 @@ class _Explainer:
         return bool(self._to_do(without)) if ACTION in self._program.head_signatures else None
 
     def _to_do(self, verdict: Reply) -> List[clingo.Symbol]:
-        plan = Plan.of(verdict.answers[-1], verdict.horizon).since(self._steps[0])
+        plan = Plan.from_atoms(verdict.answers[-1], verdict.horizon).rest(self._steps[0])
         return sorted(plan.actions, key=lambda one: (one.arguments[2].number, one))
 
 

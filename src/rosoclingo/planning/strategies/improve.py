@@ -49,7 +49,7 @@ class Improvement:
 
     def goes_on(self, plan: Plan, step: int, first: int) -> bool:
         """Resume at a later ``step`` if ``plan`` is the one to shorten; return whether it is."""
-        same = plan.horizon == self._plan.horizon and plan.since(step).actions == self._plan.since(step).actions
+        same = plan.horizon == self._plan.horizon and plan.rest(step).actions == self._plan.rest(step).actions
         if same:
             if self._ended and step > self._step:  # questions about the shorter rest are easier
                 self._ended, self._questions = False, self._rounds()
@@ -75,7 +75,7 @@ class Improvement:
                 break
             if found.satisfiable:
                 found = yield from trimmed(found, asking, self._step, self._first, present)
-                self._plan = Plan.of(found.answers[-1], found.horizon)
+                self._plan = Plan.from_atoms(found.answers[-1], found.horizon)
                 return found
             if found.satisfiable is False and not question.given:
                 self._first = last + 1
@@ -118,7 +118,7 @@ class Improvement:
 
     def _window(self, conflicts: int, first: int, end: int) -> Question:
         """Return the question for a plan with the steps from ``first`` to ``end`` free, the latter excluded."""
-        actions = self._plan.since(self._step + 1).actions
+        actions = self._plan.rest(self._step + 1).actions
         before = [(action, True) for action in actions if cycle_of(action) < first]
         behind = [(moved(action, -1), True) for action in actions if cycle_of(action) >= end]
         return Question(self._first, self._plan.horizon - 1, [*before, *behind], conflicts=conflicts)

@@ -1,4 +1,4 @@
-"""The search for a shortest plan: every shorter horizon is refuted."""
+"""The search for a shortest plan: all shorter horizons are refuted."""
 
 from typing import Generator, List, NamedTuple, Optional, Tuple
 
@@ -9,13 +9,13 @@ _Asks = Generator[Question, Reply, Reply]
 
 
 class SearchResult(NamedTuple):
-    """What a search came to.
+    """The result of a search.
 
     Attributes:
         reply: the last reply, with the answers if there are any.
-        proven: whether the horizon of the answers is known to be the least.
-        answered: the processor time of this process when there was an answer that would do; None if only the end of
-            the search gave it.
+        proven: whether all shorter horizons were refuted.
+        answered: this process's processor time when the first acceptable answer was found; None for the end of the
+            search.
 
     """
 
@@ -25,19 +25,23 @@ class SearchResult(NamedTuple):
 
 
 def shortest(asking: Asking, models: int, hint: int) -> Strategy[SearchResult]:
-    """Search at the horizons that are ground, then grow until there is an answer or no more may be ground.
+    """Search the ground horizons, then extend the grounding until there is an answer or the bound is reached.
 
-    ``models`` answers are found, 0 for all; ``hint`` is a likely horizon, that of the last answer.
+    Args:
+        asking: the snapshot and its grounding.
+        models: the number of answers to compute, 0 for all.
+        hint: a likely horizon: that of the last answer.
+
     """
-    reply = yield from _least(asking, models, asking.first, asking.horizon, hint)
-    while reply.satisfiable is False and not reply.hopeless and asking.may_grow:
+    reply = yield from _search(asking, models, asking.min_horizon, asking.horizon, hint)
+    while reply.satisfiable is False and not reply.hopeless and asking.may_grow(asking.horizon):
         first = asking.horizon + 1
-        reply = yield from _least(asking, models, first, asking.last(asking.horizon + asking.block))
+        reply = yield from _search(asking, models, first, asking.last(asking.horizon + asking.block))
     return SearchResult(reply, bool(reply.satisfiable))
 
 
-def _least(asking: Asking, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:
-    """Find the answers of the least horizon in first..last; the ``hint`` and below are asked first."""
+def _search(asking: Asking, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:
+    """Compute the answers of the least horizon in first..last."""
     if first == last:
         return (yield Question(first, last, models=models, best=True))
     reply, low = Reply(False), first
@@ -58,7 +62,7 @@ def _least(asking: Asking, models: int, first: int, last: int, hint: Optional[in
 
 
 def _ranges(first: int, last: int, hint: Optional[int]) -> List[Tuple[int, int]]:
-    """Return the ranges of horizons in first..last to ask for, one after the other: below a ``hint``, it, above it."""
+    """Split first..last into the horizons below ``hint``, ``hint`` itself and those above."""
     if hint is None:
         return [(first, last)]
     middle = min(max(hint, first), last)

@@ -1,10 +1,10 @@
-"""The search for a plan soon: any plan first, the last one where it still is one, then shorter ones while time lasts.
+"""The search for a plan in limited time: first any plan, preferably the last one, then shorter plans.
 
-The shortest plan is found by refuting every shorter horizon, which may take for ever. A plan of some horizon is found
-soon: with more steps than are needed it is easy, the more so where ``#heuristic`` says what to do next. So the horizon
-grows by a quarter as long as a few conflicts do not tell (as in Rintanen's algorithms for planning as satisfiability,
-2006), by a half where it is refuted, and what is found bounds the horizons to look at from above, as what is refuted
-does from below. Where the program claims that so many steps are needed, as many and a quarter more are ground at once.
+Refuting all shorter horizons, as a shortest plan requires, can take arbitrarily long. A plan with more steps than
+necessary is easy to find, in particular if ``#heuristic`` statements guide the search. So the horizon grows by a
+quarter if a few conflicts decide nothing (as in Rintanen's algorithms for planning as satisfiability, 2006), and by a
+half if it is refuted. The best plan and the refuted horizons then bound the search for shorter plans from above and
+below. If the program claims a number of steps, that number and a quarter more are ground at once.
 """
 
 import time
@@ -21,196 +21,190 @@ T = TypeVar("T")
 _Asks = Generator[Question, Reply, T]
 
 Clock = Callable[[], float]
-"""Seconds of processor time that this process has used: a loaded machine leaves the plans as they are."""
+"""Returns this process's processor time in seconds: other processes do not change the plans."""
 
 CLOCK: Clock = time.process_time
 
 CONFLICTS = 100
-"""Conflicts that a question may take, at first.
+"""Initial limit of conflicts of a question.
 
-Where one was not enough the next may take twice as many; but while there is no plan and ``#heuristic`` guides the
-search, only more steps help: with enough of them there are next to no conflicts. Unless it misleads: so the least steps
-that are not refuted are tried without it, too, ever harder.
+The limit doubles after a question that reached it. It does not while there is no plan and ``#heuristic`` guides the
+search, as then only more steps help: with enough steps there are hardly any conflicts. Since a heuristic can mislead,
+the shortest horizons that are not refuted are also tried without it, with limits that double.
 """
 
 EFFORT = 20_000
-"""Conflicts times steps that a question for any plan may take, at first, if that is more.
+"""Initial limit of conflicts times steps for a question about any plan, if it allows more than :data:`CONFLICTS`.
 
-A conflict among few steps is cheap, and more steps make all that follows dearer.
+Conflicts with few steps are cheap, and additional steps make all later questions more expensive.
 """
 
 PROOF_AGAIN = 0.1
-"""Part of the time that is given to prove once more that a plan that went on as predicted is the shortest."""
+"""Fraction of the time limit for proving again that a plan whose success was predicted is shortest."""
 
 
 class TimeLimit:
-    """The time for one update: ``seconds`` of ``clock`` from now on.
-
-    Where the update is ``predicted``, as it tells nothing but that things went as planned, a plan that can be kept has
-    had its time before.
+    """The time limit for one update.
 
     Attributes:
-        predicted: whether the update is such.
+        predicted: whether the update only reports success; the last plan had its search time before.
 
     """
 
     def __init__(self, seconds: float, predicted: bool = False, clock: Clock = CLOCK) -> None:
+        """Allow ``seconds`` of ``clock`` from now on."""
         self._seconds, self.predicted, self._clock = seconds, predicted, clock
-        self._begin = clock()
+        self._start = clock()
 
     def plan_is_kept(self, shortest: bool) -> None:
-        """Note that the last plan, proven to be the ``shortest`` or not, still is one."""
+        """Reduce the limit if the last plan, which was proven ``shortest`` or not, is still valid."""
         if self.predicted:
             self._seconds *= PROOF_AGAIN if shortest else 0.0
 
     def is_over(self) -> bool:
-        """Whether a plan that is known has to do."""
-        return self._clock() - self._begin >= self._seconds
+        """Return whether to accept the best plan so far."""
+        return self._clock() - self._start >= self._seconds
 
 
 class Soon:
-    """One update's search for a plan soon."""
+    """The search for one update."""
 
-    def __init__(self, asking: Asking, models: int, plan: Optional[Plan], time_limit: "TimeLimit") -> None:
-        """Prepare to search for ``models`` answers; ``plan`` is the last one.
+    def __init__(self, asking: Asking, models: int, plan: Optional[Plan], time_limit: TimeLimit) -> None:
+        """Prepare the search for ``models`` answers, 0 for all; ``plan`` is the last plan.
 
-        If an answer may not outlive further steps, each horizon is decided before the next. When the time is over the
-        best plan that is known is the answer; if none is, the search goes on.
+        After the time limit, the result is the best plan so far, or else the first one that is found. If further steps
+        can invalidate an answer, each horizon is decided before the next one.
         """
         self._asking, self._models, self._plan, self._time = asking, models, plan, time_limit
         self._program, self._idles = asking.program, asking.block > 1
-        self._least = asking.first  # no answer has a horizon below it
-        self._claimed: Optional[int] = None  # nor below this one, if it is true what the program claims
-        self._best: Optional[Reply] = None
-        self._old: List[Plan] = []  # what may be left of the last plan
-        self._end = asking.horizon  # the horizon up to which a plan is looked for
-        self._tried: List[int] = []  # those before it
-        self._deadline: Optional[Stop] = None  # once there is a plan
+        self._least = asking.min_horizon  # all horizons below are refuted
+        self._claimed: Optional[int] = None  # the least horizon according to the program
+        self._best = UNKNOWN
+        self._rests: List[Plan] = []  # candidates from the last plan to extend to a plan
+        self._end = asking.horizon  # the last horizon to search
+        self._earlier_ends: List[int] = []
+        self._deadline: Optional[Stop] = None  # set as soon as there is a plan
 
     def run(self) -> Strategy[SearchResult]:
-        """Search until there is a plan, and for a shorter one in the time that is left."""
+        """Search until there is a plan, and for shorter plans until the time limit."""
         answered = None
         try:
-            if (yield from self._keep()):
-                self._time.plan_is_kept(self._plan is not None and self._plan.shortest)
-            reply = self._best or (yield from self._find())
-            if self._best is None:
-                return SearchResult(reply)
+            yield from self._keep_plan()
+            if not self._best.satisfiable:
+                reply = yield from self._find()
+                if not reply.satisfiable:
+                    return SearchResult(reply)
             answered, self._deadline = time.process_time(), self._time.is_over
             yield from self._shorten()
-            yield from self._choose()
+            yield from self._finish()
         except StoppedError:
-            if self._best is None:
+            if not self._best.satisfiable:
                 raise
         return SearchResult(self._best, self._least >= self._best.horizon, answered)
 
     # ---- The last plan -----------------------------------------------------------------------------------------------
 
-    def _keep(self) -> _Asks[bool]:
-        """Take the rest of the last plan, as it is or one step later, for the best if it is a plan; tell whether."""
+    def _keep_plan(self) -> _Asks[None]:
+        """Adopt the rest of the last plan if it is still a plan, unchanged or delayed by one step."""
         if self._plan is None:
-            return False
-        rest = self._plan.since(self._asking.step)
-        later = self._plan.since(self._asking.step - 1).later()
-        for plan in (rest, later):
-            found = yield from self._exactly(plan)
-            if found.satisfiable:
+            return
+        rest = self._plan.rest(self._asking.step)
+        delayed = self._plan.rest(self._asking.step - 1).delayed()
+        for plan in (rest, delayed):
+            reply = yield from self._ask_exactly(plan)
+            if reply.satisfiable:
+                if plan is rest:
+                    self._time.plan_is_kept(self._plan.shortest)
                 if plan is rest and self._time.predicted:
-                    self._best = found
+                    self._best = reply
                 else:
-                    yield from self._take(found)
-                return plan is rest
-        self._old = [plan for plan in (rest, later) if plan.actions]
-        return False
+                    yield from self._adopt(reply)
+                return
+        self._rests = [plan for plan in (rest, delayed) if plan.actions]
 
-    def _exactly(self, plan: Plan) -> _Asks[Reply]:
-        """Ask whether to do what ``plan`` says, and nothing else, is a plan."""
+    def _ask_exactly(self, plan: Plan) -> _Asks[Reply]:
+        """Ask whether the actions of ``plan``, and no others, are a plan."""
         last = max(self._least, plan.horizon)
         if last > self._end:
             if not self._idles or last > self._asking.last(last):
                 return UNKNOWN
             self._end = last
-        actions = self._asking.actions(self._asking.step, last + 1, self._end)
+        actions = self._asking.ground(self._end).actions(self._asking.step, last + 1)
         if not plan.actions.issubset(actions):
             return Reply(False)
         given = [(action, action in plan.actions) for action in actions]
-        return (yield from self._look(max(self._least, min(plan.last_cycle, last)), last, CONFLICTS, given))
+        return (yield from self._ask(max(self._least, min(plan.last_cycle, last)), last, CONFLICTS, given))
 
     # ---- Any plan ----------------------------------------------------------------------------------------------------
 
     def _find(self) -> _Asks[Reply]:
-        """Let the horizon grow until there is a plan or no more may be ground."""
-        harder = 1
+        """Extend the horizon until there is a plan or the bound is reached."""
+        factor = 1
         while True:
-            found = yield from self._any(harder)
-            if found.satisfiable is None and self._program.advises and self._idles:
-                found = yield from self._unadvised(harder)
-            if found.satisfiable:
-                yield from self._take(found)
-                return found
+            reply = yield from self._ask_for_any(factor)
+            if reply.satisfiable is None and self._program.advises and self._idles:
+                reply = yield from self._ask_unadvised(factor)
+            if reply.satisfiable:
+                yield from self._adopt(reply)
+                return reply
             refuted = self._least > self._end
-            if found.hopeless or (not self._may_grow and refuted):
-                return found
-            harder *= 1 if refuted else 2
-            if self._may_grow:
-                self._tried.append(self._end)
+            grows = self._asking.may_grow(self._end)
+            if reply.hopeless or (refuted and not grows):
+                return reply
+            factor *= 1 if refuted else 2
+            if grows:
+                self._earlier_ends.append(self._end)
                 self._end = self._next_end(refuted)
 
-    def _any(self, harder: int) -> _Asks[Reply]:
-        """Ask for a plan within what is ground: first one that goes on from an old one."""
-        last, more, advises = self._end, self._may_grow, self._program.advises
-        for plan in self._old:
-            found = yield from self._look(self._least, last, CONFLICTS, [(one, True) for one in plan.actions])
-            if found.satisfiable or found.hopeless:
-                return found
-        if not self._idles or not (more or advises):
-            return (yield from self._look(self._least, last, None))
-        conflicts = self._few(last) * (1 if advises and more else harder)
-        return (yield from self._look(self._least, last, conflicts))
+    def _ask_for_any(self, factor: int) -> _Asks[Reply]:
+        """Ask for a plan up to the current end, first for one that contains the rest of the last plan."""
+        last, grows, advises = self._end, self._asking.may_grow(self._end), self._program.advises
+        for plan in self._rests:
+            reply = yield from self._ask(self._least, last, CONFLICTS, [(action, True) for action in plan.actions])
+            if reply.satisfiable or reply.hopeless:
+                return reply
+        if not self._idles or not (grows or advises):
+            return (yield from self._ask(self._least, last, None))
+        conflicts = self._few_conflicts(last) * (1 if advises and grows else factor)
+        return (yield from self._ask(self._least, last, conflicts))
 
-    def _unadvised(self, harder: int) -> _Asks[Reply]:
-        """Ask for a plan of the least steps, if few, that are not refuted, without advice, which may mislead."""
-        found = UNKNOWN
-        for last in [*self._tried, self._end]:
+    def _ask_unadvised(self, factor: int) -> _Asks[Reply]:
+        """Ask for a plan without ``#heuristic``, which can mislead, at the shortest horizons that are not refuted."""
+        reply = UNKNOWN
+        for last in [*self._earlier_ends, self._end]:
             if last >= self._least and last - self._asking.step < FEW_STEPS:
-                found = yield from self._look(self._least, last, harder * self._few(last), advised=False)
-                if found.satisfiable is not False or found.hopeless:
+                reply = yield from self._ask(self._least, last, factor * self._few_conflicts(last), advised=False)
+                if reply.satisfiable is not False or reply.hopeless:
                     break
-        return found
+        return reply
 
-    def _few(self, last: int) -> int:
-        """Return how many conflicts are few for steps up to ``last``."""
+    def _few_conflicts(self, last: int) -> int:
+        """Return the initial limit of conflicts for the steps up to ``last``."""
         return max(CONFLICTS, EFFORT // max(1, last - self._asking.step + 1))
 
-    @property
-    def _may_grow(self) -> bool:
-        """Whether bound and limit allow another step."""
-        return self._asking.last(self._end + 1) > self._end
-
     def _next_end(self, refuted: bool) -> int:
-        """Return a quarter more of the steps to come, half as many more if all are ``refuted``.
+        """Return the next end: by a quarter of the lookahead later, or by a half if all horizons are ``refuted``.
 
-        At first, as many as the program claims that a plan takes, and a quarter more, if these are more.
+        The first call adds at least the steps that the program claims, and a quarter more.
         """
         asking = self._asking
         more = (self._end - asking.step) // (2 if refuted else 4)
         last = self._end + (max(asking.block, more) if self._idles else 1)
         if self._claimed is None:
-            steps = asking.claimed_steps() if self._idles else 0
+            steps = asking.ground().claimed_steps() if self._idles else 0
             self._claimed = asking.step + steps - 1
             last = max(last, self._claimed + steps // 4)
         return asking.last(last)
 
-    # ---- A shorter one -----------------------------------------------------------------------------------------------
+    # ---- Shorter plans -----------------------------------------------------------------------------------------------
 
     def _shorten(self) -> _Asks[None]:
-        """Look for shorter plans, and refute the least horizons in turns, until both meet or the time is over."""
+        """Search for shorter plans and refute the least horizon in turn, until the bounds meet or time is over."""
         conflicts = CONFLICTS
-        if self._best is not None and not self._time.is_over():
-            claimed = min(self._claimed or 0, self._best.horizon)
-            if self._least < claimed:
-                yield from self._try(self._least, claimed - 1, conflicts)
-        while self._best is not None and self._least < self._best.horizon and not self._time.is_over():
+        claimed = min(self._claimed or 0, self._best.horizon)
+        if self._least < claimed and not self._time.is_over():
+            yield from self._try(self._least, claimed - 1, conflicts)
+        while self._least < self._best.horizon and not self._time.is_over():
             first, last = self._least, self._best.horizon - 1
             few = last - self._asking.step < FEW_STEPS
             for advised in (True, False) if self._program.advises and few else (True,):
@@ -222,32 +216,31 @@ class Soon:
                 conflicts *= 2
 
     def _try(self, first: int, last: int, conflicts: int, advised: bool = True) -> _Asks[None]:
-        found = yield from self._look(first, last, conflicts, advised=advised)
-        if found.satisfiable:
-            yield from self._take(found)
+        reply = yield from self._ask(first, last, conflicts, advised=advised)
+        if reply.satisfiable:
+            yield from self._adopt(reply)
 
-    def _take(self, found: Reply) -> _Asks[None]:
-        """Adopt ``found``, without superfluous actions and idle steps, as the best plan."""
-        self._best = yield from trimmed(found, self._asking, self._asking.step - 1, self._least, until=self._deadline)
+    def _adopt(self, reply: Reply) -> _Asks[None]:
+        """Trim the plan in ``reply`` and make it the best one."""
+        self._best = yield from trimmed(reply, self._asking, self._asking.step - 1, self._least, until=self._deadline)
 
-    def _choose(self) -> _Asks[None]:
-        """Find all answers of the plan's horizon, or a better one in the time that is left."""
-        assert self._best is not None
-        one, last = self._models == 1, self._best.horizon
-        if one and not self._program.optimizes:
+    def _finish(self) -> _Asks[None]:
+        """Compute all answers of the best horizon, or optimize the answer in the remaining time."""
+        single, last = self._models == 1, self._best.horizon
+        if single and not self._program.optimizes:
             return
-        until = self._deadline if one else None
-        found = yield Question(last, last, models=self._models, best=True, proven=not one, until=until)
-        if found.satisfiable:
-            self._best = found
+        until = self._deadline if single else None
+        reply = yield Question(last, last, models=self._models, best=True, proven=not single, until=until)
+        if reply.satisfiable:
+            self._best = reply
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
-    def _look(
+    def _ask(
         self, first: int, last: int, conflicts: Optional[int], given: Optional[Given] = None, advised: bool = True
     ) -> _Asks[Reply]:
-        """Ask for any answer; what is refuted without anything ``given`` need never be asked again."""
-        found = yield Question(first, last, given or (), conflicts=conflicts, advised=advised, until=self._deadline)
-        if found.satisfiable is False and given is None and first <= self._least:
+        """Ask for any answer, and record the horizons that are refuted without assumptions ``given``."""
+        reply = yield Question(first, last, given or (), conflicts=conflicts, advised=advised, until=self._deadline)
+        if reply.satisfiable is False and given is None and first <= self._least:
             self._least = max(self._least, last + 1)
-        return found
+        return reply

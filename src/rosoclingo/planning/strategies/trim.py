@@ -54,7 +54,7 @@ def trimmed(
 
 
 def _plan_after(found: Reply, step: int) -> Plan:
-    return Plan.of(found.answers[-1], found.horizon).since(step + 1)
+    return Plan.from_atoms(found.answers[-1], found.horizon).rest(step + 1)
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:

@@ -42,7 +42,7 @@ class LoggedSolver:
         return self._run(lambda solver: solver.update(update, stopped, dropped), update)
 
     def _run(self, search: Callable[[ReactiveSolver], SolveResult], update: Optional[StreamUpdate]) -> SolveResult:
-        entries = self.log.since(self._read)
+        entries = self.log.entries_after(self._read)
         if entries is None:
             self._solver, self._read, entries = self._make(), History(), self.log.entries
         for one in entries:
@@ -50,5 +50,5 @@ class LoggedSolver:
                 self._solver.take_again(one.update, one.horizon)
         self._read = self.log
         result = search(self._solver)
-        self.log = self._read = self.log.then(AcceptedUpdate(update, self._solver.horizon))
+        self.log = self._read = self.log.with_entries(AcceptedUpdate(update, self._solver.horizon))
         return result

@@ -10,8 +10,8 @@ from rosoclingo.oclingo.errors import NotReadyError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History, Plan, entry_from_message
+from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
 from rosoclingo.planning.question import Stop
-from rosoclingo.planning.solver import LONG_PREDICTED, PredictingSolver
 from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.planning.workers.wire import result_from_message
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosoclingo.planning.workers.pool import WorkerPool
 
 
-class ProcessSolver(PredictingSolver):
+class ProcessSolver(PlanningSolver):
     """Solves a reactive logic program under a stream of updates, in a worker process.
 
     The methods are those of :class:`~rosoclingo.planning.solver.PlanSolver`; not thread-safe.
@@ -43,10 +43,10 @@ class ProcessSolver(PredictingSolver):
         as it was before. An interrupted search leaves the update in force. A predicted update is answered at once,
         whatever the worker does.
         """
-        result = self._go_on(update) or self._search(update, stopped)
+        result = self._accept_predicted(update) or self._search(update, stopped)
         return replace(result, warnings=update.warnings + result.warnings)
 
-    def prepare(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
+    def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
         """Have the answer to ``update`` prefetched, should it come next; nothing waits for that.
 
         Or after some updates ``before`` that are predicted: then there is time to shorten the plan. Return whether the
@@ -55,7 +55,7 @@ class ProcessSolver(PredictingSolver):
         log = self._log_after(before) if before else self.log
         return log is not None and self._pool.prefetch(Search(log, update, improves=bool(before)))
 
-    def has_prepared(self, update: StreamUpdate) -> bool:
+    def has_prefetched(self, update: StreamUpdate) -> bool:
         """Return whether the answer to ``update`` is there, should it come next."""
         return self._pool.has_prefetched(Search(self.log, update))
 
@@ -69,7 +69,7 @@ class ProcessSolver(PredictingSolver):
         reply = self._ask_idly("improve", stopped)
         return self._answered(reply) if "result" in reply else None
 
-    def shorten_log(self, stopped: Optional[Stop] = None) -> None:
+    def compact(self, stopped: Optional[Stop] = None) -> None:
         """Put a checkpoint at the end of the history, if it has grown long by predicted updates.
 
         The worker makes it, with steps that are over compacted; a stop does not wait for it.
@@ -109,11 +109,13 @@ class ProcessSolver(PredictingSolver):
         result = replace(result, warnings=(*result.warnings, *remarks))
         log = self._log_after_reply(reply)
         if log.plan is not None:  # that of a prefetched answer may have begun with an earlier plan
-            log = log.adopt(Plan.in_result(result))
+            log = log.adopt(Plan.from_result(result))
         self.log, self._answer = log, (log, result)
         return result
 
     def _log_after_reply(self, reply: Message) -> History:
         """Return the history after a reply; a prefetched one began with another object for the same history."""
-        log: History = reply["log"]
-        return log if reply["start"] is self.log else self.log.then(*map(entry_from_message, reply["entries"])).cut()
+        if reply["start"] is self.log:
+            log: History = reply["log"]
+            return log
+        return self.log.with_entries(*map(entry_from_message, reply["entries"])).cut()

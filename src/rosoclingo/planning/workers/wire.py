@@ -70,5 +70,5 @@ def stream_to_message(stream: Stream) -> Message:
 
 def stream_from_message(message: Message) -> Stream:
     """Return the stream of :func:`stream_to_message`."""
-    log = History().then(*map(entry_from_message, message["log"]))
+    log = History().with_entries(*map(entry_from_message, message["log"]))
     return Stream(**{**message, "log": log, "update": parse_update(message["update"])})

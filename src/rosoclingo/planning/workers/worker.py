@@ -139,7 +139,7 @@ class Worker:
         """
         self.abandon()
         if log is not None:
-            entries = None if self.log is None else log.since(self.log)
+            entries = None if self.log is None else log.entries_after(self.log)
             text = log.text() if entries is None else "".join(map(entry_to_line, entries))
             command = {**command, "history": text, "continues": entries is not None}
         self.log, self._start = None, log
@@ -197,7 +197,7 @@ class Worker:
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
         if self._start is not None:
-            self.log = self._start.then(*map(entry_from_message, reply.get("entries", ()))).cut()
+            self.log = self._start.with_entries(*map(entry_from_message, reply.get("entries", ()))).cut()
         return {**reply, "start": self._start, "log": self.log}
 
     def is_busy(self) -> bool:

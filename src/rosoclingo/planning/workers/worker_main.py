@@ -155,11 +155,11 @@ class WorkerMain:
         """Return the history of a text: it continues the last one, or else is made from the longest in the cache."""
         lines, rest = text.splitlines(keepends=True), []
         if continues:
-            return self._solver.log.then(*(entry_from_message(json.loads(line)) for line in lines))
+            return self._solver.log.with_entries(*(entry_from_message(json.loads(line)) for line in lines))
         while lines and "".join(lines) not in self._histories:
             rest.append(lines.pop())
         log = self._histories.get("".join(lines)) or History()
-        return log.then(*(entry_from_message(json.loads(line)) for line in reversed(rest)))
+        return log.with_entries(*(entry_from_message(json.loads(line)) for line in reversed(rest)))
 
     def _cache(self, log: History) -> None:
         """Cache a history, and drop the one that was used least recently; those without checkpoints are too long."""
@@ -185,7 +185,7 @@ class WorkerMain:
     def _entries_since(self, start: History) -> Message:
         """Return the part of a reply with the entries that the solver has appended to ``start``."""
         self._cache(self._solver.log)
-        return {"entries": [*map(entry_to_message, self._solver.log.since(start) or ())]}
+        return {"entries": [*map(entry_to_message, self._solver.log.entries_after(start) or ())]}
 
     def _is_interrupted(self) -> bool:
         """Return whether to end the search under way; report now and then how far it is."""

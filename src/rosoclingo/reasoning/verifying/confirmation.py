@@ -70,7 +70,7 @@ class SteeredSolver(PlanSolver):
         self.restore(before)
         other = super().update(steered, stopped, dropped)
         found = other if other.answers else result
-        self.restore(before.then(AcceptedUpdate(update, found.horizon)).adopt(Plan.in_result(found)))
+        self.restore(before.with_entries(AcceptedUpdate(update, found.horizon)).adopt(Plan.from_result(found)))
         return found
 
 

@@ -18,9 +18,9 @@ from rosoclingo.oclingo.progression.updates import Statement, StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
+from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import Question, Read, Reply, StoppedError
 from rosoclingo.planning.snapshot import Snapshot, TimedStatement
-from rosoclingo.planning.solver import PredictingSolver
 from rosoclingo.planning.strategies.probe import Verdict
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
@@ -203,7 +203,7 @@ class Streams:
         first = self.program.first_step
         facts = {retimed(one, cycle) for one in self._known for cycle in range(first, end + 2)}
         entries = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
-        snapshot = Snapshot(first, end, settled=first, number=1, told=entries)
+        snapshot = Snapshot(first, end, min_horizon=first, number=1, items=entries)
         self._groundings.append(Grounding(self.program, snapshot, end, frozenset(facts)))
         return self._groundings[-1]
 
@@ -219,7 +219,7 @@ def retimed(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:
     return clingo.Function(fact.name, [*fact.arguments[:-1], clingo.Number(cycle)], fact.positive)
 
 
-class SharedSolver(PredictingSolver):
+class SharedSolver(PlanningSolver):
     """A solver of shortest plans that asks the groundings of ``streams``.
 
     It takes facts, commitments and what updates say of the past; rules with a body it does not.
@@ -257,12 +257,12 @@ class SharedSolver(PredictingSolver):
         warnings = self._ignored(update)
         spent = {"solve": 0.0, "ground": 0.0, "needed": 0.0}
         result = SolveResult(outcome, answers, horizon, snapshot.step, warnings, statistics=spent, shortest=True)
-        self.log = self.log.then(AcceptedUpdate(update, horizon)).adopt(Plan.in_result(result))
+        self.log = self.log.with_entries(AcceptedUpdate(update, horizon)).adopt(Plan.from_result(result))
         return result
 
     def _after(self, update: StreamUpdate) -> Snapshot:
         """Return the snapshot with an update; raises SolverError for rules."""
-        snapshot = self.snapshot.after(update, self._streams.reader)
+        snapshot = self.snapshot.with_update(update, self._streams.reader)
         strange = next((one for one in snapshot.statements if one.body and not one.is_commitment), None)
         if strange is not None:
             raise SolverError(f"only facts and executed actions can be fed here, not {strange}")
@@ -280,7 +280,7 @@ class SharedSolver(PredictingSolver):
         return None
 
     @staticmethod
-    def shorten_log(stopped: Optional[Callable[[], bool]] = None) -> None:
+    def compact(stopped: Optional[Callable[[], bool]] = None) -> None:
         """Leave the history as it is, as long as it may be."""
 
     def inquire(
@@ -291,7 +291,7 @@ class SharedSolver(PredictingSolver):
         stopped: Optional[Callable[[], bool]] = None,
     ) -> Verdict:
         """Tell whether there would be an answer after ``update``, had the facts ``disabled`` not been told."""
-        snapshot = self._after(replace(update, bound=None)).without(disabled)
+        snapshot = self._after(replace(update, bound=None)).without_facts(disabled)
         bound = 0 if update.bound is None else update.bound
         found = self._streams.least(snapshot, bound, self.log.horizon)
         return Verdict(found is not None, frozenset() if found is not None else assumable)

@@ -75,7 +75,7 @@ def test_anew(solver):
 def test_what_is_over(solver):
     for step in range(1, 140):
         solver.update(parse_update(f"#step {step} : 5. #closed {step - 1}. #over {max(0, step - 10)}. #endstep."))
-    assert solver.log.over == 129
+    assert solver.log.keep_from == 129
     result = solver.update(parse_update("#step 140 : 5. _return(walk,1,3). #endstep."))
     assert result.outcome is SolveOutcome.SATISFIABLE
     (warning,) = result.warnings

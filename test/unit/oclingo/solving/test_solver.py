@@ -201,4 +201,4 @@ def test_answers_can_show_any_term(kind):
     solver = solver_of('p(3). p("s"). #show X : p(X). #cumulative t. _action_lib(a,b,t).', kind)
     result = play(solver, "#step 1.")
     assert {"3", '"s"'} <= set(map(str, result.answers[0]))
-    assert {str(one) for one in Plan.in_result(result).actions} == {"_action_lib(a,b,1)"}
+    assert {str(one) for one in Plan.from_result(result).actions} == {"_action_lib(a,b,1)"}

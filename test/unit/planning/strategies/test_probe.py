@@ -88,7 +88,7 @@ def without(solver, text, update, disabled):
     """Whether a solver that never heard of ``disabled`` has an answer."""
     fresh = planner_of(text)
     fresh.restore(
-        fresh.log.then(
+        fresh.log.with_entries(
             *(
                 AcceptedUpdate(one.update.less(disabled), one.horizon)
                 for one in solver.log.entries
@@ -219,12 +219,6 @@ def test_probe_stopped_knows_nothing_and_goes_on(looks):
     solver, asked = planner_of(FAR), []
     verdict = probe(solver, "#step 1 : 100. go.", "go", stopped=lambda: asked.append(1) or len(asked) > looks)
     assert verdict == (None, frozenset())
-    assert probe(solver, "#step 1 : 100. go.", "go") == (False, atoms("go"))
-
-
-def test_probe_ignores_an_earlier_interrupt():
-    solver = planner_of(FAR)
-    solver.interrupt()
     assert probe(solver, "#step 1 : 100. go.", "go") == (False, atoms("go"))
 
 

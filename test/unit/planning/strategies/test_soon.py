@@ -211,7 +211,7 @@ def play(solver, news, bound=None):
         yield walk, result, before
         if not result.answers:
             return
-        left = Plan.in_result(result).since(walk.step)
+        left = Plan.from_result(result).rest(walk.step)
 
 
 @settings(max_examples=settings.default.max_examples * 4 // 5)
@@ -228,20 +228,20 @@ def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
         if result.outcome is SolveOutcome.UNSATISFIABLE:
             assert walk.least(walk.step, walk.step + bound) is None
             return
-        found = Plan.in_result(result)
+        found = Plan.from_result(result)
         assert solver.log.plan == found
-        assert walk.allows(found.horizon, found.since(walk.step).actions)
+        assert walk.allows(found.horizon, found.rest(walk.step).actions)
         assert result.shortest or plan_time < FOREVER
         if result.shortest:
             assert walk.least(walk.step, result.horizon) == result.horizon
         if plan_time == 0 and before and walk.allows(max(before.horizon, walk.step), before.actions):
-            assert found.since(walk.step).actions == before.actions
+            assert found.rest(walk.step).actions == before.actions
             assert found.horizon <= max(before.horizon, walk.step)
         if plan_time == 0 and bound is None:
             reader = solver_of(advice, 0.0)
             reader.restore(copied(solver.log))
-            again = Plan.in_result(reader.solve())
-            assert walk.allows(again.horizon, again.since(walk.step).actions)
+            again = Plan.from_result(reader.solve())
+            assert walk.allows(again.horizon, again.rest(walk.step).actions)
 
 
 @pytest.mark.parametrize("news", ["", "_request(0,2)."])
@@ -249,7 +249,7 @@ def test_soon_has_no_time_for_a_predicted_plan(news, searches):
     time = iter([0.0, 2.0])  # it stands still from then on
     solver = PlanSolver(PROGRAMS[True], plan_time=1.0, clock=lambda: next(time, 2.0))
     first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
-    (action,) = (one for one in Plan.in_result(first).actions if cycle_of(one) == 1)
+    (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)
     assert not first.shortest
     searches.clear()
     result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))

@@ -19,7 +19,7 @@ EXPLODING = (
 
 
 def stream(text, steps, *before):
-    log = History().then(*(AcceptedUpdate(parse_update(one), 1) for one in before))
+    log = History().with_entries(*(AcceptedUpdate(parse_update(one), 1) for one in before))
     return Stream(log, parse_update(text), steps)
 
 

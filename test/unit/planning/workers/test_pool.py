@@ -107,7 +107,7 @@ def test_solver_goes_back_to_shorter_history(echo):
     assert (solver.step, solver.horizon) == (1, 1)
     assert atoms(fed(solver, "2.")) == [["c(1)", "e(1)"]]
     other = echo.solver()
-    other.restore(before.without(frozenset([parse_atom("e(1)")])))
+    other.restore(before.withdraw(frozenset([parse_atom("e(1)")])))
     assert atoms(fed(other, "2.")) == [[]]
 
 
@@ -265,7 +265,7 @@ def test_stop_ends_search_and_keeps_its_update(plans):
         if plans:
             checkpoint = solver.log.entries[0]
             assert isinstance(checkpoint, Checkpoint)
-            assert (checkpoint.snapshot.step, checkpoint.snapshot.horizon) == (2, result.horizon)
+            assert (checkpoint.message["step"], checkpoint.message["horizon"]) == (2, result.horizon)
         kill(pool)
         late = fed(solver, f"{result.horizon} : 0. e({result.horizon}).")
         assert late.outcome is SolveOutcome.SATISFIABLE

@@ -55,7 +55,7 @@ def solver(pool):
 def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
     """Also while it still searches."""
     old, spare = pool.pid, pool.spare_pid
-    assert solver.prepare(onward(2, "no"))
+    assert solver.prefetch(onward(2, "no"))
     if waits:
         wait_until_prepared(pool)
     worked = pool.worked
@@ -74,7 +74,7 @@ def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
 def test_answer_is_prefetched_behind_predicted_updates(here, pool, solver, comes):
     before, later = [onward(2, 1), onward(3, 2)], onward(4, "no")
     pids = pool.pid, pool.spare_pid
-    assert solver.prepare(later, before)
+    assert solver.prefetch(later, before)
     if comes == "earlier":
         for update in (onward(2, "no"), AGAIN):
             assert solver.update(update) == here.update(update)
@@ -89,7 +89,7 @@ def test_answer_is_prefetched_behind_predicted_updates(here, pool, solver, comes
 
 
 def test_nothing_is_prefetched_behind_an_unpredicted_update(solver):
-    assert not solver.prepare(onward(3, 2), [onward(2, "no")])
+    assert not solver.prefetch(onward(3, 2), [onward(2, "no")])
 
 
 def as_planned(plan, number):
@@ -106,11 +106,11 @@ def test_prefetched_plan_is_shortened_until_its_update_comes():
         solver.update(ASK)
         before = as_planned(solver.log.plan, 2)
         later = parse_update(str(as_planned(solver.log.plan, 3)).replace("_return(go,1,2)", "_return(go,no,2)"))
-        assert solver.prepare(later, [before])
+        assert solver.prefetch(later, [before])
         wait_until_prepared(pool)
         found = [solver.update(update) for update in (before, later)]
         spare = pool.pid
-        assert solver.log.plan == Plan.in_result(found[-1])
+        assert solver.log.plan == Plan.from_result(found[-1])
         solver.update(as_planned(solver.log.plan, 4))
         assert pool.pid == spare
     other = PlanSolver(PROGRAM, **OPTIONS)
@@ -119,27 +119,27 @@ def test_prefetched_plan_is_shortened_until_its_update_comes():
 
 def test_prefetched_answer_is_announced_without_waiting(here, pool, solver):
     update = onward(2, "other")
-    assert not solver.has_prepared(update)
-    assert not here.has_prepared(update), "nobody prefetches"
-    solver.prepare(update)
+    assert not solver.has_prefetched(update)
+    assert not here.has_prefetched(update), "nobody prefetches"
+    solver.prefetch(update)
     wait_until_prepared(pool)
-    assert solver.has_prepared(update)
-    assert not solver.has_prepared(onward(2, 1)), "that is another one"
+    assert solver.has_prefetched(update)
+    assert not solver.has_prefetched(onward(2, 1)), "that is another one"
 
 
 @pytest.mark.parametrize("value", ["1", "other"])
 def test_prefetched_answer_is_unused_after_another_update(here, pool, solver, value):
     pid = pool.pid
-    solver.prepare(onward(2, "no"))
+    solver.prefetch(onward(2, "no"))
     assert solver.update(onward(2, value)) == here.update(onward(2, value))
     assert pool.pid == pid
 
 
 def test_standby_prefetches_the_latest_question(here, pool, solver):
     for number in range(5):
-        solver.prepare(onward(2, f"no{number}"))
+        solver.prefetch(onward(2, f"no{number}"))
     for _ in range(2):
-        solver.prepare(onward(2, "no"))
+        solver.prefetch(onward(2, "no"))
         wait_until_prepared(pool)
     spare = pool.spare_pid
     assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
@@ -148,19 +148,19 @@ def test_standby_prefetches_the_latest_question(here, pool, solver):
 
 @pytest.mark.parametrize("when", ["begun", "ready"])
 def test_lost_standby_costs_only_its_answer(here, pool, solver, when):
-    solver.prepare(onward(2, "no"))
+    solver.prefetch(onward(2, "no"))
     if when == "ready":
         wait_until_prepared(pool)
     os.kill(pool.spare_pid, signal.SIGKILL)
     assert ended(pool.spare_pid)
-    assert not solver.has_prepared(onward(2, "no"))
-    assert solver.prepare(onward(2, "no")), "another one begins"
+    assert not solver.has_prefetched(onward(2, "no"))
+    assert solver.prefetch(onward(2, "no")), "another one begins"
     assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
 
 
 def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
     """It abandons its search, of which nothing gets into the next answer."""
-    solver.prepare(onward(2, "no"))
+    solver.prefetch(onward(2, "no"))
     spare = pool.spare_pid
     kill(pool)
     assert solver.update(onward(2, "other")) == here.update(onward(2, "other"))
@@ -178,7 +178,7 @@ def test_grown_standby_is_replaced(monkeypatch):
         solver.update(ASK)
         wait_until_prepared(pool)
         for number in range(2):
-            solver.prepare(onward(2, f"no{number}"))
+            solver.prefetch(onward(2, f"no{number}"))
             pids.append(pool.spare_pid)
             wait_until_prepared(pool)
     assert pids[0] != pids[1]
@@ -194,16 +194,16 @@ def test_improved_plan_is_prefetched_for_again(here, again):
         solver.update(ASK)
         (go,) = (action for action in best.actions if cycle_of(action) == 1)
         idle = parse_atom("_action_lib(idle,1,2)")
-        worse = Plan(frozenset({go, idle, *best.since(2).later().actions}), best.horizon + 1)
+        worse = Plan(frozenset({go, idle, *best.rest(2).delayed().actions}), best.horizon + 1)
         for plan in (worse, best):
             solver.restore(solver.log.adopt(plan))
             if again or plan is worse:
-                assert solver.prepare(onward(2, "no"))
+                assert solver.prefetch(onward(2, "no"))
                 wait_until_prepared(pool)
         spare = pool.spare_pid
         result = solver.update(onward(2, "no"))
         assert pool.pid == spare
-        assert solver.log.plan == Plan.in_result(result)
+        assert solver.log.plan == Plan.from_result(result)
         assert not again or result.horizon == best.horizon + 1
 
 
@@ -212,7 +212,7 @@ def test_refused_update_is_refused_though_prefetched():
     with pool_of(horizon_limit=3) as pool:
         solver = pool.solver()
         solver.update(parse_update("#step 1 : 50. _request(1,1). #endstep."))
-        solver.prepare(parse_update("#step 9 : 50. #endstep."))
+        solver.prefetch(parse_update("#step 9 : 50. #endstep."))
         wait_until_prepared(pool)
         with pytest.raises(SolverError, match="beyond the horizon limit"):
             solver.update(parse_update("#step 9 : 50. #endstep."))
@@ -223,6 +223,6 @@ def test_pool_without_standby_prefetches_nothing():
     with WorkerPool(PROGRAM, shortest=True, **OPTIONS) as pool:
         solver = pool.solver()
         solver.update(ASK)
-        assert not solver.prepare(onward(2, "no"))
+        assert not solver.prefetch(onward(2, "no"))
         assert pool.spare_pid is None
         solver.update(onward(2, "no"))

@@ -23,9 +23,9 @@ def asked(pool):
     solver = pool.solver()
     assert solver.improve() is None
     soon = solver.update(ASK)
-    assert (solver.log.plan, soon.shortest) == (Plan.in_result(soon), False)
+    assert (solver.log.plan, soon.shortest) == (Plan.from_result(soon), False)
     (action,) = (one for one in solver.log.plan.actions if cycle_of(one) == 1)
-    worse = Plan(solver.log.plan.later().actions | {action}, solver.log.plan.horizon + 1)
+    worse = Plan(solver.log.plan.delayed().actions | {action}, solver.log.plan.horizon + 1)
     solver.restore(solver.log.adopt(worse))
     return solver, worse, action
 
@@ -45,7 +45,7 @@ def test_worker_improves_the_plan_in_force(event):
         if event is signal.SIGSTOP:
             os.kill(pool.pid, signal.SIGCONT)
         while (result := solver.improve()) is not None:
-            assert Plan.in_result(result) == solver.log.plan
+            assert Plan.from_result(result) == solver.log.plan
         assert solver.log.plan.horizon == 3
         assert action in solver.log.plan.actions
         assert solver.update(parse_update(f"#step 2. :- not {action}. #endstep.")).horizon == 3
@@ -57,7 +57,7 @@ def test_new_worker_begins_with_the_plan_in_force():
         solver, worse, action = asked(pool)
         kill(pool)
         again = solver.update(parse_update(f"#step 2. :- not {action}. fail(1). #endstep."))
-        assert Plan.in_result(again).since(2).actions == worse.since(2).actions
+        assert Plan.from_result(again).rest(2).actions == worse.rest(2).actions
 
 
 def test_incremental_solver_adopts_no_plan():
@@ -124,11 +124,11 @@ def test_worker_puts_checkpoint_behind_predicted_updates(here, pool, monkeypatch
         if step == 5:
             log = solver.log
             os.kill(pool.pid, signal.SIGSTOP)
-            solver.shorten_log(lambda: True)
+            solver.compact(lambda: True)
             assert solver.log is log
             os.kill(pool.pid, signal.SIGCONT)
         if step in (3, 6):
-            solver.shorten_log(lambda: False)
+            solver.compact(lambda: False)
             assert length() == (1 if step == 6 else 3)
         if step == 7:
             kill(pool)

@@ -26,7 +26,7 @@ class Later:
 
     def update(self, update, stopped=None):
         """Answer with an action of the next cycle."""
-        self.log = self.log.then(AcceptedUpdate(update, update.step + 1))
+        self.log = self.log.with_entries(AcceptedUpdate(update, update.step + 1))
         answer = frozenset([parse_atom(f"_action_lib(go,hall,{update.step + 1})")])
         spent = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
         return SolveResult(SolveOutcome.SATISFIABLE, (answer,), update.step + 1, update.step, statistics=spent)
