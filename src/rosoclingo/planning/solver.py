@@ -13,7 +13,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
-from rosoclingo.planning.compaction import MOST_STEPS, compacted, end_of_past
+from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, History, Plan
 from rosoclingo.planning.idling import may_idle
@@ -417,7 +417,7 @@ class PlanSolver(PredictingSolver):
     def probed_atoms(self) -> List[clingo.Symbol]:
         """Return all atoms that may be true at the steps that were ground for the last question what would be."""
         grounding = None if self._inquiry is None else self._inquiry.asking.grounding
-        return [] if grounding is None else grounding.known
+        return [] if grounding is None else grounding.possible_atoms
 
     # ---- The history -------------------------------------------------------------------------------------------------
 
@@ -429,7 +429,7 @@ class PlanSolver(PredictingSolver):
     def checkpoint(self) -> None:
         """Put a checkpoint at the end of the history, and compact it if enough steps are over."""
         plan = self.log.plan
-        if self._steps_over >= MOST_STEPS and self.log.predicted and plan is not None:
+        if self._steps_over >= LEAST_STEPS and self.log.predicted and plan is not None:
             self._answer_again(plan)
         self._retire(-1)
 
@@ -455,7 +455,7 @@ class PlanSolver(PredictingSolver):
         """
         snapshot, searched, short = self.snapshot, self._searched, None
         fits = searched is not None and searched.log is self.log.without_plan
-        if searched is not None and fits and self._steps_over >= MOST_STEPS:
+        if searched is not None and fits and self._steps_over >= LEAST_STEPS:
             self._tried = end_of_past(self.program, snapshot)
             grounding = searched.asking.grounding
             short = None if grounding is None else compacted(grounding, snapshot)

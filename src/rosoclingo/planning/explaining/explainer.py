@@ -72,15 +72,15 @@ class _Explainer:
         if oracle(frozenset(self._all)).satisfiable:
             return None
         found = self._note(find_smallest_mus(self._all, oracle))
-        rules = frozenset(found.things)
+        rules = frozenset(found.items)
         never: bool = self._in_time(lambda: self._questions.ask(_wholes(rules)).hopeless, False)
         told: Blame[clingo.Symbol] = self._in_time(lambda: self._find_told(rules), ())
         plans: Dict[int, _Without] = {}
         self._in_time(lambda: self._plan_without(rules, oracle, plans), None)
-        steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(found.things), {})
+        steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(found.items), {})
         facts: Blame[int] = self._in_time(lambda: self._find_facts(rules, self._questions.told), ())
         rule_of = self._relaxed.rules
-        blamed = tuple(self._blamed(number, plans.get(number), steps.get(number, ())) for number in found.things)
+        blamed = tuple(self._blamed(number, plans.get(number), steps.get(number, ())) for number in found.items)
         reach = self._reach() if self._complete else None
         return WhyNot(
             self._steps[0],
@@ -145,7 +145,7 @@ class _Explainer:
             return Witness(bool(verdict.satisfiable), kept if verdict.satisfiable else verdict.blamed)
 
         found: Dict[int, List[int]] = {}
-        for atom in self._note(find_mus(selectors, ask)).things:
+        for atom in self._note(find_mus(selectors, ask)).items:
             rule, place = atom.arguments
             if place.type is clingo.SymbolType.Number:
                 found.setdefault(rule.number, []).append(place.number)
@@ -216,7 +216,7 @@ class _Explainer:
         mus = find_mus(rest, remember(oracle, [Witness(False, frozenset(rest))]))
         if not mus.minimal:
             raise UndecidedError
-        facts = [fact for fact in facts if fact in needed or fact in mus.things]
+        facts = [fact for fact in facts if fact in needed or fact in mus.items]
         replies = {fact: ask(frozenset(facts) - {fact}) for fact in facts}
         return self._one_reason(facts, {fact: reply for fact, reply in replies.items() if reply.satisfiable}, ask)
 
