@@ -320,7 +320,7 @@ class PlanSolver(PredictingSolver):
         if asking.grounding is not None and asking.grounding.is_cyclic:
             return None
         place = self.step, self.snapshot.settled
-        if self._improvement is None or not self._improvement.goes_on(plan, *place):
+        if self._improvement is None or not self._improvement.moves_to(plan, *place):
             self._improvement = Improvement(plan, *place)
         try:
             reply = asking.run(self._improvement.run(asking), halt)
