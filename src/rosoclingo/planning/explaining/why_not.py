@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleKind
-from rosoclingo.planning.explaining.near_miss import NearMiss, NeverTrue
+from rosoclingo.planning.explaining.near_miss import NeverTrue
 
 #: Of so many facts at most each is named where all they do is that there is something to do.
 MANY = 12
@@ -102,30 +102,6 @@ class WhyNot:
         """Return it as a plain value that JSON knows."""
         return asdict(self, dict_factory=_plain)
 
-    @classmethod
-    def from_message(cls, message: Dict[str, Any]) -> "WhyNot":
-        """Return what :meth:`to_message` was asked of."""
-        rules = tuple(
-            BlamedRule(
-                _rule(one["rule"]),
-                tuple(one["steps"]),
-                None if one["besides"] is None else tuple(map(_rule, one["besides"])),
-                one["breach"] and tuple(one["breach"]),
-            )
-            for one in message["rules"]
-        )
-        told, facts = (
-            tuple(BlamedFact(one["text"], one["rule"] and _rule(one["rule"]), one["hinders"]) for one in message[name])
-            for name in ("told", "facts")
-        )
-        plan = message["plan"] and BrokenPlan(
-            tuple(map(_rule, message["plan"]["rules"])), tuple(message["plan"]["actions"])
-        )
-        lacking = tuple(
-            NeverTrue(one["atom"], tuple(NearMiss(**miss) for miss in one["misses"])) for one in message["lacking"]
-        )
-        return cls(**{**message, "rules": rules, "told": told, "facts": facts, "plan": plan, "lacking": lacking})
-
     def text(self) -> str:
         """Return it in words, in several lines."""
         return "\n".join([*self._heading(), *self._of_rules(), *self._of_facts(), *self._of_plan()]) + "\n"
@@ -216,7 +192,3 @@ def ranges(numbers: Iterable[int]) -> str:
 
 def _plain(pairs: Iterable[Tuple[str, Any]]) -> Dict[str, Any]:
     return {name: value.value if isinstance(value, RuleKind) else value for name, value in pairs}
-
-
-def _rule(message: Dict[str, Any]) -> NamedRule:
-    return NamedRule(**{**message, "kind": RuleKind(message["kind"]), "variables": tuple(message["variables"])})

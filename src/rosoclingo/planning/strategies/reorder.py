@@ -5,8 +5,8 @@ other actions are *tasks* at the place of the last move. Tasks with the same par
 form a *chain*: they keep their order, and the plan's number of simultaneously open chains is a limit. Moves use the
 connections that the plan uses; half of the searches use them in both directions.
 
-The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998), and inserts
-each of them where it adds the fewest moves. Like simulated annealing, it also accepts slightly longer tours.
+The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
+each where it adds the fewest moves. Like simulated annealing, it also accepts slightly longer tours.
 """
 
 import math
