@@ -1,4 +1,4 @@
-"""Atoms of which parts are not known: of rules, whose variables may be bound, and those that are looked for."""
+"""Patterns of atoms: atoms of rules with variables, and partly known atoms."""
 
 from typing import Dict, Mapping, Optional, Tuple, Union
 
@@ -10,13 +10,13 @@ from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
 Pattern = Union[None, str, clingo.Symbol, Tuple[str, Tuple["Pattern", ...]]]  # type: ignore[misc]
-"""A term: None for anything, a variable's name, a ground term, or a function's name with arguments."""
+"""A term: None for any term, a variable's name, a ground term, or a function's name with arguments."""
 
 Bound = Dict[str, Pattern]
 
 
 def pattern_of(text: str, constants: Mapping[str, clingo.Symbol]) -> Pattern:
-    """Return the pattern of an atom that is written as in a rule."""
+    """Return the pattern of an atom from its text in a rule."""
     term = parse(f"{text}.")[-1].head.atom.symbol
     bare = term.argument if term.ast_type == ASTType.UnaryOperation else term
     name = f"-{_name(bare)}" if bare is not term else _name(bare)
@@ -39,28 +39,28 @@ def _term(term: Node, constants: Mapping[str, clingo.Symbol]) -> Pattern:
 
 
 def atom_pattern(atom: clingo.Symbol) -> Pattern:
-    """Return an atom as a pattern of its arguments."""
+    """Return the pattern of a ground atom."""
     return (atom.name if atom.positive else f"-{atom.name}"), tuple(atom.arguments)
 
 
 def signature_in(pattern: Pattern) -> Signature:
-    """Return the predicate of an atom's pattern."""
+    """Return the signature of an atom's pattern."""
     assert isinstance(pattern, tuple)
     name, arguments = pattern
     return Signature(name.lstrip("-"), len(arguments), not name.startswith("-"))
 
 
 def filled(pattern: Pattern, bound: Bound) -> Pattern:
-    """Return a pattern with what its variables are; those that are not known are anything."""
+    """Return a pattern with its variables replaced; unbound variables match any term."""
     if isinstance(pattern, str):
         return bound.get(pattern)
     if isinstance(pattern, tuple):
-        return pattern[0], tuple(_whole(filled(one, bound)) for one in pattern[1])
+        return pattern[0], tuple(_grounded(filled(one, bound)) for one in pattern[1])
     return pattern
 
 
 def fits(pattern: Pattern, wanted: Pattern, bound: Bound) -> bool:
-    """Tell whether a pattern may be what is wanted, which has no variables; adds what its own are then to ``bound``."""
+    """Return whether a pattern unifies with ``wanted``, which has no variables; extends ``bound``."""
     if pattern is None:
         return True
     if isinstance(pattern, str):
@@ -79,7 +79,7 @@ def fits(pattern: Pattern, wanted: Pattern, bound: Bound) -> bool:
 
 
 def shown(pattern: Pattern, time: Optional[int] = None) -> str:
-    """Return a pattern as text; ``time`` is the position of an atom's time."""
+    """Return a pattern as text; the argument at position ``time`` is printed as ``t``."""
     if pattern is None:
         return "_"
     if not isinstance(pattern, tuple):
@@ -90,7 +90,7 @@ def shown(pattern: Pattern, time: Optional[int] = None) -> str:
 
 
 def _parts(pattern: Pattern) -> Optional[Tuple[str, Tuple[Pattern, ...]]]:
-    """Return the name and arguments of a compound term; None for another one."""
+    """Return name and arguments of a compound term, None for other terms."""
     if isinstance(pattern, tuple):
         return pattern
     if isinstance(pattern, clingo.Symbol) and pattern.type is clingo.SymbolType.Function and pattern.arguments:
@@ -102,8 +102,8 @@ def _joined(name: str, arguments: Tuple[Pattern, ...]) -> Pattern:
     return (name, arguments) if arguments or not name else clingo.Function(name)
 
 
-def _whole(pattern: Pattern) -> Pattern:
-    """Return a compound term as a ground one where it is."""
+def _grounded(pattern: Pattern) -> Pattern:
+    """Return a compound term as a symbol if it is ground."""
     if isinstance(pattern, tuple) and all(isinstance(one, clingo.Symbol) for one in pattern[1]):
         arguments = [one for one in pattern[1] if isinstance(one, clingo.Symbol)]
         return clingo.Function(pattern[0].lstrip("-"), arguments, not pattern[0].startswith("-"))
