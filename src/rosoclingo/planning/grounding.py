@@ -4,7 +4,20 @@ A grounding never changes, except that its horizon grows. It can be dropped and 
 """
 
 from contextlib import contextmanager
-from typing import Any, Collection, Dict, FrozenSet, Iterable, Iterator, List, Optional, Sequence, Set, Tuple
+from typing import (
+    Any,
+    Collection,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 from weakref import proxy
 
 import clingo
@@ -52,6 +65,15 @@ HIDDEN = (Signature(GUARD, 2), BEYOND)
 """Predicates of auxiliary atoms, which answers leave out."""
 
 _TOO_LATE = "Head {} comes too late: steps before {} are compacted. The entire rule will be ignored."
+
+
+class _Answer(NamedTuple):
+    """One answer to a question; see :class:`Reply`."""
+
+    shown: FrozenSet[clingo.Symbol]
+    horizon: int
+    predicted: Predicted
+    read: Tuple[FrozenSet[clingo.Symbol], ...]
 
 
 class Grounding:
@@ -387,22 +409,24 @@ class Grounding:
         assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first for cores
         blames = bool(blameable) and question.blames
         limits = Limits(question.models, question.conflicts, question.best, question.advised)
-        answers = _Answers(question)
+        answers: List[_Answer] = []
         this = proxy(self)  # the control holds the callback, which must not hold the control
         with self._refusing():
             if question.brief:
-                result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, answers))
+                result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, question, answers))
                 core: List[int] = []
             else:
                 result, core = self._clasp.run(
-                    limits, assumed, lambda model: this._keep(model, answers), ended, blames=blames
+                    limits, assumed, lambda model: this._keep(model, question, answers), ended, blames=blames
                 )
         for literal in lacking:
             self._session.release(literal)
-        if (result.interrupted or result.unknown) and (question.proven or not answers.found):
+        if (result.interrupted or result.unknown) and (question.proven or not answers):
             return UNKNOWN
-        if result.satisfiable or answers.found:
-            return answers.reply()
+        if result.satisfiable or answers:
+            shown = tuple(one.shown for one in (answers if question.proven else answers[-1:]))
+            last, read = answers[-1], tuple(one.read for one in answers)
+            return Reply(True, shown, last.horizon, predicted=last.predicted, read=read)
         if self.is_conflicting:
             lasts = all(
                 one.lifetime == FOREVER for one in self.snapshot.entries
@@ -416,18 +440,16 @@ class Grounding:
         blamed = frozenset(one for one, literal in kept.items() if literal in blame)
         return Reply(False, core=facts, blamed=blamed, hopeless=timeless and self._is_complete)
 
-    def _keep(self, model: clingo.Model, answers: "_Answers") -> None:
+    def _keep(self, model: clingo.Model, question: Question, answers: List[_Answer]) -> None:
         """Record a model as an answer; models that are not proven optimal only if the question accepts them."""
-        question = answers.question
         if question.best and question.proven and model.cost and not model.optimality_proven:
             return
         if question.shows or self.shown is None:
             self.shown = frozenset(model.symbols(shown=True)) - self._hidden
-        answers.found.append(self.shown | self._compacted)
-        answers.horizon = self._ends.horizon_of(model, question.first, question.last)
-        answers.read.append(tuple(one(model) for one in question.reads))
-        if self._return_rules is not None:
-            answers.predicted = self._predict(model, self._return_rules)
+        horizon = self._ends.horizon_of(model, question.first, question.last)
+        predicted = Predicted() if self._return_rules is None else self._predict(model, self._return_rules)
+        read = tuple(one(model) for one in question.reads)
+        answers.append(_Answer(self.shown | self._compacted, horizon, predicted, read))
         differ = [one.literal for one in self._atoms(question.differ)]
         if differ and question.models != 1:
             model.context.add_clause([-one if model.is_true(one) else one for one in differ])
@@ -465,31 +487,6 @@ class Grounding:
             return not self.definitions.is_in_body(atom) and self.definitions.is_open(atom)
 
         return predict(self._actions.among(self.shown or ()), rules, can_arrive, is_true)
-
-
-class _Answers:
-    """The answers to a question.
-
-    Attributes:
-        question: the question.
-        found: the shown atoms of each answer.
-        horizon: the horizon of the last answer.
-        predicted: the predicted returns of the last answer.
-        read: what ``question.reads`` returned for each answer.
-
-    """
-
-    def __init__(self, question: Question) -> None:
-        self.question = question
-        self.found: List[FrozenSet[clingo.Symbol]] = []
-        self.horizon = question.last
-        self.predicted = Predicted()
-        self.read: List[Tuple[FrozenSet[clingo.Symbol], ...]] = []
-
-    def reply(self) -> Reply:
-        """Return the reply with the answers; only the last if none is proven best."""
-        answers = self.found if self.question.proven else self.found[-1:]
-        return Reply(True, tuple(answers), self.horizon, predicted=self.predicted, read=tuple(self.read))
 
 
 def pieces(first: int, end: int, size: int, keep_from: int) -> Iterator[int]:

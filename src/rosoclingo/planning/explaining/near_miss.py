@@ -1,8 +1,9 @@
 """Explanations why an atom is never true: its rules, and the body atoms that are never true either."""
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, List, Mapping, Sequence, Tuple
+from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
+import clingo
 from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.domains import plain_literals
@@ -12,16 +13,7 @@ from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms
 from rosoclingo.oclingo.progression.terms import Signature, parse_term, signature_of
-from rosoclingo.planning.explaining.atom_patterns import (
-    Bound,
-    Pattern,
-    atom_pattern,
-    filled,
-    fits,
-    pattern_of,
-    shown,
-    signature_in,
-)
+from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, pattern_of, shown
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleTexts
 from rosoclingo.planning.explaining.reach import HeadRule, Reach, UncertainError
 
@@ -95,17 +87,17 @@ class _Search:
     def __init__(self, program: ReactiveProgram, reach: Reach) -> None:
         self._program, self._reach = program, reach
         self._texts = RuleTexts(program.texts)
-        self._atoms: Dict[Signature, List[Pattern]] = {}
+        self._atoms: Dict[Signature, List[clingo.Symbol]] = {}
         for atom in sorted(reach.atoms):
-            self._atoms.setdefault(signature_of(atom), []).append(atom_pattern(atom))
-        self._rules: Dict[Signature, List[Tuple[HeadRule, Pattern]]] = {}
+            self._atoms.setdefault(signature_of(atom), []).append(atom)
+        self._rules: Dict[Signature, List[Tuple[HeadRule, clingo.Symbol]]] = {}
         for rule in reach.rules:
             head = self._pattern(rule.head)
-            self._rules.setdefault(signature_in(head), []).append((rule, head))
+            self._rules.setdefault(signature_of(head), []).append((rule, head))
 
     def never_true(self, ends: Ends) -> Iterator[NeverTrue]:
         """Yield the atoms that ``ends`` require but that are never true."""
-        found: List[Pattern] = []
+        found: List[clingo.Symbol] = []
         for rule, values in ends:
             known: Bound = {name: parse_term(value) for name, value in values.items()}
             for wanted in self._required(rule, known):
@@ -113,17 +105,17 @@ class _Search:
                     found.append(wanted)
                     yield NeverTrue(self._text(wanted), tuple(self._misses(wanted, [])))
 
-    def _pattern(self, text: str) -> Pattern:
+    def _pattern(self, text: str) -> clingo.Symbol:
         return pattern_of(text, self._program.values)
 
-    def _text(self, atom: Pattern) -> str:
-        signature = signature_in(atom)
+    def _text(self, atom: clingo.Symbol) -> str:
+        signature = signature_of(atom)
         return shown(atom, self._program.time_position(signature.name, signature.arity))
 
-    def _is_possible(self, wanted: Pattern) -> bool:
-        return any(fits(wanted, one, {}) for one in self._atoms.get(signature_in(wanted), ()))
+    def _is_possible(self, wanted: clingo.Symbol) -> bool:
+        return any(fits(wanted, one, {}) for one in self._atoms.get(signature_of(wanted), ()))
 
-    def _required(self, rule: NamedRule, known: Bound) -> Iterator[Pattern]:
+    def _required(self, rule: NamedRule, known: Bound) -> Iterator[clingo.Symbol]:
         """Yield the atoms that a constraint requires, or that would end the state which it forbids."""
         for part, statement in self._statements():
             begin = statement.location.begin
@@ -134,7 +126,7 @@ class _Search:
                     forbidden = filled(self._pattern(self._reach.written(literal.atom.symbol, part)), known)
                     yield from self._ending(forbidden)
 
-    def _ending(self, atom: Pattern) -> Iterator[Pattern]:
+    def _ending(self, atom: clingo.Symbol) -> Iterator[clingo.Symbol]:
         """Yield the atoms whose absence carries an atom over to the next step."""
         for part, statement in self._statements():
             heads = [term for literal, _ in _heads(statement) for term in atom_terms(literal.atom.symbol)]
@@ -145,12 +137,12 @@ class _Search:
                 if carries_over and fits(self._pattern(self._reach.written(term, part)), atom, bound):
                     ends = (self._pattern(self._reach.written(one, part)) for one in _negated(statement))
                     externals = self._program.external_signatures
-                    yield from (filled(one, bound) for one in ends if signature_in(one) not in externals)
+                    yield from (filled(one, bound) for one in ends if signature_of(one) not in externals)
 
     def _statements(self) -> Iterator[Tuple[Part, Node]]:
         return ((part, one) for part in self._program.parts for one in part.statements if one.ast_type == ASTType.Rule)
 
-    def _misses(self, atom: Pattern, seen: List[Pattern]) -> Iterator[NearMiss]:
+    def _misses(self, atom: clingo.Symbol, seen: List[clingo.Symbol]) -> Iterator[NearMiss]:
         """Yield the rules for an atom that is never true, each followed by the rules for what it lacks.
 
         Rules that only carry the atom over from the previous step are left out if there are others.
@@ -158,8 +150,8 @@ class _Search:
         if atom in seen or len(seen) >= _MOST_DEPTH:
             return
         seen.append(atom)
-        found: List[Tuple[HeadRule, Pattern]] = []
-        for rule, head in self._rules.get(signature_in(atom), ()):
+        found: List[Tuple[HeadRule, Optional[clingo.Symbol]]] = []
+        for rule, head in self._rules.get(signature_of(atom), ()):
             bound: Bound = {}
             if fits(head, atom, bound):
                 found.append((rule, self._lack(rule, bound)))
@@ -171,19 +163,19 @@ class _Search:
             if lacks is not None:
                 yield from self._misses(lacks, seen)
 
-    def _lack(self, rule: HeadRule, bound: Bound) -> Pattern:
+    def _lack(self, rule: HeadRule, bound: Bound) -> Optional[clingo.Symbol]:
         """Return the first body atom that is never true for the values of the head, None if there is no single one."""
         body = [self._pattern(text) for text in rule.body]
         alone = (filled(one, bound) for one in body if not self._is_possible(filled(one, bound)))
         return next(alone, None) or self._lack_together(body, bound)
 
-    def _lack_together(self, body: Sequence[Pattern], bound: Bound) -> Pattern:
+    def _lack_together(self, body: Sequence[clingo.Symbol], bound: Bound) -> Optional[clingo.Symbol]:
         """Return the first atom that is never true along with those before it; None if there are too many instances."""
         instances = [bound]
         for one in body:
             longer: List[Bound] = []
             for instance in instances:
-                for atom in self._atoms.get(signature_in(one), ()):
+                for atom in self._atoms.get(signature_of(one), ()):
                     further = dict(instance)
                     if fits(one, atom, further):
                         longer.append(further)

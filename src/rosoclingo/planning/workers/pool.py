@@ -137,7 +137,7 @@ class WorkerPool:
 
     def ask(self, command: Message, log: Optional[History], stopped: Optional[Stop], idle: bool = False) -> Message:
         """Return the reply to ``command``, see :meth:`Worker.ask`; raises DroppedError if workers are lost."""
-        return self._run(lambda worker: worker.ask(command, log, stopped, self._patience, idle), stopped)
+        return self._run(lambda worker: worker.ask(command, log, stopped, idle), stopped)
 
     def search(self, search: Search, stopped: Optional[Stop]) -> Message:
         """Return the reply to ``search``; the standby worker takes over if it has begun this search."""
@@ -148,8 +148,8 @@ class WorkerPool:
         def ask(worker: Worker) -> Message:
             """Ask a worker, or wait for it if it has begun."""
             if worker.searches(search):
-                return worker.finish(stopped, self._patience)
-            return worker.ask(search.command, search.log, stopped, self._patience)
+                return worker.finish(stopped)
+            return worker.ask(search.command, search.log, stopped)
 
         reply = self._run(ask, stopped)
         if self._active is not None and self._active.has_grown():
@@ -207,7 +207,7 @@ class WorkerPool:
         """Return the standby worker, started if there is none; raises WorkerLostError."""
         if self._standby is None or not self._standby.alive:
             self._discard_standby()
-            self._standby = Worker(self._load)
+            self._standby = Worker(self._load, self._patience)
         return self._standby
 
     def _replace(self) -> None:

@@ -62,8 +62,9 @@ class Worker:
 
     """
 
-    def __init__(self, load: Message) -> None:
+    def __init__(self, load: Message, patience: Patience) -> None:
         """Start a process and send it the command ``load``; raises WorkerLostError."""
+        self._patience = patience
         ours, theirs = socket.socketpair()
         search_path = os.pathsep.join(filter(None, sys.path))
         with theirs:
@@ -159,19 +160,17 @@ class Worker:
             if not self._receive(POLL) and stopped is not None and stopped():
                 raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
 
-    def ask(
-        self, command: Message, log: Optional[History], stopped: Optional[Stop], patience: Patience, idle: bool = False
-    ) -> Message:
+    def ask(self, command: Message, log: Optional[History], stopped: Optional[Stop], idle: bool = False) -> Message:
         """Execute ``command`` once the program is loaded; see :meth:`begin` and :meth:`finish`."""
         self.wait_until_ready(stopped)
         self.begin(command, log)
-        return self.finish(stopped, patience, idle)
+        return self.finish(stopped, idle)
 
-    def finish(self, stopped: Optional[Stop], patience: Patience, idle: bool = False) -> Message:
+    def finish(self, stopped: Optional[Stop], idle: bool = False) -> Message:
         """Wait for the last reply to the running command; return it with the histories before and after it.
 
-        A stop interrupts the command, and so does a first answer that is being improved. After the first time of
-        ``patience`` the command is dropped, after the second WorkerLostError is raised. An ``idle`` command, which is
+        A stop interrupts the command, and so does a first answer that is being improved. If the worker does not react,
+        the command is dropped and then WorkerLostError raised, see :data:`Patience`. An ``idle`` command, which is
         optional work, is abandoned at a stop with an empty reply. Raises SolverError if the worker refuses the command.
         """
         interrupted: Optional[float] = None
@@ -185,15 +184,16 @@ class Worker:
                     self.abandon()
                     return {}
                 interrupted = time.monotonic()
-                self._interrupt(patience[0])
-            elif time.monotonic() > interrupted + patience[1]:
+                self._interrupt(self._patience[0])
+            elif time.monotonic() > interrupted + self._patience[1]:
                 raise WorkerLostError("the solver ignored a stop while grounding and was killed")
         reply, self.search, self._reply = self._reply or {}, None, None
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
         if self._start is not None:
             self.log = self._start.then(*map(entry_from_message, reply.get("entries", ()))).cut()
-        return {**reply, "start": self._start, "log": self.log}
+            reply = {**reply, "start": self._start, "log": self.log}
+        return reply
 
     def is_busy(self) -> bool:
         """Return whether it loads the program or executes a command."""
