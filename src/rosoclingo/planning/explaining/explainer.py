@@ -181,7 +181,7 @@ class _Explainer:
 
     def _find_program_facts(self, rules: Rules) -> Blamed[int]:
         """Find the facts of the program without which a plan obeys the rules."""
-        facts, kept = [rule.number for rule in self._relaxed.facts_behind(rules)], _selectors(rules)
+        facts, kept = self._relaxed.facts_behind(rules), _selectors(rules)
         everything = frozenset(facts)
         return self._find_blamed(
             facts, lambda some: self._questions.about(self._relaxed.without(everything - some)).ask(kept)

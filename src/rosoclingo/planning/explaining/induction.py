@@ -13,12 +13,11 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.program.lint.rule_shapes import parted
 from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.planning.explaining.named_rules import RuleKind
-from rosoclingo.planning.explaining.reach import Reach
+from rosoclingo.planning.explaining.reach import Reach, mentions
 from rosoclingo.planning.explaining.relaxed_program import BROKEN, WHOLE, RelaxedProgram
 
 _STEP = 1_000_000  # beyond the steps of all facts
@@ -80,8 +79,8 @@ def _longest_look_back(program: RelaxedProgram) -> Optional[int]:
         for statement, atoms in part.found if part.parameter else ():
             if statement.ast_type in (ASTType.Rule, ASTType.External):
                 offsets = [_offset(program, part, one) for one in atoms]
-                known = sum(_mentions(one.term, part.parameter) for one in atoms)
-                if None in offsets or known != _mentions(statement, part.parameter):
+                known = sum(mentions(one.term, part.parameter) for one in atoms)
+                if None in offsets or known != mentions(statement, part.parameter):
                     return None
                 most = max([most, *(-offset for offset in offsets if offset is not None)])
     return most
@@ -94,13 +93,8 @@ def _offset(program: RelaxedProgram, part: Part, atom: Occurrence) -> Optional[i
     if signature.name.startswith(OWN):
         return 0
     if position is None:
-        return 0 if not _mentions(atom.term, part.parameter) else None
-    if sum(_mentions(one, part.parameter) for one in arguments) != _mentions(arguments[position], part.parameter):
+        return 0 if not mentions(atom.term, part.parameter) else None
+    if sum(mentions(one, part.parameter) for one in arguments) != mentions(arguments[position], part.parameter):
         return None
     offset = time_offset(arguments[position], part.parameter, dict(program.values))
     return None if offset is not None and offset > 0 and atom.head else offset
-
-
-def _mentions(node: Node, step: str) -> int:
-    """Return how often the step occurs in a statement or term."""
-    return sum(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)

@@ -121,9 +121,9 @@ class _Search:
             begin = statement.location.begin
             if (begin.filename, begin.line, begin.column) == (rule.file, rule.line, rule.column):
                 negated = list(_negated(statement))
-                yield from (filled(self._pattern(self._reach.written(term, part)), known) for term in negated)
+                yield from (filled(self._pattern(self._reach.text(term, part)), known) for term in negated)
                 for literal in () if negated else plain_literals(statement):
-                    forbidden = filled(self._pattern(self._reach.written(literal.atom.symbol, part)), known)
+                    forbidden = filled(self._pattern(self._reach.text(literal.atom.symbol, part)), known)
                     yield from self._ending(forbidden)
 
     def _ending(self, atom: clingo.Symbol) -> Iterator[clingo.Symbol]:
@@ -134,8 +134,8 @@ class _Search:
             for term in heads if part.parameter else ():
                 bound: Bound = {}
                 carries_over = any(parted(one)[0] == parted(term)[0] for one in bodies)
-                if carries_over and fits(self._pattern(self._reach.written(term, part)), atom, bound):
-                    ends = (self._pattern(self._reach.written(one, part)) for one in _negated(statement))
+                if carries_over and fits(self._pattern(self._reach.text(term, part)), atom, bound):
+                    ends = (self._pattern(self._reach.text(one, part)) for one in _negated(statement))
                     externals = self._program.external_signatures
                     yield from (filled(one, bound) for one in ends if signature_of(one) not in externals)
 

@@ -85,10 +85,6 @@ class Reach:
         arguments = [clingo.Number(time) if n == position else one for n, one in enumerate(atom.arguments)]
         return clingo.Function(atom.name, arguments, atom.positive)
 
-    def written(self, term: Node, part: Part) -> str:
-        """Return the text of a rule's atom without its time; raises UncertainError if the step occurs elsewhere."""
-        return self._atom(term, part, set())
-
     def _rules_of(self, part: Part) -> Iterator[HeadRule]:
         used = self._program.survey.using
         for statement in part.statements:
@@ -104,10 +100,10 @@ class Reach:
         times: Set[str] = set()
         plain = [one for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
         atoms = [one.atom.symbol for one in plain if one.atom.ast_type == ASTType.SymbolicAtom]
-        texts = tuple(self._atom(one, part, times) for one in atoms if not _name(one).startswith(OWN))
-        head_text = self._atom(head, part, times)
+        texts = tuple(self.text(one, part, times) for one in atoms if not _name(one).startswith(OWN))
+        head_text = self.text(head, part, times)
         compared = [one for one in plain if one.atom.ast_type == ASTType.Comparison]
-        free = [one for one in compared if not times & set(names_in(one)) and not _mentions(one, part.parameter)]
+        free = [one for one in compared if not times & set(names_in(one)) and not mentions(one, part.parameter)]
         counted = times & {name for text in (head, *atoms) for name in self._names_outside_time(text)}
         if counted:
             raise UncertainError(f"the rules compute with the time {min(counted)}")
@@ -123,16 +119,21 @@ class Reach:
             if number != position:
                 yield from names_in(one)
 
-    def _atom(self, term: Node, part: Part, times: Set[str]) -> str:
+    def text(self, term: Node, part: Part, times: Optional[Set[str]] = None) -> str:
+        """Return the text of a rule's atom without its time, whose variables are added to ``times``.
+
+        Raises UncertainError if the step occurs outside the time.
+        """
         if term.ast_type == ASTType.Pool:
             raise UncertainError("an atom is a pool")
         signature, arguments = parted(term)
         position, texts = self._position(term), []
         for number, one in enumerate(arguments):
             if number == position:
-                times.update(names_in(one))
+                if times is not None:
+                    times.update(names_in(one))
                 texts.append(str(_TIME))
-            elif part.parameter and _mentions(one, part.parameter):
+            elif mentions(one, part.parameter):
                 raise UncertainError(f"{signature} has the step in another argument than its time")
             else:
                 texts.append(str(one))
@@ -145,8 +146,9 @@ def _name(term: Node) -> str:
     return str(next(parted(one)[0].name for one in atom_terms(term)))
 
 
-def _mentions(node: Node, step: str) -> bool:
-    return bool(step) and any(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)
+def mentions(node: Node, step: str) -> int:
+    """Return how often the step occurs in a statement or term."""
+    return sum(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)
 
 
 class _TooManyError(Exception):

@@ -93,13 +93,8 @@ class RelaxedProgram(ReactiveProgram):
         """The rules that can be relaxed."""
         return [rule for rule in self.rules if rule.kind is not RuleKind.FACT]
 
-    @property
-    def facts(self) -> List[NamedRule]:
-        """The facts of the program's base part."""
-        return [rule for rule in self.rules if rule.kind is RuleKind.FACT]
-
-    def facts_behind(self, rules: AbstractSet[int]) -> List[NamedRule]:
-        """Return the facts that the rules depend on."""
+    def facts_behind(self, rules: AbstractSet[int]) -> List[int]:
+        """Return the numbers of the base part's facts that the rules depend on."""
         places = {one.place for one in self.rules if one.number in rules}
         found = [(_place(statement), atoms) for part in self.parts for statement, atoms in part.found]
         wanted = {one.signature for place, atoms in found if place in places for one in atoms}
@@ -109,7 +104,7 @@ class RelaxedProgram(ReactiveProgram):
             for _, atoms in found:
                 if any(one.head and one.signature in wanted and one.signature != _BROKEN for one in atoms):
                     wanted.update(one.signature for one in atoms)
-        return [rule for rule in self.facts if self._facts[rule.number][0] in wanted]
+        return [number for number, (signature, _) in self._facts.items() if signature in wanted]
 
     def breaches(self, answer: Iterable[clingo.Symbol]) -> List[Breach]:
         """Return the instances of rules that an answer breaks, those of earlier steps first."""
