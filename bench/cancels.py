@@ -36,7 +36,7 @@ class Run:
     def __init__(self, options):
         program = ReactiveProgram([Source.from_file(ENCODING), row(options.offices)])
         self.options, self.source = options, random.Random(options.seed)
-        self.process = WorkerPool(program, shortest=True, oclingo_strings=False, spare=True)
+        self.process = WorkerPool(program, shortest=True, oclingo_strings=False, standby=True)
         self.process.start()
         self.cancels = {}  # key of a goal to when it is cancelled
         self.ends, self.lost, self.longest = collections.Counter(), 0, 0.0
@@ -50,7 +50,7 @@ class Run:
             self.cancels.pop(event.key, None)
             self.ends[event.outcome.name.lower()] += 1
         elif isinstance(event, Problem):
-            self.lost += "what it was asked for was dropped" in event.message
+            self.lost += "the request was discarded" in event.message
 
     def watch(self):
         """As the node does it: a cancel ends a search that has gone on for a moment."""

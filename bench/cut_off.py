@@ -31,7 +31,7 @@ class Run(MailbotCore):
     @property
     def used(self):
         """Seconds of processor time of this process and the solver's."""
-        return time.process_time() + self.process.worked
+        return time.process_time() + self.process.cpu_time
 
     def act(self, *facts):
         """Answer the actions that are out, and tell some facts beside."""

@@ -42,7 +42,7 @@ class Run:
     """A core with its solver's process."""
 
     def __init__(self, program, plan_time, prepares):
-        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
         self.process.start()
         self.core = Core(program, self.process.solver, lambda event: None, CoreSettings())
         self.core.start()
@@ -55,7 +55,7 @@ class Run:
     def prepare(self):
         """Have the answer prepared to what is awaited failing, and wait for that."""
         self.core.prepare()
-        while self.process.prepares:
+        while self.process.is_prefetching:
             time.sleep(0.01)
             self.core.prepare()
 
@@ -72,8 +72,8 @@ class Run:
 
     def cycle(self):
         """Go on to the next actions; return what that took."""
-        pids = [self.process.pid, self.process.spare_pid]
-        before, spare = self.clocks(), self.process.spare_pid and time.clock_gettime(processor_clock(pids[1]))
+        pids = [self.process.pid, self.process.standby_pid]
+        before, spare = self.clocks(), self.process.standby_pid and time.clock_gettime(processor_clock(pids[1]))
         while self.core.advance(0.0):
             pass
         if self.process.pid == pids[1]:  # it had the answer

@@ -94,7 +94,7 @@ class Run:
 
     def _spent(self):
         """Seconds of this process, of the solver's, and of those that were there before it: one that has grown goes."""
-        return time.process_time() + self.process.worked
+        return time.process_time() + self.process.cpu_time
 
 
 def grow(run, cycles, batch, step=500):

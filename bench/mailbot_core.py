@@ -16,7 +16,7 @@ class MailbotCore:
 
     def __init__(self, floor, plan_time, settings=None):
         program = ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
-        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, spare=True)
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
         self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), self.watch)
 
     def __enter__(self):

@@ -65,7 +65,7 @@ class Robot(MailbotCore):
     @property
     def used(self):
         """Seconds of processor time that the solver has worked."""
-        return self.process.worked
+        return self.process.cpu_time
 
     def ask(self, requests):
         """Send goals; their packages wait from now on."""
@@ -95,11 +95,11 @@ class Robot(MailbotCore):
         """Let the process that is kept ready work as long as an action takes, where requests wait for a plan."""
         if self.unknown:
             self.core.prepare()
-        if not self.process.prepares:
+        if not self.process.is_prefetching:
             return
-        clock = processor_clock(self.process.spare_pid)
+        clock = processor_clock(self.process.standby_pid)
         begin = time.clock_gettime(clock)
-        while self.process.prepares and time.clock_gettime(clock) - begin < seconds:
+        while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
             time.sleep(0.01)
 
     def wait(self):

@@ -38,14 +38,14 @@ def preparing_process(program):
     """A process for many tests that prepares at once, looks for shorter plans briefly, and is not replaced."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(worker, "GROWTH", 2**60)  # none is replaced for its size
-        with WorkerPool(program, shortest=True, oclingo_strings=False, plan_time=0.02, spare=True) as one:
+        with WorkerPool(program, shortest=True, oclingo_strings=False, plan_time=0.02, standby=True) as one:
             yield one
 
 
 def wait_until_prepared(process, again=lambda: None):
     """Wait until the child that is kept ready has nothing to do, asked ``again`` and again."""
     limit = time.monotonic() + 300
-    while process.prepares:
+    while process.is_prefetching:
         assert time.monotonic() < limit
         time.sleep(0.001)
         again()

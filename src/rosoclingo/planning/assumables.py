@@ -1,4 +1,4 @@
-"""Facts of which each question says anew whether they were told."""
+"""Facts that a question can disable."""
 
 from typing import Dict, FrozenSet, Iterable, List
 
@@ -9,31 +9,31 @@ from rosoclingo.planning.snapshot import with_their_failures
 
 
 class Assumables:
-    """The assumable facts of one control.
+    """The assumable facts of one control, each guarded by a free literal.
 
     Attributes:
-        facts: all of them.
-        literals: fact -> the literal under which it was told; a return's failure has that of the return.
+        facts: the assumable facts.
+        literals: fact -> its guard; the failure of a return shares the guard of the return.
 
     """
 
     def __init__(self, session: BackendSession, facts: FrozenSet[clingo.Symbol]) -> None:
         self.facts = facts
-        self._told: Dict[clingo.Symbol, int] = {}
+        self._guards: Dict[clingo.Symbol, int] = {}
         self.literals: Dict[clingo.Symbol, int] = {}
         for fact in sorted(facts):
-            literal = self._told[fact] = session.backend.add_atom()
+            literal = self._guards[fact] = session.backend.add_atom()
             session.backend.add_rule([literal], choice=True)
             for one in with_their_failures(frozenset([fact])):
                 self.literals.setdefault(one, literal)
-        self.literals.update(self._told)
+        self.literals.update(self._guards)
 
     def assumptions(self, disabled: FrozenSet[clingo.Symbol]) -> List[int]:
-        """Return the assumptions by which all facts but those ``disabled`` were told."""
-        told = {self._told[fact] for fact in self.facts - disabled}  # to look each fact up would hash it in Python
-        return [literal if literal in told else -literal for literal in self._told.values()]
+        """Return the assumptions that assert all facts except the ``disabled`` ones."""
+        enabled = {self._guards[fact] for fact in self.facts - disabled}  # few lookups: symbols are hashed in Python
+        return [literal if literal in enabled else -literal for literal in self._guards.values()]
 
     def among(self, core: Iterable[int]) -> FrozenSet[clingo.Symbol]:
-        """Return the facts of which the assumptions in ``core`` are."""
+        """Return the facts whose guards occur in ``core``."""
         literals = set(map(abs, core))
-        return frozenset(fact for fact, literal in self._told.items() if literal in literals)
+        return frozenset(fact for fact, literal in self._guards.items() if literal in literals)

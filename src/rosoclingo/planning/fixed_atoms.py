@@ -1,7 +1,6 @@
-"""Which atoms the ground rules of the first steps mention, and up to which step all of these are fixed.
+"""The atoms of the first steps' ground rules, and the last step up to which all of them are fixed.
 
-The rules are ground a second time for that: to observe them while a search waits for them would take longer than to
-ground them, and most steps are never looked at.
+The rules are grounded a second time: observing them in the first place would delay each search.
 """
 
 from typing import AbstractSet, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -14,14 +13,16 @@ from rosoclingo.planning.grounding import PAST, Grounding
 
 
 class FixedAtoms(NamedTuple):
-    """The atoms of the steps before ``first``: each is true in all answers, or in none, whatever updates follow.
+    """The atoms of the steps before ``first``: each is true in all answers or in none, whatever updates follow.
+
+    A block is a range of steps that were grounded in one call.
 
     Attributes:
-        first: the first step of a block that mentions another atom.
-        steps: the atoms of these steps' rules, each with the first step of the block that first mentions it.
-        defined: those that are heads of these rules.
-        base: the atoms of the rules of base.
-        true: those of all these atoms that are true in all answers.
+        first: the first step of the first block with an atom that is not fixed.
+        steps: atom of the steps before ``first`` -> the first step of the block that first mentions it.
+        defined: the atoms that are heads of these steps' rules.
+        base: the atoms of the base part.
+        true: the atoms, of all these, that are true in all answers.
 
     """
 
@@ -35,12 +36,12 @@ class FixedAtoms(NamedTuple):
 class _Rules(Observer):
     """Collects the literals of ground rules.
 
-    What clingo defines without a name, projections and aggregates, follows from atoms that have one.
+    Auxiliary atoms of clingo, for projections and aggregates, are ignored: they follow from atoms with names.
 
     Attributes:
-        heads: what the rules define.
-        others: the literals of their bodies, and the externals.
-        is_opaque: whether there are edges or theory atoms, whose meaning is not in rules alone.
+        heads: literals of heads.
+        others: literals of bodies, and externals.
+        is_opaque: whether the program has edges or theory atoms, whose meaning the rules do not show.
 
     """
 
@@ -63,19 +64,19 @@ class _Rules(Observer):
         self.others.add(atom)
 
     def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
-        """Record that there are edges: those of all steps make one graph."""
+        """Record that the program has edges, which form one graph over all steps."""
         self.is_opaque = True
 
     def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
-        """Record that there are theory atoms, which can mean anything."""
+        """Record that the program has theory atoms."""
         self.is_opaque = True
 
 
 class _Values(Propagator):
-    """Reads, at the start of a search, the values of atoms that are fixed whatever further steps and externals bring.
+    """Reads the top-level values of atoms, which hold for all values of externals and all later steps.
 
     Attributes:
-        values: the values; none if the program is contradictory.
+        values: the values of the fixed atoms; empty if the program is contradictory.
 
     """
 
@@ -84,31 +85,31 @@ class _Values(Propagator):
         self.values: Dict[clingo.Symbol, bool] = {}
 
     def init(self, init: PropagateInit) -> None:
-        """Read the values once; clingo calls this before each search."""
+        """Read the values; only the first call has an effect, but clingo calls this before each search."""
         init.check_mode = PropagatorCheckMode.Off
         atoms, self._atoms = self._atoms, frozenset()
         for atom in atoms if init.propagate() else ():
             known = init.symbolic_atoms[atom]
             literal = 0 if known is None else init.solver_literal(known.literal)
-            if known is None:  # clingo drops the names of atoms that are false for good
+            if known is None:  # clingo removes atoms that are false at the top level
                 self.values[atom] = False
             elif init.assignment.is_fixed(literal):
                 self.values[atom] = bool(init.assignment.value(literal))
 
 
 _Block = Tuple[range, FrozenSet[clingo.Symbol], FrozenSet[clingo.Symbol]]
-"""Steps that were ground at once, the atoms that their rules define, and all atoms of their rules."""
+"""The steps of a block, the atoms of their heads, and all atoms of their rules."""
 
 
-def _ground_again(grounding: Grounding, before: int) -> Tuple[_Rules, List[_Block]]:
-    """Return base and the blocks of a grounding that end before step ``before``."""
+def _reground(grounding: Grounding, end: int) -> Tuple[_Rules, List[_Block]]:
+    """Return the rules, and base and the blocks that end before step ``end``."""
     rules, found = _Rules(), []  # type: _Rules, List[Tuple[range, Set[int], Set[int]]]
     control = clingo.Control(grounding.program.arguments(), logger=lambda code, text: None)
     control.register_observer(rules, replace=True)
     grounding.program.load_into(control)
     control.add(*PAST, "".join(f"{atom}.\n" for atom in grounding.past.facts))
     for steps, parts in grounding.ground_parts:
-        if steps and steps[-1] >= before:
+        if steps and steps[-1] >= end:
             break
         rules.heads, rules.others = set(), set()
         control.ground(parts)
@@ -122,14 +123,11 @@ def _ground_again(grounding: Grounding, before: int) -> Tuple[_Rules, List[_Bloc
     return rules, [(steps, named(heads), named(atoms)) for steps, heads, atoms in found]
 
 
-def fixed_atoms(grounding: Grounding, before: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
-    """Return the fixed atoms of the steps that are ground, at most up to the one before ``before``.
-
-    The ``open_atoms`` count as not fixed.
-    """
-    rules, ((_, _, base), *blocks) = _ground_again(grounding, before)
+def fixed_atoms(grounding: Grounding, end: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
+    """Return the fixed atoms of the grounded steps before ``end``; the ``open_atoms`` count as not fixed."""
+    rules, ((_, _, base), *blocks) = _reground(grounding, end)
     fixed = _Values(base.union(*(atoms for _, _, atoms in blocks)) - open_atoms)
-    grounding.show(fixed)
+    grounding.inspect(fixed)
     first, steps, defined = grounding.past.first, {}, set()  # type: int, Dict[clingo.Symbol, int], Set[clingo.Symbol]
     for block, heads, atoms in blocks:
         if rules.is_opaque or not fixed.values.keys() >= atoms:

@@ -1,10 +1,23 @@
-"""A snapshot's program, ground in one :class:`clingo.Control` and asked questions.
+"""The program of a snapshot, grounded in one :class:`clingo.Control`, and searches in it.
 
-A grounding is never changed, except that its horizon grows; it can be dropped and built again at any time.
+A grounding never changes, except that its horizon grows. It can be dropped and rebuilt at any time.
 """
 
 from contextlib import contextmanager
-from typing import Any, Collection, Dict, FrozenSet, Iterable, Iterator, List, Optional, Sequence, Set, Tuple
+from typing import (
+    Any,
+    Collection,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 from weakref import proxy
 
 import clingo
@@ -45,43 +58,52 @@ Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
 
 PIECE = 64
-"""Steps that are ground at once."""
+"""Number of steps that are grounded in one call of clingo."""
 
 CLOSED_PIECE = 16
-"""Steps that are ground at once if their cycles are closed."""
+"""The same for steps whose cycles are closed."""
 
 BASE = range(-(2**31), 1 - 2**31)
-"""The base part among the steps that were ground at once."""
+"""Stands for the base part in :attr:`Grounding.ground_parts`."""
 
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
-"""The part that has what steps must know of those that are retired, and its parameters."""
+"""Name and parameters of the program part with the facts of compacted steps."""
 
 HIDDEN = (Signature(GUARD, 2), BEYOND)
-"""The predicates of auxiliary atoms, which are no part of an answer."""
+"""Predicates of auxiliary atoms, which answers leave out."""
 
-_TOO_LATE = "Head {} comes too late: what concerns steps before {} is over. The entire rule will be ignored."
+_TOO_LATE = "Head {} comes too late: steps before {} are compacted. The entire rule will be ignored."
+
+
+class _Answer(NamedTuple):
+    """One answer to a question; see :class:`Reply`."""
+
+    shown: FrozenSet[clingo.Symbol]
+    horizon: int
+    predicted: Predicted
+    read: Tuple[FrozenSet[clingo.Symbol], ...]
 
 
 class Grounding:
-    """Base and the steps up to :attr:`horizon` of a program, with all that a snapshot holds.
+    """Base part and the steps up to :attr:`horizon` of a program, with the statements of a snapshot.
 
-    Nothing in it refers to it, so that its memory, which may be much, is free as soon as nobody else does.
+    It holds no reference to itself, so its memory is freed with the last reference of others.
 
     Attributes:
         program: the reactive logic program.
-        snapshot: what is in force.
-        horizon: the last step that is ground.
-        warnings: what was ignored of the snapshot's last update.
-        messages: what clingo said.
-        past: the steps before those that are ground.
-        ground_parts: what was ground one after the other, with the steps, :data:`BASE` or none.
-        shown: the shown atoms of the last answer, None before there was one.
+        snapshot: the snapshot it was built from.
+        horizon: the last grounded step.
+        warnings: warnings about ignored statements of the snapshot's last update.
+        messages: messages of clingo.
+        past: the compacted steps.
+        ground_parts: the parts in the order in which they were grounded, with their steps; :data:`BASE` or none.
+        shown: the shown atoms of the last answer, None before the first.
         definitions: the statements that define their heads.
-        in_force: the statements that are.
-        waiting: statements whose heads only steps to come declare.
-        false: externals that nothing will define any more.
-        is_cyclic: whether a statement closes a positive loop, which clingo finds only among rules that come together;
-            such a grounding must not grow.
+        statements: the statements that were added.
+        deferred: statements whose heads are declared by later steps.
+        closed_externals: externals that no statement can define any more; they are false.
+        is_cyclic: whether a statement closes a positive loop. clingo detects loops only among rules that are added
+            together, so such a grounding must not grow.
 
     """
 
@@ -95,13 +117,11 @@ class Grounding:
         predicts: bool = False,
         whole: bool = False,
     ) -> None:
-        """Ground ``program`` up to ``horizon``, in pieces unless it is ground as a ``whole``.
+        """Ground ``program`` up to ``horizon``, in pieces or as a ``whole``.
 
-        clingo takes rules of several steps that define the same atom only together.
-
-        Each question says which of the ``assumable`` facts were told. If it ``predicts``, replies tell which returns
-        leave the answer one. Raises DroppedError if ``dropped``, which is asked between pieces, says so, and
-        SolverError for what clingo refuses.
+        clingo accepts rules of several steps that define the same atom only if they are grounded as a whole. A question
+        can disable ``assumable`` facts. If it ``predicts``, replies contain predicted returns. Raises DroppedError if
+        ``dropped``, which is called between pieces, returns true, and SolverError if clingo rejects the program.
         """
         self.program, self.snapshot, self.messages = program, snapshot, Messages()
         self.is_cyclic = _closes_loops(program, snapshot)
@@ -109,12 +129,12 @@ class Grounding:
         self.horizon = self.past.first - 1
         self.warnings = [*snapshot.warnings, *_unused_facts(program, snapshot)]
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
-        self.in_force: List[TimedStatement] = []
-        self.waiting: List[TimedStatement] = []
-        self.false: Set[clingo.Symbol] = set()
+        self.statements: List[TimedStatement] = []
+        self.deferred: List[TimedStatement] = []
+        self.closed_externals: Set[clingo.Symbol] = set()
         self.ground_parts: List[Tuple[range, Parts]] = []
         self._dropped = dropped
-        self._retired = frozenset(atom for _, atom in self.past.shown)
+        self._compacted = frozenset(atom for _, atom in self.past.shown)
         self._return_rules = program.return_rules if predicts else None
         self._hidden: Set[clingo.Symbol] = set()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
@@ -136,26 +156,26 @@ class Grounding:
     # ---- Building ----------------------------------------------------------------------------------------------------
 
     def _build(self, horizon: int, size: int) -> None:
-        """Ground base and the steps up to ``horizon``, and put in force what the snapshot holds."""
+        """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
         snapshot = self.snapshot
-        self._given = self._declare_open()
+        self._open_facts = self._declare_open()
         self._ground([("base", [])], 1, BASE)
         self._externals.end_base()
-        self._tell(self.past.facts)
+        self._add_past(self.past.facts)
         self._ground_closed(horizon)
         for last in pieces(self.horizon + 1, horizon, size, snapshot.keep_from):
             self._ground_to(last)
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
-        self._put_in_force(snapshot.items)
-        over = {clingo.Number(cycle) for cycle in snapshot.closed.keys() - snapshot.awaiting_returns}
+        self._add_entries(snapshot.items)
+        ended = {clingo.Number(cycle) for cycle in snapshot.closed.keys() - snapshot.awaiting_returns}
         for one in self._control.symbolic_atoms.by_signature(*RETURN):
-            if one.symbol.arguments[2] in over and self.definitions.is_undefined(one.symbol):
+            if one.symbol.arguments[2] in ended and self.definitions.is_undefined(one.symbol):
                 self.definitions.close(one.symbol)
         self._ends.settle(min(snapshot.min_horizon, self.horizon))
 
     def _declare_open(self) -> Set[clingo.Symbol]:
-        """Make the heads of open signatures known: as facts, which are returned, or as externals."""
+        """Declare the heads of open signatures, as facts or as externals; return the facts."""
         heads = dict.fromkeys(one.head for one in self.snapshot.statements if one.head is not None)
         opened = [
             head
@@ -167,8 +187,8 @@ class Grounding:
         self._ground([self.program.open_part(atom, atom in facts) for atom in opened], 1)
         return facts.intersection(opened)
 
-    def _tell(self, facts: Iterable[clingo.Symbol]) -> None:
-        """Make ``facts`` of retired steps known to the steps."""
+    def _add_past(self, facts: Iterable[clingo.Symbol]) -> None:
+        """Add the ``facts`` of compacted steps."""
         assumable = [atom for atom in facts if atom in self._assumables.literals]
         text = "".join(f"#external {atom}.\n" if atom in assumable else f"{atom}.\n" for atom in facts)
         if text:
@@ -192,14 +212,14 @@ class Grounding:
 
     @contextmanager
     def _refusing(self) -> Iterator[None]:
-        """Tell what clingo refuses."""
+        """Convert errors of clingo."""
         try:
             yield
         except RuntimeError as error:
             raise SolverError(refusal(error, self.messages, self.program)) from None
 
     def _ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` at once, which is much quicker than one by one."""
+        """Ground the steps up to ``last`` in one call, which is much faster than one by one."""
         if self._dropped():
             raise DroppedError("stopped while the program was grounded again; the request was discarded")
         steps = range(self.horizon + 1, last + 1)
@@ -217,9 +237,9 @@ class Grounding:
         self.definitions.resolve_absent()
 
     def _ground_closed(self, horizon: int) -> None:
-        """Ground the steps whose cycles are closed, with their actions, if no fact of these is assumable.
+        """Ground the steps of closed cycles together with their actions, unless facts are assumable.
 
-        Else a robot might be anywhere in each of them, and they would cost as much as the steps to come.
+        With known actions these steps are small: most of their atoms are facts or false.
         """
         if not self.program.heads_apart or self.assumable or self.is_cyclic:
             return
@@ -237,184 +257,188 @@ class Grounding:
 
     # ---- Statements --------------------------------------------------------------------------------------------------
 
-    def _put_in_force(self, entries: Iterable[SnapshotItem]) -> None:
-        """Put in force what a snapshot holds, in order; nothing is searched before all is."""
+    def _add_entries(self, entries: Iterable[SnapshotItem]) -> None:
+        """Apply ``entries`` of the snapshot in order."""
         for one in entries:
             if isinstance(one, ForgottenSteps):
                 self.forget(one.first, one.last, spared=one.spared)
             elif isinstance(one, ClosedHeads):
                 self._close(one.atoms)
             else:
-                self._take(one)
+                self._add_or_defer(one)
 
     def forget(self, first: int, last: int, base: bool = True, spared: Collection[clingo.Symbol] = ()) -> None:
-        """Let what steps ``first`` to ``last`` declare external and nothing defines be false (``base`` counts as 1).
+        """Close the undefined externals of steps ``first`` to ``last``, except the ``spared`` ones.
 
-        Not so the ``spared`` atoms.
+        If ``base``, the base part counts as step 1.
         """
         self._close(atom for atom in self.undefined_between(first, last, base) if atom not in spared)
 
     def _close(self, atoms: Iterable[clingo.Symbol]) -> None:
         for atom in atoms:
             self.definitions.close(atom)
-            self.false.add(atom)
+            self.closed_externals.add(atom)
 
-    def _take(self, told: TimedStatement) -> None:
-        """Put a statement in force if it defines its head, have it wait for its step, or ignore it."""
-        statement, known, head = told.statement, self.definitions, told.statement.head
-        if head is None or (head not in self._given and (known.is_open(head, told.update) or self._is_strange(head))):
-            self._add(told)
-        elif head in self._given:  # it is known as a fact, which says more
-            if not statement.body and told.lifetime == FOREVER:
-                self.in_force.append(told)
+    def _add_or_defer(self, entry: TimedStatement) -> None:
+        """Add a statement, defer it to the step that declares its head, or ignore it with a warning."""
+        statement, known, head = entry.statement, self.definitions, entry.statement.head
+        if head is None or (
+            head not in self._open_facts and (known.is_open(head, entry.update) or self._is_unmentioned(head))
+        ):
+            self._add(entry)
+        elif head in self._open_facts:  # already a fact, which is stronger
+            if not statement.body and entry.lifetime == FOREVER:
+                self.statements.append(entry)
         elif not statement.body and known.is_true(head):
             return
         elif self.snapshot.is_too_late(self.program, head):
-            self._warn(told, _TOO_LATE.format(head, self.past.first))
+            self._warn(entry, _TOO_LATE.format(head, self.past.first))
         elif not known.is_closed(head) and not known.knows(head) and self.program.may_declare(head, self.horizon + 1):
-            self.waiting.append(told)
+            self.deferred.append(entry)
         else:
-            self._warn(told, NOT_EXTERNAL.format(head))
+            self._warn(entry, NOT_EXTERNAL.format(head))
 
-    def _add(self, told: TimedStatement) -> None:
-        self.in_force.append(told)
-        subject = told.statement.subject
+    def _add(self, entry: TimedStatement) -> None:
+        self.statements.append(entry)
+        subject = entry.statement.subject
         assumed = None if subject is None else self._assumables.literals.get(subject)
         guards = [] if assumed is None else [assumed]
-        if isinstance(told.lifetime, int):
-            guards.append(self._ends.beyond(told.lifetime + 1))
-        self.definitions.add(told, guards, assumed is not None)
+        if isinstance(entry.lifetime, int):
+            guards.append(self._ends.beyond(entry.lifetime + 1))
+        self.definitions.add(entry, guards, assumed is not None)
 
-    def _warn(self, told: TimedStatement, text: str) -> None:
-        if told.update == self.snapshot.number:
+    def _warn(self, entry: TimedStatement, text: str) -> None:
+        if entry.update == self.snapshot.number:
             self.warnings.append(text)
 
-    def _is_strange(self, atom: clingo.Symbol) -> bool:
-        """Whether the program does not mention ``atom``, so that an update can define it freely."""
+    def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
+        """Return whether the program does not mention ``atom``, so that any update can define it."""
         signature, program = signature_of(atom), self.program
         is_mentioned = signature in program.signatures or signature in program.open_signatures
         if is_mentioned and not holds_string_apart(atom):
             return False
         return not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
 
-    # ---- What it tells -----------------------------------------------------------------------------------------------
+    # ---- Inspection --------------------------------------------------------------------------------------------------
 
     @property
     def is_conflicting(self) -> bool:
-        """Whether the program is unsatisfiable for any externals and further steps."""
+        """Whether the program is unsatisfiable for all values of externals and all horizons."""
         return bool(self._control.is_conflicting)
 
     @property
-    def named(self) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """The atoms that rules define, with their literals."""
+    def atom_literals(self) -> Iterator[Tuple[clingo.Symbol, int]]:
+        """The atoms with their literals; facts are left out if clingo has no literal for them."""
         return ((one.symbol, one.literal) for one in self._control.symbolic_atoms if one.literal)
 
     @property
-    def known(self) -> List[clingo.Symbol]:
-        """All atoms that may be true by what is ground and, after a search, by what follows from it."""
+    def possible_atoms(self) -> List[clingo.Symbol]:
+        """All atoms that can be true; atoms that clingo has simplified away are false."""
         self._session.close()
         self._control.cleanup()
         return [one.symbol for one in self._control.symbolic_atoms]
 
     @property
     def atoms_per_step(self) -> int:
-        """How many atoms there are for each step; at least 1."""
+        """Average number of atoms of a step; at least 1."""
         return max(1, len(self._control.symbolic_atoms) // max(1, self.horizon + 1 - self.past.first))
 
     @property
     def assumable(self) -> FrozenSet[clingo.Symbol]:
-        """The facts of which each question says whether they were told."""
+        """The facts that a question can disable."""
         return self._assumables.facts
 
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the ``_action_lib`` atoms of the cycles first..last that are not closed."""
+        """Return the ``_action_lib`` atoms of the cycles ``first`` to ``last`` that are not closed."""
         return self._actions.between(first, last)
 
     def undefined_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
-        """Return the externals that steps ``first`` to ``last`` declare and nothing defines (``base`` counts as 1)."""
+        """Return the undefined externals of steps ``first`` to ``last``; if ``base``, the base part is step 1."""
         found = self._externals.between(first, last, base)
         return [atom for atom in found if self.definitions.is_undefined(atom) and atom.name != GUARD]
 
     def claimed_steps(self) -> int:
-        """Return how many steps the program claims that a plan from the present step on takes; 0 for no claim.
+        """Return the lower bound that the program states for the steps of a plan, 0 for none.
 
-        What is known for good counts, after a search all that follows from what was told.
+        Only facts count; each search can derive more of them.
         """
         self._session.close()
         self._control.cleanup()
         claims = [one.symbol for one in self._control.symbolic_atoms.by_signature(*STEPS) if one.is_fact]
         return max((steps_claimed(claim, self.snapshot.step) for claim in claims), default=0)
 
-    def show(self, propagator: Propagator) -> None:
-        """Let ``propagator`` read the program as it stands, without a search."""
+    def inspect(self, propagator: Propagator) -> None:
+        """Call ``propagator.init`` on the present program, without a search."""
         self._control.register_propagator(propagator)
         self._actions.forbid_late()
         self.simplify()
 
     def simplify(self) -> None:
-        """Let clingo see what follows for good, so that all that is ground from now on is ground with that known."""
+        """Have clasp propagate top-level consequences, which simplify the steps that are grounded later."""
         external = self._session.new_external()
         self._session.close()
-        self._control.solve(assumptions=[external, -external])  # ends at once, but reads the program
+        self._control.solve(assumptions=[external, -external])  # contradictory: ends at once
         self._session.release(external)
 
     # ---- Growing -----------------------------------------------------------------------------------------------------
 
     def grow_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` at once, with what falls due there; raises as building does."""
+        """Ground the steps up to ``last``, and add deferred statements; raises like the constructor."""
         self._ground_to(last)
-        waiting, self.waiting = self.waiting, []
-        for told in waiting:
-            assert told.statement.head is not None
-            if self.definitions.is_open(told.statement.head, told.update):
-                self._add(told)
+        deferred, self.deferred = self.deferred, []
+        for entry in deferred:
+            assert entry.statement.head is not None
+            if self.definitions.is_open(entry.statement.head, entry.update):
+                self._add(entry)
             else:
-                self.waiting.append(told)
-        self._put_in_force(self.snapshot.with_horizon(last, self.program).items[len(self.snapshot.items) :])
+                self.deferred.append(entry)
+        self._add_entries(self.snapshot.with_horizon(last, self.program).items[len(self.snapshot.items) :])
 
     @property
     def _is_complete(self) -> bool:
-        """Whether further steps leave what is ground as it is: if it has no answer, they bring none."""
+        """Whether further steps cannot change the grounded steps: if these are unsatisfiable, no horizon helps."""
         defined = self.program.defines_externals and not self.program.steps_apart
-        return not (self.definitions.awaited or self._ends.coming or defined)
+        return not (self.definitions.absent or self._ends.coming or defined)
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def ask(self, question: Question, stopped: Stop) -> Reply:
-        """Search for the answer; the reply is unknown if ``stopped`` or ``question.until`` came first."""
+        """Search for answers; the reply is unknown if ``stopped`` or ``question.until`` ends the search."""
         self._actions.forbid_late()
         until = question.until
         ended = stopped if until is None else (lambda: stopped() or until())
         lacking = self._lacking(question.lacking)
-        kept = {one.symbol: one.literal for one in self._named(question.kept)}
+        kept = {one.symbol: one.literal for one in self._atoms(question.kept)}
         claim = self._claim() if question.believes else None
         blameable = [*self._assumables.assumptions(question.disabled), *([] if claim is None else [-claim])]
         blameable += kept.values()
         horizon = self._ends.range(question.first, question.last)
         self._session.close()
-        assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp blames the first
+        assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first for cores
         blames = bool(blameable) and question.blames
         limits = Limits(question.models, question.conflicts, question.best, question.advised)
-        answers = _Answers(question)
-        this = proxy(self)  # since the control keeps the function, which must not keep the control
+        answers: List[_Answer] = []
+        this = proxy(self)  # the control holds the callback, which must not hold the control
         with self._refusing():
             if question.brief:
-                result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, answers))
+                result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, question, answers))
                 core: List[int] = []
             else:
                 result, core = self._clasp.run(
-                    limits, assumed, lambda model: this._keep(model, answers), ended, blames=blames
+                    limits, assumed, lambda model: this._keep(model, question, answers), ended, blames=blames
                 )
         for literal in lacking:
             self._session.release(literal)
-        if (result.interrupted or result.unknown) and (question.proven or not answers.found):
+        if (result.interrupted or result.unknown) and (question.proven or not answers):
             return UNKNOWN
-        if result.satisfiable or answers.found:
-            return answers.reply()
+        if result.satisfiable or answers:
+            shown = tuple(one.shown for one in (answers if question.proven else answers[-1:]))
+            last, read = answers[-1], tuple(one.read for one in answers)
+            return Reply(True, shown, last.horizon, predicted=last.predicted, read=read)
         if self.is_conflicting:
             lasts = all(
                 one.lifetime == FOREVER for one in self.snapshot.timed_statements
-            )  # else it may lapse with a statement
+            )  # otherwise a statement that lapses can end the conflict
             return Reply(False, hopeless=True, permanent=lasts)
         if not blames:
             return Reply(False)
@@ -424,38 +448,36 @@ class Grounding:
         blamed = frozenset(one for one, literal in kept.items() if literal in blame)
         return Reply(False, core=facts, blamed=blamed, hopeless=timeless and self._is_complete)
 
-    def _keep(self, model: clingo.Model, answers: "_Answers") -> None:
-        """Take a model for an answer; if there is something to optimize, one that is proven best or will do."""
-        question = answers.question
+    def _keep(self, model: clingo.Model, question: Question, answers: List[_Answer]) -> None:
+        """Record a model as an answer; models that are not proven optimal only if the question accepts them."""
         if question.best and question.proven and model.cost and not model.optimality_proven:
             return
         if question.shows or self.shown is None:
             self.shown = frozenset(model.symbols(shown=True)) - self._hidden
-        answers.found.append(self.shown | self._retired)
-        answers.horizon = self._ends.horizon_of(model, question.first, question.last)
-        answers.read.append(tuple(one(model) for one in question.reads))
-        if self._return_rules is not None:
-            answers.predicted = self._predict(model, self._return_rules)
-        differ = [one.literal for one in self._named(question.differ)]
+        horizon = self._ends.horizon_of(model, question.first, question.last)
+        predicted = Predicted() if self._return_rules is None else self._predict(model, self._return_rules)
+        read = tuple(one(model) for one in question.reads)
+        answers.append(_Answer(self.shown | self._compacted, horizon, predicted, read))
+        differ = [one.literal for one in self._atoms(question.differ)]
         if differ and question.models != 1:
             model.context.add_clause([-one if model.is_true(one) else one for one in differ])
 
-    def _named(self, atoms: Iterable[clingo.Symbol]) -> Iterator[clingo.SymbolicAtom]:
-        """Yield what clingo knows of those of the ``atoms`` that it knows."""
+    def _atoms(self, atoms: Iterable[clingo.Symbol]) -> Iterator[clingo.SymbolicAtom]:
+        """Yield clingo's entries of those ``atoms`` that occur in the grounding."""
         return (one for one in map(self._control.symbolic_atoms.__getitem__, atoms) if one is not None)
 
     def _lacking(self, atoms: Sequence[clingo.Symbol]) -> List[int]:
-        """Have at least one of the ``atoms`` be false, until the literals that are returned are released."""
+        """Require one of the ``atoms`` to be false until the returned literals are released."""
         if not atoms:
             return []
         guard = self._session.new_external(HOLDS)
-        self._session.backend.add_rule([], [guard, *(one.literal for one in self._named(atoms))])
+        self._session.backend.add_rule([], [guard, *(one.literal for one in self._atoms(atoms))])
         return [guard]
 
     def _claim(self) -> Optional[int]:
-        """Return the literal of the program's claim that there is no plan; None if it can't be true.
+        """Return the literal of the program's claim that there is no plan; None if it cannot be true.
 
-        It may be wrong if something was told of a later step.
+        The claim does not hold if facts of later steps were asserted.
         """
         if STEPS not in self.program.head_signatures or self.snapshot.mentions_later_steps(self.program):
             return None
@@ -463,45 +485,20 @@ class Grounding:
         return (known.literal or None) if known is not None else None
 
     def _predict(self, model: clingo.Model, rules: ReturnRules) -> Predicted:
-        """Return what is predicted of a model whose shown atoms are known."""
+        """Return the predicted returns of a model; :attr:`shown` holds its atoms."""
 
         def is_true(atom: clingo.Symbol) -> Optional[bool]:
             known = self._control.symbolic_atoms[atom]
             return model.is_true(known.literal) if known is not None and known.literal else None
 
-        def may_be_told(atom: clingo.Symbol) -> bool:
-            return not self.definitions.is_asked(atom) and self.definitions.is_open(atom)
+        def can_arrive(atom: clingo.Symbol) -> bool:
+            return not self.definitions.is_in_body(atom) and self.definitions.is_open(atom)
 
-        return predict(self._actions.among(self.shown or ()), rules, may_be_told, is_true)
-
-
-class _Answers:
-    """The answers to a question.
-
-    Attributes:
-        question: the question.
-        found: the shown atoms of each answer.
-        horizon: that of the last answer.
-        predicted: what is predicted of it.
-        read: what was read of each answer.
-
-    """
-
-    def __init__(self, question: Question) -> None:
-        self.question = question
-        self.found: List[FrozenSet[clingo.Symbol]] = []
-        self.horizon = question.last
-        self.predicted = Predicted()
-        self.read: List[Tuple[FrozenSet[clingo.Symbol], ...]] = []
-
-    def reply(self) -> Reply:
-        """Return the reply that there are these."""
-        answers = self.found if self.question.proven else self.found[-1:]
-        return Reply(True, tuple(answers), self.horizon, predicted=self.predicted, read=tuple(self.read))
+        return predict(self._actions.among(self.shown or ()), rules, can_arrive, is_true)
 
 
 def pieces(first: int, end: int, size: int, keep_from: int) -> Iterator[int]:
-    """Yield the last steps of the pieces from ``first`` to ``end``; one ends where steps may be retired."""
+    """Yield the last step of each piece of ``first`` to ``end``; one piece ends before ``keep_from``."""
     while first <= end:
         last = min(first + size - 1, end)
         if first < keep_from <= last:
@@ -511,7 +508,7 @@ def pieces(first: int, end: int, size: int, keep_from: int) -> Iterator[int]:
 
 
 def _closes_loops(program: ReactiveProgram, snapshot: Snapshot) -> bool:
-    """Whether a statement closes a positive loop."""
+    """Return whether a statement closes a positive loop."""
     rules = [one for one in snapshot.statements if one.head is not None and one.body]
     dependencies = program.dependencies.copy() if rules else program.dependencies
     for one in rules:
@@ -523,7 +520,7 @@ def _closes_loops(program: ReactiveProgram, snapshot: Snapshot) -> bool:
 
 
 def _unused_facts(program: ReactiveProgram, snapshot: Snapshot) -> Iterator[str]:
-    """Yield, once for each predicate, what to tell of facts of the last update that nothing has any use for."""
+    """Yield a warning for each predicate of the last update's facts that no rule uses."""
     known = set(program.open_signatures)
     for statement, _, number in snapshot.timed_statements:
         if statement.head is None or signature_of(statement.head) in known:

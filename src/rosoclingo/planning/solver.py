@@ -16,7 +16,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
-from rosoclingo.planning.compaction import MOST_STEPS, compacted, end_of_past
+from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
@@ -222,7 +222,7 @@ class PlanSolver(PlanningSolver):
         if asking.grounding is not None and asking.grounding.is_cyclic:
             return None
         place = self.step, self.snapshot.min_horizon
-        if self._improvement is None or not self._improvement.goes_on(plan, *place):
+        if self._improvement is None or not self._improvement.moves_to(plan, *place):
             self._improvement = Improvement(plan, *place)
         try:
             reply = asking.run(self._improvement.run(asking), halt)
@@ -309,7 +309,7 @@ class PlanSolver(PlanningSolver):
     def probed_atoms(self) -> List[clingo.Symbol]:
         """Return all atoms that can be true at the steps ground for the last hypothetical question."""
         grounding = None if self._probed is None else self._probed.asking.grounding
-        return [] if grounding is None else grounding.known
+        return [] if grounding is None else grounding.possible_atoms
 
     # ---- Checkpoints -------------------------------------------------------------------------------------------------
 
@@ -321,7 +321,7 @@ class PlanSolver(PlanningSolver):
     def checkpoint(self) -> None:
         """Append a checkpoint to the history, and compact it if enough steps are over."""
         plan = self.log.plan
-        if self._steps_to_check >= MOST_STEPS and self.log.predicted and plan is not None:
+        if self._steps_to_check >= LEAST_STEPS and self.log.predicted and plan is not None:
             self._solve_again(plan)
         self._append_checkpoint()
 
@@ -346,7 +346,7 @@ class PlanSolver(PlanningSolver):
         snapshot, searched, compact = self.snapshot, self._searched, None
         if searched is not None and searched.key != self.log.key:
             searched = None
-        if searched is not None and self._steps_to_check >= MOST_STEPS:
+        if searched is not None and self._steps_to_check >= LEAST_STEPS:
             self._checked_until = end_of_past(self.program, snapshot)
             grounding = searched.asking.grounding
             compact = None if grounding is None else compacted(grounding, snapshot)

@@ -351,10 +351,10 @@ def _fewest(attempts: _Attempts, question: Question) -> Recovery:
 
 def _confirm(attempts: _Attempts, question: Question, mus: Mus[Goal]) -> None:
     """Make sure that goals cannot be met one after the other either; raises UndecidedError where that is not known."""
-    steps = question.alone * len(mus.things)
+    steps = question.alone * len(mus.items)
     if mus.minimal and steps <= attempts.lookahead:
         return
-    if not mus.minimal or attempts.met(mus.things, question.observations, steps):
+    if not mus.minimal or attempts.met(mus.items, question.observations, steps):
         raise UndecidedError
 
 
@@ -362,9 +362,9 @@ def _unmet(attempts: _Attempts, question: Question, diagnosis: Dict[Goal, Mus[Go
     attempts.begin()
     unmet: List[UnmetGoal] = []
     for goal, mus in reversed(list(diagnosis.items())):
-        seen = _observed(attempts, mus.things, question.observations)
-        others = tuple(other for other in reversed(mus.things) if other is not goal)
-        unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.things)), seen.minimal))
+        seen = _observed(attempts, mus.items, question.observations)
+        others = tuple(other for other in reversed(mus.items) if other is not goal)
+        unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.items)), seen.minimal))
     return tuple(unmet)
 
 
@@ -380,7 +380,7 @@ def _observed(attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[
     known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(hindering))]
     oracle: Oracle[Observation] = yes_or_no(lambda seen: attempts.met(goals, [*needed, *seen]))
     found = find_mus(hindering, remember(oracle, known))
-    return found if found.minimal or len(found.things) <= FEW else Mus((), minimal=False)
+    return found if found.minimal or len(found.items) <= FEW else Mus((), minimal=False)
 
 
 def _omissions(observations: Tuple[Observation, ...]) -> Iterator[Tuple[Observation, ...]]:

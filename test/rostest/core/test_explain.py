@@ -60,7 +60,7 @@ class ExplainGoals(unittest.TestCase):
         self.assertIn("goal(office1,office4,7): No plan of at most 20 steps", found.message)
         self.assertIn("delivery/rules.lp", found.message)
         self.assertIn("delivery/faults.lp", found.message)
-        self.assertIn("told: _blocked(office2,office3,", found.message)
+        self.assertIn("asserted: _blocked(office2,office3,", found.message)
         reason = json.loads(found.reason)
         self.assertEqual({one["rule"]["kind"] for one in reason["rules"][:1]}, {"volatile constraint"})
 

@@ -44,7 +44,7 @@ def program(length=1):
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     """Steps that are over are let go as soon as may be, those that an open goal has seen after 5 cycles."""
-    monkeypatch.setattr(plan_solver, "MOST_STEPS", 1)
+    monkeypatch.setattr(plan_solver, "LEAST_STEPS", 1)
     monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
 
 

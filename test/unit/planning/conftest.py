@@ -9,8 +9,8 @@ from rosoclingo.planning.grounding import Grounding
 @pytest.fixture
 def compacts_at_once(monkeypatch):
     """Retire whatever can be retired with every update, step by step."""
-    monkeypatch.setattr(compaction, "MOST_STEPS", 1)
-    monkeypatch.setattr(solver, "MOST_STEPS", 1)
+    monkeypatch.setattr(compaction, "LEAST_STEPS", 1)
+    monkeypatch.setattr(solver, "LEAST_STEPS", 1)
     monkeypatch.setattr(grounding, "PIECE", 1)
     monkeypatch.setattr(grounding, "CLOSED_PIECE", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)

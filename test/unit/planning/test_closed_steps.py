@@ -48,7 +48,7 @@ PROGRAM = ReactiveProgram.from_text(WALK)
 
 def places_of(grounding):
     """In how many places the robot may be after each cycle."""
-    return Counter(atom.arguments[1].number for atom in grounding.known if atom.name == "at")
+    return Counter(atom.arguments[1].number for atom in grounding.possible_atoms if atom.name == "at")
 
 
 def test_closed_steps_are_ground_with_what_has_become_of_them(monkeypatch):

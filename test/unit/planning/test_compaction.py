@@ -170,8 +170,8 @@ def test_facts_of_retired_steps_are_too_late():
     for one in (solver, reader):
         result = one.update(parse_update("#step 11. blocked(3). blocked(11). _request(goal(b,3),4). #endstep."))
         assert [line.split(".")[0] for line in result.warnings] == [
-            "Head blocked(3) comes too late: what concerns steps before 8 is over",
-            "Head _request(goal(b,3),4) comes too late: what concerns steps before 8 is over",
+            "Head blocked(3) comes too late: steps before 8 are compacted",
+            "Head _request(goal(b,3),4) comes too late: steps before 8 are compacted",
         ]
         assert parse_atom("blocked(11)") in result.answers[0]
 

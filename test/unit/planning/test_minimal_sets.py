@@ -79,14 +79,14 @@ def is_mus(things, conflicts):
 @given(CONFLICTS)
 def test_find_mus_returns_a_mus_in_order(tells, conflicts):
     found = find_mus(THINGS, oracle_of(conflicts, tells))
-    assert found == Mus(tuple(sorted(found.things)))
-    assert is_mus(found.things, conflicts)
+    assert found == Mus(tuple(sorted(found.items)))
+    assert is_mus(found.items, conflicts)
 
 
 @given(CONFLICTS)
 def test_find_mus_prefers_the_first_things(conflicts):
     muses = [some for some in subsets(THINGS) if is_mus(some, conflicts)]
-    assert find_mus(THINGS, oracle_of(conflicts)).things == min(muses, key=lambda mus: mus[::-1])
+    assert find_mus(THINGS, oracle_of(conflicts)).items == min(muses, key=lambda mus: mus[::-1])
 
 
 @ORACLES
@@ -105,8 +105,8 @@ def test_find_diagnosis_returns_the_first_smallest_one(tells, conflicts):
     assert tuple(found) == enough[0]
     for one, mus in found.items():
         assert mus.minimal
-        assert is_mus(mus.things, conflicts)
-        assert set(mus.things) & set(found) == {one}, "all others of it are kept"
+        assert is_mus(mus.items, conflicts)
+        assert set(mus.items) & set(found) == {one}, "all others of it are kept"
 
 
 @ORACLES
@@ -126,12 +126,12 @@ def test_grow_returns_a_maximal_satisfiable_set(tells, conflicts, data):
 @given(conflicts=CONFLICTS, questions=st.integers(0, 12))
 def test_a_set_found_in_part_of_the_time_is_unsatisfiable(tells, find, conflicts, questions):
     found = find(THINGS, limited(oracle_of(conflicts, tells), questions))
-    assert not satisfiable(found.things, conflicts)
-    assert list(found.things) == sorted(found.things)
+    assert not satisfiable(found.items, conflicts)
+    assert list(found.items) == sorted(found.items)
     if found.minimal:
-        assert is_mus(found.things, conflicts)
+        assert is_mus(found.items, conflicts)
     if found.smallest:
-        assert not any(len(one) < len(found.things) for one in conflicts)
+        assert not any(len(one) < len(found.items) for one in conflicts)
 
 
 @given(CONFLICTS, st.integers(0, 12))
@@ -153,8 +153,8 @@ def test_remember_changes_no_answer_and_asks_nothing_twice(tells, conflicts):
     for some in [*subsets(THINGS), *reversed(subsets(THINGS))]:
         answer = remembering(frozenset(some))
         assert answer.satisfiable == satisfiable(some, conflicts)
-        assert frozenset(some) <= answer.things if answer.satisfiable else answer.things <= frozenset(some)
-        assert satisfiable(answer.things, conflicts) == answer.satisfiable
+        assert frozenset(some) <= answer.items if answer.satisfiable else answer.items <= frozenset(some)
+        assert satisfiable(answer.items, conflicts) == answer.satisfiable
     assert len(asked) == len(set(map(frozenset, asked))) <= 2 ** len(THINGS)
 
 
@@ -201,8 +201,8 @@ def test_find_diagnosis_finds_no_conflict_twice():
 @pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
 def test_the_empty_set_can_be_unsatisfiable(find):
     for things in (THINGS, ()):
-        assert find(things, lambda things: Witness(False, things)).things == ()
-        assert find(things, lambda things: Witness(False, frozenset())).things == ()
+        assert find(things, lambda things: Witness(False, things)).items == ()
+        assert find(things, lambda things: Witness(False, frozenset())).items == ()
 
 
 def test_find_diagnosis_returns_nothing_if_nothing_helps():

@@ -181,7 +181,7 @@ def test_rules_of_the_stream_and_statements_that_lapse_keep_steps(step, updates,
 )
 @pytest.mark.parametrize("steps", [1, 4])
 def test_answers_stay_the_same_with_any_statements(monkeypatch, step, updates, steps):
-    monkeypatch.setattr(solver, "MOST_STEPS", steps)
+    monkeypatch.setattr(solver, "LEAST_STEPS", steps)
     retire(with_rules(step), *updates)
 
 

@@ -33,7 +33,7 @@ TIMEOUT = 50.0
 #: How soon cycles are over for the solver, so that a short run meets what otherwise only a long one does.
 FORGETFUL = (
     (stream_planner, "RECENT", 2),
-    (solver, "MOST_STEPS", 2),
+    (solver, "LEAST_STEPS", 2),
     (compaction, "SHOWN_STEPS", 1),
 )
 

@@ -115,7 +115,7 @@ def begun(world):
 @pytest.mark.slow
 def test_goals_that_wait_join_with_a_plan_that_is_there_by_then(process, world):
     cycle = begun(world)
-    before, spare = process.pid, process.spare_pid
+    before, spare = process.pid, process.standby_pid
     while world.core.cycle < cycle - 1:
         world.step()
         assert world.fed[-1] == "2"
@@ -153,7 +153,7 @@ def test_goals_that_wait_go_on_waiting_where_something_else_comes(process, world
 def test_what_comes_while_an_action_runs_has_its_answer_prepared_at_once(process, world, what):
     """Though goals were to join: that is over then. A further goal only waits, it changes nothing."""
     begun(world)
-    spare = process.spare_pid
+    spare = process.standby_pid
     world.hear(what, "2")
     assert world.core.queue.closed
     assert world.prepare() is (what == "another")

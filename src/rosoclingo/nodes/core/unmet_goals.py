@@ -7,7 +7,7 @@ import rospy
 
 from rosoclingo.common.worker import Worker, ending
 from rosoclingo.oclingo import ReactiveProgram, SolverError
-from rosoclingo.planning.workers.explaining_process import explain_apart
+from rosoclingo.planning.workers.pool import explain_in_worker
 from rosoclingo.reasoning import GoalUnmet
 from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.srv import Explain, ExplainResponse
@@ -47,9 +47,9 @@ class UnmetGoals:
 
 def _explained(program: ReactiveProgram, event: GoalUnmet) -> ExplainResponse:
     try:
-        why = explain_apart(program, event.stream, EXPLAINING, ending)
+        why = explain_in_worker(program, event.stream, EXPLAINING, ending)
     except SolverError as error:
         return ExplainResponse(success=False, message=f"{event.term}: {error}")
     if why is None:
         return ExplainResponse(success=False, message=f"{event.term}: there is a plan, but none was found in time then")
-    return ExplainResponse(True, f"{event.term}: {why.text()}", json.dumps(why.to_message()))
+    return ExplainResponse(True, f"{event.term}: {why.text}", json.dumps(why.message))

@@ -1,1 +1,1 @@
-"""Why there is no plan: which rules and facts forbid it, found out on a program whose rules can be let go."""
+"""Explanations why there is no plan: the rules and facts that exclude one, found with relaxed constraints."""

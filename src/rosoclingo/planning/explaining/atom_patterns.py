@@ -1,110 +1,73 @@
-"""Atoms of which parts are not known: of rules, whose variables may be bound, and those that are looked for."""
+"""Patterns of atoms: symbols in which names in upper case are variables, and ``_`` stands for any term."""
 
-from typing import Dict, Mapping, Optional, Tuple, Union
+import re
+from typing import Dict, Mapping, Optional
 
 import clingo
-from clingo.ast import ASTType, UnaryOperator
+from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.signatures import evaluate
-from rosoclingo.oclingo.progression.terms import Signature
 
-Pattern = Union[None, str, clingo.Symbol, Tuple[str, Tuple["Pattern", ...]]]  # type: ignore[misc]
-"""A term: None for anything, a variable's name, a ground term, or a function's name with arguments."""
+Bound = Dict[str, clingo.Symbol]
+"""The values of variables."""
 
-Bound = Dict[str, Pattern]
+ANY = clingo.Function("_")
+
+_VARIABLE = re.compile("_*[A-Z]")
 
 
-def pattern_of(text: str, constants: Mapping[str, clingo.Symbol]) -> Pattern:
-    """Return the pattern of an atom that is written as in a rule."""
+def pattern_of(text: str, constants: Mapping[str, clingo.Symbol]) -> clingo.Symbol:
+    """Return the pattern of an atom from its text in a rule."""
     term = parse(f"{text}.")[-1].head.atom.symbol
-    bare = term.argument if term.ast_type == ASTType.UnaryOperation else term
-    name = f"-{_name(bare)}" if bare is not term else _name(bare)
-    arguments = bare.arguments if bare.ast_type == ASTType.Function else ()
-    return name, tuple(_term(one, constants) for one in arguments)
+    atom = term.argument if term.ast_type == ASTType.UnaryOperation else term
+    if atom.ast_type == ASTType.Function:
+        return clingo.Function(atom.name, [_term(one, constants) for one in atom.arguments], atom is term)
+    return clingo.Function(atom.symbol.name, [], atom is term)
 
 
-def _name(term: Node) -> str:
-    return str(term.name if term.ast_type == ASTType.Function else term.symbol.name)
-
-
-def _term(term: Node, constants: Mapping[str, clingo.Symbol]) -> Pattern:
+def _term(term: Node, constants: Mapping[str, clingo.Symbol]) -> clingo.Symbol:
     if term.ast_type == ASTType.Variable:
-        return None if term.name == "_" else str(term.name)
+        return clingo.Function(term.name)
     if term.ast_type == ASTType.Function and not term.external:
-        return _joined(term.name, tuple(_term(one, constants) for one in term.arguments))
-    if term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Minus:
-        return None
-    return evaluate(term, dict(constants))
+        return clingo.Function(term.name, [_term(one, constants) for one in term.arguments])
+    value = evaluate(term, dict(constants))
+    return ANY if value is None else value
 
 
-def atom_pattern(atom: clingo.Symbol) -> Pattern:
-    """Return an atom as a pattern of its arguments."""
-    return (atom.name if atom.positive else f"-{atom.name}"), tuple(atom.arguments)
-
-
-def signature_in(pattern: Pattern) -> Signature:
-    """Return the predicate of an atom's pattern."""
-    assert isinstance(pattern, tuple)
-    name, arguments = pattern
-    return Signature(name.lstrip("-"), len(arguments), not name.startswith("-"))
-
-
-def filled(pattern: Pattern, bound: Bound) -> Pattern:
-    """Return a pattern with what its variables are; those that are not known are anything."""
-    if isinstance(pattern, str):
-        return bound.get(pattern)
-    if isinstance(pattern, tuple):
-        return pattern[0], tuple(_whole(filled(one, bound)) for one in pattern[1])
+def filled(pattern: clingo.Symbol, bound: Bound) -> clingo.Symbol:
+    """Return a pattern with its variables replaced; unbound variables match any term."""
+    if _is_variable(pattern):
+        return bound.get(pattern.name, ANY)
+    if _is_compound(pattern):
+        return clingo.Function(pattern.name, [filled(one, bound) for one in pattern.arguments], pattern.positive)
     return pattern
 
 
-def fits(pattern: Pattern, wanted: Pattern, bound: Bound) -> bool:
-    """Tell whether a pattern may be what is wanted, which has no variables; adds what its own are then to ``bound``."""
-    if pattern is None:
+def fits(pattern: clingo.Symbol, wanted: clingo.Symbol, bound: Bound) -> bool:
+    """Return whether a pattern unifies with ``wanted``, which has no variables; extends ``bound``."""
+    if _is_variable(pattern):
+        known = bound.get(pattern.name)
+        if known is None and wanted != ANY:
+            bound[pattern.name] = wanted
+        return known is None or fits(known, wanted, bound)
+    if ANY in (pattern, wanted):
         return True
-    if isinstance(pattern, str):
-        known = bound.get(pattern)
-        if known is not None and not fits(known, wanted, bound):
-            return False
-        bound[pattern] = wanted if known is None else known
-        return True
-    if wanted is None:
-        return True
-    mine, its = _parts(pattern), _parts(wanted)
-    if mine is None or its is None:
-        return mine is its and pattern == wanted
-    same = mine[0] == its[0] and len(mine[1]) == len(its[1])
-    return same and all(fits(one, other, bound) for one, other in zip(mine[1], its[1]))
+    if not (_is_compound(pattern) and _is_compound(wanted)):
+        return pattern == wanted
+    same = pattern.match(wanted.name, len(wanted.arguments), wanted.positive)
+    return same and all(fits(one, other, bound) for one, other in zip(pattern.arguments, wanted.arguments))
 
 
-def shown(pattern: Pattern, time: Optional[int] = None) -> str:
-    """Return a pattern as text; ``time`` is the position of an atom's time."""
-    if pattern is None:
-        return "_"
-    if not isinstance(pattern, tuple):
-        return str(pattern)
-    name, arguments = pattern
-    texts = ["t" if number == time else shown(one) for number, one in enumerate(arguments)]
-    return f"{name}({','.join(texts)})" if texts or not name else name
+def shown(pattern: clingo.Symbol, time: Optional[int]) -> str:
+    """Return an atom's pattern as text; the argument at position ``time`` is printed as ``t``."""
+    arguments = [clingo.Function("t") if number == time else one for number, one in enumerate(pattern.arguments)]
+    return str(clingo.Function(pattern.name, arguments, pattern.positive))
 
 
-def _parts(pattern: Pattern) -> Optional[Tuple[str, Tuple[Pattern, ...]]]:
-    """Return the name and arguments of a compound term; None for another one."""
-    if isinstance(pattern, tuple):
-        return pattern
-    if isinstance(pattern, clingo.Symbol) and pattern.type is clingo.SymbolType.Function and pattern.arguments:
-        return (pattern.name if pattern.positive else f"-{pattern.name}"), tuple(pattern.arguments)
-    return None
+def _is_compound(term: clingo.Symbol) -> bool:
+    return term.type is clingo.SymbolType.Function and bool(term.arguments)
 
 
-def _joined(name: str, arguments: Tuple[Pattern, ...]) -> Pattern:
-    return (name, arguments) if arguments or not name else clingo.Function(name)
-
-
-def _whole(pattern: Pattern) -> Pattern:
-    """Return a compound term as a ground one where it is."""
-    if isinstance(pattern, tuple) and all(isinstance(one, clingo.Symbol) for one in pattern[1]):
-        arguments = [one for one in pattern[1] if isinstance(one, clingo.Symbol)]
-        return clingo.Function(pattern[0].lstrip("-"), arguments, not pattern[0].startswith("-"))
-    return pattern
+def _is_variable(term: clingo.Symbol) -> bool:
+    return term.type is clingo.SymbolType.Function and not term.arguments and bool(_VARIABLE.match(term.name))

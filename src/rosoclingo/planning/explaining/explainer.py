@@ -1,9 +1,10 @@
-"""Finds out why there is no plan: the fewest rules that forbid it, the facts that they need, and where they bite.
+"""Search for explanations why there is no plan.
 
-The program's constraints are let go one way or the other on one grounding (see
-:mod:`~rosoclingo.planning.explaining.relaxed_program`), and so are the facts of the stream, as where the core looks for
-goals to give up (:mod:`~rosoclingo.planning.strategies.probe`). Each question that has no answer has a core, which
-makes the next ones small. The facts of the program cost a grounding each, and come last.
+An explanation has the fewest rules that exclude a plan, the facts that they depend on, and the steps of the conflict.
+Constraints are relaxed by assumptions on one grounding (see
+:mod:`~rosoclingo.planning.explaining.relaxed_program`), and so are facts of the stream (see
+:mod:`~rosoclingo.planning.strategies.probe`). Unsat cores reduce later questions. Facts of the program take a grounding
+each, and come last.
 """
 
 from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
@@ -12,10 +13,10 @@ import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.explaining.induction import breaks_for_ever
+from rosoclingo.planning.explaining.induction import excludes_longer_plans
 from rosoclingo.planning.explaining.named_rules import RuleKind
 from rosoclingo.planning.explaining.near_miss import Ends, never_true
-from rosoclingo.planning.explaining.questions import Facts, Questions, Stream
+from rosoclingo.planning.explaining.questions import Questions, Stream
 from rosoclingo.planning.explaining.reach import Reach, UncertainError
 from rosoclingo.planning.explaining.relaxed_program import KEEP, WHOLE, RelaxedProgram
 from rosoclingo.planning.explaining.why_not import BlamedFact, BlamedRule, BrokenPlan, WhyNot
@@ -36,22 +37,22 @@ from rosoclingo.planning.question import Reply, Stop
 
 T = TypeVar("T")
 Rules = FrozenSet[int]
-Blame = Tuple[Tuple[T, Optional[bool]], ...]
-"""Things to blame, each with whether it hinders."""
+Blamed = Tuple[Tuple[T, Optional[bool]], ...]
+"""Facts without which there is a plan, each with whether it hinders, see :class:`BlamedFact`."""
 
 
-class _Without(NamedTuple):
-    """A plan that there is without one rule, and without the rules ``besides`` it, which are as few as can be."""
+class _Relaxation(NamedTuple):
+    """The shortest plan without one rule, and the fewest rules ``besides`` it that have to be removed as well."""
 
-    verdict: Reply
+    plan: Reply
     besides: Rules
 
 
 def explain(program: ReactiveProgram, stream: Stream, halt: Stop = lambda: False) -> Optional[WhyNot]:
-    """Return why there is no plan; None where there is one.
+    """Explain why there is no plan; None if there is one.
 
-    ``halt`` ends it, with what was found by then. Raises SolverError where the stream is refused, and UndecidedError
-    where ``halt`` came before it was even known that there is no plan.
+    After a stop by ``halt`` the explanation is incomplete. Raises SolverError if the stream is refused, and
+    UndecidedError if ``halt`` stops the search for a plan.
     """
     relaxed = RelaxedProgram.of(program)
     questions = Questions(relaxed, stream, may_idle(program, halt), halt)
@@ -59,7 +60,7 @@ def explain(program: ReactiveProgram, stream: Stream, halt: Stop = lambda: False
 
 
 class _Explainer:
-    """Explains one stream; ``steps`` are the present one and those that a plan may reach."""
+    """Explains one stream; ``steps`` are the present step and those of plans."""
 
     def __init__(self, program: ReactiveProgram, relaxed: RelaxedProgram, questions: Questions, steps: range) -> None:
         self._program, self._relaxed, self._questions, self._steps = program, relaxed, questions, steps
@@ -67,47 +68,48 @@ class _Explainer:
         self._complete = True
 
     def run(self) -> Optional[WhyNot]:
-        """Return why there is no plan; None where there is one."""
+        """Explain why there is no plan; None if there is one."""
         oracle = remember(self._ask_rules, [])
         if oracle(frozenset(self._all)).satisfiable:
             return None
-        found = self._note(find_smallest_mus(self._all, oracle))
-        rules = frozenset(found.things)
-        never: bool = self._in_time(lambda: self._questions.ask(_wholes(rules)).hopeless, False)
-        told: Blame[clingo.Symbol] = self._in_time(lambda: self._find_told(rules), ())
-        plans: Dict[int, _Without] = {}
-        self._in_time(lambda: self._plan_without(rules, oracle, plans), None)
-        steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(found.things), {})
-        facts: Blame[int] = self._in_time(lambda: self._find_facts(rules, self._questions.told), ())
+        mus = self._checked(find_smallest_mus(self._all, oracle))
+        rules = frozenset(mus.items)
+        never: bool = self._in_time(lambda: self._questions.ask(_selectors(rules)).hopeless, False)
+        stream_facts: Blamed[clingo.Symbol] = self._in_time(lambda: self._find_stream_facts(rules), ())
+        relaxations: Dict[int, _Relaxation] = {}
+        self._in_time(lambda: self._relax_each(rules, oracle, relaxations), None)
+        steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(mus.items), {})
+        program_facts: Blamed[int] = self._in_time(lambda: self._find_program_facts(rules), ())
         rule_of = self._relaxed.rules
-        blamed = tuple(self._blamed(number, plans.get(number), steps.get(number, ())) for number in found.things)
+        blamed = tuple(self._blamed(number, relaxations.get(number), steps.get(number, ())) for number in mus.items)
         reach = self._reach() if self._complete else None
+        last = self._steps[-1]
         return WhyNot(
             self._steps[0],
-            self._steps[-1],
-            never or (reach is not None and breaks_for_ever(self._relaxed, rules, reach, self._steps[-1])),
+            last,
+            never or (reach is not None and excludes_longer_plans(self._relaxed, rules, reach, last)),
             blamed,
-            tuple(BlamedFact(f"{atom}.", hinders=hinders) for atom, hinders in told),
-            tuple(BlamedFact(rule_of[one].text, rule_of[one], hinders) for one, hinders in facts),
-            found.smallest,
+            tuple(BlamedFact(f"{atom}.", hinders=hinders) for atom, hinders in stream_facts),
+            tuple(BlamedFact(rule_of[one].text, rule_of[one], hinders) for one, hinders in program_facts),
+            mus.smallest,
             self._complete,
-            self._nearest(plans),
+            self._broken_plan(relaxations),
             () if reach is None else never_true(self._program, reach, _ends(blamed)),
         )
 
     def _reach(self) -> Optional[Reach]:
-        """Return what the program can ever make true, None where that is not known."""
         try:
             return Reach(self._program, self._questions.known())
         except UncertainError:
             return None
 
-    def _note(self, found: Mus[T]) -> Mus[T]:
-        self._complete &= found.minimal
-        return found
+    def _checked(self, mus: Mus[T]) -> Mus[T]:
+        """Return ``mus``; the explanation is incomplete if it is not minimal."""
+        self._complete &= mus.minimal
+        return mus
 
     def _in_time(self, find: Callable[[], T], otherwise: T) -> T:
-        """Return what is found, as long as there is time."""
+        """Return what ``find`` returns; after a stop ``otherwise``, and the explanation is incomplete."""
         try:
             return find()
         except UndecidedError:
@@ -117,97 +119,91 @@ class _Explainer:
     # -- rules
 
     def _ask_rules(self, kept: Rules) -> Witness[int]:
-        verdict = self._questions.ask(_wholes(kept))
-        if verdict.satisfiable:
-            broken = {one.number for one in self._relaxed.breaches(verdict.answers[-1])}
+        reply = self._questions.ask(_selectors(kept))
+        if reply.satisfiable:
+            broken = {one.number for one in self._relaxed.breaches(reply.answers[-1])}
             return Witness(True, frozenset(self._all) - broken)
-        return Witness(False, frozenset(atom.arguments[0].number for atom in verdict.blamed))
+        return Witness(False, frozenset(atom.arguments[0].number for atom in reply.blamed))
 
-    def _plan_without(self, rules: Rules, oracle: Oracle[int], found: Dict[int, _Without]) -> None:
-        """Find the shortest plan without each of the rules, and with as many others as can be."""
+    def _relax_each(self, rules: Rules, oracle: Oracle[int], found: Dict[int, _Relaxation]) -> None:
+        """Find, for each of the rules, the shortest plan without it that obeys a maximal set of the other rules."""
         for number in sorted(rules):
             possible = frozenset(self._all) - {number}
             if not oracle(possible).satisfiable:
                 possible = grow(rules - {number}, self._all, oracle)
-            kept = _wholes(possible)
-            verdict = self._questions.shortest(kept, self._questions.ask(kept))
-            found[number] = _Without(verdict, frozenset(self._all) - possible - {number})
+            kept = _selectors(possible)
+            plan = self._questions.shortest(kept, self._questions.ask(kept))
+            found[number] = _Relaxation(plan, frozenset(self._all) - possible - {number})
 
     def _find_steps(self, rules: Iterable[int]) -> Dict[int, Tuple[int, ...]]:
-        """Find the steps at which it is enough to keep the rules, the later ones left out first."""
+        """Find the steps at which the rules are in conflict; late steps are removed first."""
         first = self._program.first_step
         places = [clingo.Function("base"), *map(clingo.Number, range(first, self._steps[-1] + 1))]
         selectors = [clingo.Function(KEEP, [clingo.Number(rule), place]) for place in places for rule in rules]
 
         def ask(kept: FrozenSet[clingo.Symbol]) -> Witness[clingo.Symbol]:
-            """Tell whether there is a plan that heeds rules at some steps alone."""
-            verdict = self._questions.ask(kept)
-            return Witness(bool(verdict.satisfiable), kept if verdict.satisfiable else verdict.blamed)
+            """Return whether there is a plan that obeys rules at some steps."""
+            reply = self._questions.ask(kept)
+            return Witness(bool(reply.satisfiable), kept if reply.satisfiable else reply.blamed)
 
         found: Dict[int, List[int]] = {}
-        for atom in self._note(find_mus(selectors, ask)).things:
+        for atom in self._checked(find_mus(selectors, ask)).items:
             rule, place = atom.arguments
             if place.type is clingo.SymbolType.Number:
                 found.setdefault(rule.number, []).append(place.number)
         return {rule: tuple(sorted(steps)) for rule, steps in found.items()}
 
-    def _blamed(self, number: int, without: Optional[_Without], steps: Tuple[int, ...]) -> BlamedRule:
+    def _blamed(self, number: int, relaxation: Optional[_Relaxation], steps: Tuple[int, ...]) -> BlamedRule:
         rule = self._relaxed.rules[number]
-        if without is None:
+        if relaxation is None:
             return BlamedRule(rule, steps)
-        breaches = [one for one in self._relaxed.breaches(without.verdict.answers[-1]) if one.number == number]
+        breaches = [one for one in self._relaxed.breaches(relaxation.plan.answers[-1]) if one.number == number]
         breach = (breaches[0].step, dict(breaches[0].values)) if breaches else None
-        return BlamedRule(rule, steps, tuple(self._relaxed.rules[one] for one in sorted(without.besides)), breach)
+        return BlamedRule(rule, steps, tuple(self._relaxed.rules[one] for one in sorted(relaxation.besides)), breach)
 
-    def _nearest(self, plans: Dict[int, _Without]) -> Optional[BrokenPlan]:
-        """Return a plan that breaks one rule and as few others as possible; one that just ends early tells nothing."""
+    def _broken_plan(self, relaxations: Dict[int, _Relaxation]) -> Optional[BrokenPlan]:
+        """Return a plan that violates the fewest rules; plans that only end too early are left out."""
         kinds = {rule.number: rule.kind for rule in self._relaxed.constraints}
-        some = [one for one in plans if kinds[one] is not RuleKind.VOLATILE]
+        some = [one for one in relaxations if kinds[one] is not RuleKind.VOLATILE]
         if not some:
             return None
-        best = min(some, key=lambda one: len(plans[one].besides))
-        broken = (self._relaxed.rules[one] for one in (best, *sorted(plans[best].besides)))
-        return BrokenPlan(tuple(broken), tuple(map(str, self._to_do(plans[best].verdict))))
+        best = min(some, key=lambda one: len(relaxations[one].besides))
+        broken = (self._relaxed.rules[one] for one in (best, *sorted(relaxations[best].besides)))
+        return BrokenPlan(tuple(broken), tuple(map(str, self._actions(relaxations[best].plan))))
 
     # -- facts
 
-    def _find_told(self, rules: Rules) -> Blame[clingo.Symbol]:
-        """Find the facts of the stream without which the rules would allow a plan."""
-        kept = _wholes(rules)
-        told = self._questions.told
-        return self._to_blame(
-            sorted(self._questions.ask(kept, told).core), lambda facts: self._questions.ask(kept, facts)
+    def _find_stream_facts(self, rules: Rules) -> Blamed[clingo.Symbol]:
+        """Find the facts of the stream without which a plan obeys the rules."""
+        kept = _selectors(rules)
+        core = self._questions.ask(kept).core
+        return self._find_blamed(sorted(core), lambda facts: self._questions.ask(kept, facts))
+
+    def _find_program_facts(self, rules: Rules) -> Blamed[int]:
+        """Find the facts of the program without which a plan obeys the rules."""
+        facts, kept = self._relaxed.facts_behind(rules), _selectors(rules)
+        everything = frozenset(facts)
+        return self._find_blamed(
+            facts, lambda some: self._questions.about(self._relaxed.without(everything - some)).ask(kept)
         )
 
-    def _find_facts(self, rules: Rules, told: Facts) -> Blame[int]:
-        """Find the facts of the program without which the rules would allow a plan."""
-        facts, kept = [rule.number for rule in self._relaxed.facts_behind(rules)], _wholes(rules)
-        everything = frozenset(facts)
+    def _find_blamed(self, facts: Sequence[T], ask: Callable[[FrozenSet[T]], Reply]) -> Blamed[T]:
+        """Find the facts each of which is necessary for the conflict, and whether they hinder.
 
-        def ask(some: FrozenSet[int]) -> Reply:
-            """Tell whether there is a plan with these facts alone."""
-            return self._questions.about(self._relaxed.without(everything - some)).ask(kept, told)
-
-        return self._to_blame(facts, ask)
-
-    def _to_blame(self, facts: Sequence[T], ask: Callable[[FrozenSet[T]], Reply]) -> Blame[T]:
-        """Find the facts without any one of which there would be a plan, and whether they hinder.
-
-        Where that is so of none that hinders, as several do that are enough each, all but those of one reason are left
-        out.
+        If none of these hinders, because several hindering facts suffice each, all but one minimal set are removed.
         """
         everything = frozenset(facts)
         alone = {fact: reply for fact in facts for reply in [ask(everything - {fact})] if reply.satisfiable}
         if all(self._hinders(reply) is False for reply in alone.values()):
-            alone = self._in_time(lambda: self._one_reason(facts, alone, ask), alone) or alone
+            alone = self._in_time(lambda: self._one_conflict(facts, alone, ask), alone) or alone
         return tuple((fact, self._hinders(reply)) for fact, reply in alone.items())
 
-    def _one_reason(
+    def _one_conflict(
         self, facts: Sequence[T], needed: Dict[T, Reply], ask: Callable[[FrozenSet[T]], Reply]
     ) -> Dict[T, Reply]:
-        """Leave out facts until there would be a plan without any one of those left; of these some are ``needed``.
+        """Remove facts until each of those left is necessary; ``needed`` are known to be.
 
-        Without some facts, others may no longer be needed: a plan can need a fact as well.
+        Removing facts can make others unnecessary, as a plan can need a fact as well.
         """
         rest = [fact for fact in facts if fact not in needed]
         if not rest:
@@ -216,24 +212,24 @@ class _Explainer:
         mus = find_mus(rest, remember(oracle, [Witness(False, frozenset(rest))]))
         if not mus.minimal:
             raise UndecidedError
-        facts = [fact for fact in facts if fact in needed or fact in mus.things]
+        facts = [fact for fact in facts if fact in needed or fact in mus.items]
         replies = {fact: ask(frozenset(facts) - {fact}) for fact in facts}
-        return self._one_reason(facts, {fact: reply for fact, reply in replies.items() if reply.satisfiable}, ask)
+        return self._one_conflict(facts, {fact: reply for fact, reply in replies.items() if reply.satisfiable}, ask)
 
     def _hinders(self, without: Reply) -> Optional[bool]:
-        """Tell whether there is something to do in a plan that there is without a fact."""
-        return bool(self._to_do(without)) if ACTION in self._program.head_signatures else None
+        """Return whether a plan without a fact has actions; None if the program has no actions."""
+        return bool(self._actions(without)) if ACTION in self._program.head_signatures else None
 
-    def _to_do(self, verdict: Reply) -> List[clingo.Symbol]:
-        plan = Plan.from_atoms(verdict.answers[-1], verdict.horizon).rest(self._steps[0])
-        return sorted(plan.actions, key=lambda one: (one.arguments[2].number, one))
+    def _actions(self, plan: Reply) -> List[clingo.Symbol]:
+        actions = Plan.from_atoms(plan.answers[-1], plan.horizon).rest(self._steps[0]).actions
+        return sorted(actions, key=lambda one: (one.arguments[2].number, one))
 
 
 def _ends(rules: Iterable[BlamedRule]) -> Ends:
-    """Return the constraints on a plan's end, as the plan that there is without each of them breaks it."""
+    """Return the constraints on the end of a plan, with the values of their breaches."""
     return [(one.rule, one.breach[1]) for one in rules if one.rule.kind is RuleKind.VOLATILE and one.breach]
 
 
-def _wholes(rules: Iterable[int]) -> List[clingo.Symbol]:
-    """Return the selectors of whole rules."""
+def _selectors(rules: Iterable[int]) -> List[clingo.Symbol]:
+    """Return the selectors of rules at all steps."""
     return [clingo.Function(WHOLE, [clingo.Number(rule)]) for rule in sorted(rules)]

@@ -1,7 +1,6 @@
-"""Rules of a program as they are told of: where they stand, their text, and what their author says of them.
+"""Rules of a program as explanations name them: place, text and the author's comment.
 
-An author's words for a rule stand above it in a comment that begins with ``%!``; names of variables in braces stand for
-their values:
+The author's comment stands above the rule and begins with ``%!``; names of variables in braces stand for their values:
 
     %! nobody drives from {A} to {B}, which is blocked
     :- blocked(A,B), at(A,t-1), move(B,t).
@@ -23,7 +22,7 @@ _PLACE = re.compile(r"\{(?P<name>_*[A-Z]\w*'*)\}")
 
 
 class RuleKind(Enum):
-    """What sort of rule may forbid a plan."""
+    """Kinds of rules and facts in explanations."""
 
     VOLATILE = "volatile constraint"
     INTEGRITY = "integrity constraint"
@@ -33,15 +32,15 @@ class RuleKind(Enum):
 
 @dataclass(frozen=True)
 class NamedRule:
-    """A rule of a program that can be let go.
+    """A rule or fact of a program that can be relaxed.
 
     Attributes:
-        number: what it is known by in its program, from 0.
-        kind: what it is.
+        number: its index in the program, from 0.
+        kind: its kind.
         file, line, column: where it begins, from 1.
-        text: the rule as it is written, as far to the left as can be; of facts written as one this one.
-        words: what its author says of it, empty where nothing.
-        variables: the names of what its instances differ in, sorted.
+        text: its text without indentation; of pooled facts, only this fact.
+        words: the author's comment, empty if there is none.
+        variables: the names of its global variables, sorted.
 
     """
 
@@ -59,26 +58,26 @@ class NamedRule:
         """File, line and column."""
         return f"{self.file}:{self.line}:{self.column}"
 
-    def saying(self, values: Mapping[str, str]) -> str:
-        """Return its words with the values of variables; those without one keep their names."""
+    def comment(self, values: Mapping[str, str]) -> str:
+        """Return the author's comment with ``values`` for variables; other variables keep their names."""
         return _PLACE.sub(lambda found: values.get(found["name"], found["name"]), self.words)
 
 
 class RuleTexts:
-    """The texts of a program's rules, as they were written."""
+    """The source texts of a program's rules."""
 
     def __init__(self, sources: Iterable[Source]) -> None:
         self._lines: Dict[str, List[str]] = {one.name: one.text.splitlines() for one in sources}
 
     def text(self, statement: Node) -> str:
-        """Return the text of a statement; where its columns tell nothing, the lines in which it stands."""
+        """Return the text of a statement; its whole lines if the location has no usable columns."""
         location = statement.location
         lines = self._lines.get(location.begin.filename, [])[location.begin.line - 1 : location.end.line]
         text = _laid_out(_cut(lines, location), location.begin.column - 1)
         return text if text.endswith(".") else _laid_out(lines, 0) or str(statement)
 
     def words(self, statement: Node) -> str:
-        """Return what the comment right above a statement says, of one line or several."""
+        """Return the author's comment above a statement, joined to one line."""
         begin = statement.location.begin
         found: List[str] = []
         for line in reversed(self._lines.get(begin.filename, [])[: begin.line - 1]):
@@ -90,7 +89,7 @@ class RuleTexts:
 
 
 def _cut(lines: List[str], location: Location) -> List[str]:
-    """Return the part of the lines that a location holds, whose columns count bytes of UTF-8."""
+    """Return the part of ``lines`` at a location; columns count bytes of UTF-8."""
     pieces = [line.encode() for line in lines]
     if pieces:
         pieces[-1] = pieces[-1][: location.end.column - 1]
@@ -99,7 +98,7 @@ def _cut(lines: List[str], location: Location) -> List[str]:
 
 
 def _laid_out(lines: Iterable[str], indent: int) -> str:
-    """Return lines without comments, those after the first one less an indent of so many columns."""
+    """Return lines without comments; lines after the first lose at most ``indent`` columns."""
     bare = [_COMMENT.sub(lambda found: found[1] or "", line).rstrip() for line in lines]
     first, *rest = [line for line in bare if line] or [""]
     return "\n".join([first.strip(), *(line[min(indent, len(line) - len(line.lstrip())) :] for line in rest)])

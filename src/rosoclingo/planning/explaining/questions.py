@@ -1,4 +1,4 @@
-"""Questions about one update: whether there is a plan with some rules, after some of the facts of the stream."""
+"""Questions about one update: is there a plan that obeys some rules, given some facts of the stream?"""
 
 from dataclasses import replace
 from typing import FrozenSet, Iterable, List, NamedTuple, Optional
@@ -18,9 +18,14 @@ Facts = FrozenSet[clingo.Symbol]
 
 
 class Stream(NamedTuple):
-    """What the question is about: ``update`` follows on ``log``, and a plan may have so many ``steps``.
+    """A history, the next update, and a bound for plans.
 
-    ``oclingo_strings`` is as for :class:`~rosoclingo.planning.solver.PlanSolver`.
+    Attributes:
+        log: the history.
+        update: the update that follows it.
+        steps: the greatest number of steps of a plan.
+        oclingo_strings: as for :class:`~rosoclingo.planning.solver.PlanSolver`.
+
     """
 
     log: History
@@ -30,37 +35,37 @@ class Stream(NamedTuple):
 
 
 class Questions:
-    """What can be asked of a program whose rules can be let go, about a stream.
+    """Asks a relaxed program about a stream.
 
     Attributes:
         step: the step of the stream's update.
-        told: the facts of the stream that are assumable, and what was done.
+        facts: the assumable facts of the stream, and the executed actions.
 
     """
 
     def __init__(self, program: RelaxedProgram, stream: Stream, idles: bool, halt: Stop) -> None:
-        """Ask for plans; ``idles`` tells whether answers outlive further steps. ``halt`` ends a question."""
+        """Prepare to ask; ``idles``: whether answers can be extended by idle steps. ``halt`` stops a question."""
         self._stream, self._idles, self._halt = stream, idles, halt
         self._solver = PlanSolver(program, oclingo_strings=stream.oclingo_strings, idles=idles)
         self._solver.restore(stream.log)
         before, update = self._solver.snapshot, stream.update
         self.step = before.step if update.step is None else update.step
-        self.told = _assumable(before, update)
+        self.facts = _assumable(before, update)
 
     def about(self, program: RelaxedProgram) -> "Questions":
         """Return the same questions about another program."""
         return Questions(program, self._stream, self._idles, self._halt)
 
-    def ask(self, kept: Iterable[clingo.Symbol], told: Optional[Facts] = None, steps: Optional[int] = None) -> Reply:
-        """Tell whether there is a plan with all that is ``kept`` after the facts ``told`` (None: all).
+    def ask(self, kept: Iterable[clingo.Symbol], facts: Optional[Facts] = None, steps: Optional[int] = None) -> Reply:
+        """Search for a plan with the selectors ``kept`` and the ``facts`` (None: all).
 
         Raises UndecidedError, and SolverError if the update is refused.
         """
-        disabled = self.told - (self.told if told is None else told)
+        disabled = frozenset() if facts is None else self.facts - facts
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
         try:
             reply = self._solver.probe(
-                update, self.told, disabled, self._halt, self._halt, sorted(kept), believes=False
+                update, self.facts, disabled, self._halt, self._halt, sorted(kept), believes=False
             )
         except DroppedError:
             raise UndecidedError from None
@@ -69,11 +74,11 @@ class Questions:
         return reply
 
     def known(self) -> List[clingo.Symbol]:
-        """Return all atoms that may be true at the steps that have been ground."""
+        """Return all atoms that can be true at the grounded steps."""
         return self._solver.probed_atoms()
 
     def shortest(self, kept: Iterable[clingo.Symbol], found: Reply) -> Reply:
-        """Return the shortest plan with what is kept, of which one was found."""
+        """Return the shortest plan with the selectors ``kept``, given one that was ``found``."""
         kept = list(kept)
         low, best = 0, found
         while low < best.horizon - self.step:
@@ -83,13 +88,13 @@ class Questions:
                 low = middle + 1
             elif reply.horizon < best.horizon:
                 best = reply
-            else:  # steps that are ground whatever the bound
+            else:  # the history already has these steps
                 break
         return best
 
 
 def _assumable(snapshot: Snapshot, update: StreamUpdate) -> Facts:
-    """Return what may not have been told, or done: a fact that goes takes along what was done because of it."""
+    """Return the facts and executed actions; both are assumable, as an action can depend on a fact."""
     statements = [*snapshot.statements, *(one for _, one in update.sections())]
     plain = (one for one in statements if one.is_commitment or not one.body)
     return frozenset(one.subject for one in plain if one.subject is not None)

@@ -1,9 +1,8 @@
-"""What a program can ever make true, seen too large rather than too small, whatever the number of steps.
+"""An over-approximation of the atoms that a program can derive, for any number of steps.
 
-Steps are left out: the rules of a step say of each atom, without its time, what has to have been true for it at any
-time. What rules forbid, what they ask not to be true, bounds and sums are left out as well. So an atom that is not
-among what follows is true in no answer, with no number of steps. A program that counts its steps, or has no end
-without them, is not judged.
+Time arguments are abstracted to one value, and constraints, negation, bounds and aggregates are dropped. So an atom
+that the abstract rules do not derive is true in no answer, for any number of steps. Programs that compute with steps,
+or whose abstraction has no finite grounding, are not supported.
 """
 
 from typing import FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -20,22 +19,22 @@ from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms
 
-_MOST = 100_000  # ground rules: more are not looked at
-_TIME = clingo.Number(0)  # stands for every time
+_MOST = 100_000  # ground rules
+_TIME = clingo.Number(0)  # for all times
 
 
 class UncertainError(Exception):
-    """Of this program it is not known what it can make true."""
+    """The reachable atoms of the program cannot be computed."""
 
 
 class HeadRule(NamedTuple):
-    """A rule for an atom, without its time.
+    """An abstract rule.
 
     Attributes:
-        statement: the rule.
-        head: the atom, as text.
-        body: the atoms that have to be true, as text.
-        other: comparisons that do not change with the step, as text.
+        statement: the rule in the program.
+        head: the head atom, as text.
+        body: the positive body atoms, as text.
+        other: comparisons without times, as text.
 
     """
 
@@ -46,49 +45,45 @@ class HeadRule(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The rule."""
+        """The rule as text."""
         return f"{self.head} :- {', '.join([*self.body, *self.other])}." if self.body or self.other else f"{self.head}."
 
 
 class Reach:
-    """What a program can ever make true.
+    """The reachable atoms of a program.
 
     Attributes:
-        rules: its rules without their times.
-        known: what may have been true so far.
-        atoms: the atoms, each without its time.
+        rules: the abstract rules.
+        known: the given atoms.
+        atoms: the reachable atoms, without times.
 
     """
 
     def __init__(self, program: ReactiveProgram, known: Iterable[clingo.Symbol]) -> None:
-        """Take what may have been true so far; raises UncertainError."""
+        """Compute the atoms that are reachable from ``known`` ones; raises UncertainError."""
         self._program = program
         self.rules: List[HeadRule] = [rule for part in program.parts for rule in self._rules_of(part)]
         constants = "".join(f"#const {name} = {value}.\n" for name, value in program.values.items())
         self.known = [one for one in known if not one.name.startswith(OWN)]
-        begun = {self.timeless(one) for one in self.known}
-        facts = "".join(f"{{ {one} }}.\n" for one in sorted(begun))
+        start = {self._timeless(one) for one in self.known}
+        facts = "".join(f"{{ {one} }}.\n" for one in sorted(start))
         self.atoms: FrozenSet[clingo.Symbol] = _closed(constants + facts + "\n".join(one.text for one in self.rules))
 
-    def timeless(self, atom: clingo.Symbol) -> clingo.Symbol:
+    def _timeless(self, atom: clingo.Symbol) -> clingo.Symbol:
         """Return an atom without its time."""
         return atom if self.time_of(atom) is None else self.at(atom, 0)
 
     def time_of(self, atom: clingo.Symbol) -> Optional[int]:
-        """Return the time of an atom, None where it has none."""
+        """Return the time of an atom, None if it has none."""
         position = self._program.time_position(atom.name, len(atom.arguments))
         time = None if position is None else atom.arguments[position]
         return time.number if time is not None and time.type is clingo.SymbolType.Number else None
 
     def at(self, atom: clingo.Symbol, time: int) -> clingo.Symbol:
-        """Return an atom that has a time at another one."""
+        """Return an atom with another time."""
         position = self._program.time_position(atom.name, len(atom.arguments))
         arguments = [clingo.Number(time) if n == position else one for n, one in enumerate(atom.arguments)]
         return clingo.Function(atom.name, arguments, atom.positive)
-
-    def written(self, term: Node, part: Part) -> str:
-        """Return the text of a rule's atom without its time; raises UncertainError where the step is more than that."""
-        return self._atom(term, part, set())
 
     def _rules_of(self, part: Part) -> Iterator[HeadRule]:
         used = self._program.survey.using
@@ -98,60 +93,66 @@ class Reach:
             for literal, condition in head_literals(statement.head):
                 plain = literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom
                 for term in atom_terms(literal.atom.symbol) if plain else ():
-                    if parted(term)[0] in used:  # nothing follows from what no rule looks at
+                    if parted(term)[0] in used:  # other atoms are in no body
                         yield self._rule(statement, term, [*condition, *statement.body], part)
 
     def _rule(self, statement: Node, head: Node, literals: Sequence[Node], part: Part) -> HeadRule:
         times: Set[str] = set()
         plain = [one for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
         atoms = [one.atom.symbol for one in plain if one.atom.ast_type == ASTType.SymbolicAtom]
-        texts = tuple(self._atom(one, part, times) for one in atoms if not parted_name(one).startswith(OWN))
-        told = self._atom(head, part, times)
+        texts = tuple(self.text(one, part, times) for one in atoms if not _name(one).startswith(OWN))
+        head_text = self.text(head, part, times)
         compared = [one for one in plain if one.atom.ast_type == ASTType.Comparison]
-        free = [one for one in compared if not times & set(names_in(one)) and not _mentions(one, part.parameter)]
-        counted = times & {name for text in (head, *atoms) for name in self._names_besides_time(text)}
+        free = [one for one in compared if not times & set(names_in(one)) and not mentions(one, part.parameter)]
+        counted = times & {name for text in (head, *atoms) for name in self._names_outside_time(text)}
         if counted:
-            raise UncertainError(f"the rules reckon with {min(counted)}, a time")
-        return HeadRule(statement, told, texts, tuple(map(str, free)))
+            raise UncertainError(f"the rules compute with the time {min(counted)}")
+        return HeadRule(statement, head_text, texts, tuple(map(str, free)))
 
     def _position(self, term: Node) -> Optional[int]:
         signature, arguments = parted(term)
         return self._program.time_position(signature.name, len(arguments)) if arguments else None
 
-    def _names_besides_time(self, term: Node) -> Iterator[str]:
+    def _names_outside_time(self, term: Node) -> Iterator[str]:
         position = self._position(term)
         for number, one in enumerate(parted(term)[1]):
             if number != position:
                 yield from names_in(one)
 
-    def _atom(self, term: Node, part: Part, times: Set[str]) -> str:
+    def text(self, term: Node, part: Part, times: Optional[Set[str]] = None) -> str:
+        """Return the text of a rule's atom without its time, whose variables are added to ``times``.
+
+        Raises UncertainError if the step occurs outside the time.
+        """
         if term.ast_type == ASTType.Pool:
             raise UncertainError("an atom is a pool")
         signature, arguments = parted(term)
         position, texts = self._position(term), []
         for number, one in enumerate(arguments):
             if number == position:
-                times.update(names_in(one))
+                if times is not None:
+                    times.update(names_in(one))
                 texts.append(str(_TIME))
-            elif part.parameter and _mentions(one, part.parameter):
-                raise UncertainError(f"{signature} has a step besides its time")
+            elif mentions(one, part.parameter):
+                raise UncertainError(f"{signature} has the step in another argument than its time")
             else:
                 texts.append(str(one))
         sign = "" if signature.positive else "-"
         return f"{sign}{signature.name}({','.join(texts)})" if texts else f"{sign}{signature.name}"
 
 
-def parted_name(term: Node) -> str:
+def _name(term: Node) -> str:
     """Return the name of an atom."""
     return str(next(parted(one)[0].name for one in atom_terms(term)))
 
 
-def _mentions(node: Node, step: str) -> bool:
-    return bool(step) and any(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)
+def mentions(node: Node, step: str) -> int:
+    """Return how often the step occurs in a statement or term."""
+    return sum(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)
 
 
 class _TooManyError(Exception):
-    """There are more ground rules than are looked at."""
+    """There are more than ``_MOST`` ground rules."""
 
 
 class _Counter(Observer):
@@ -159,15 +160,15 @@ class _Counter(Observer):
         self._left = _MOST
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """A rule."""
+        """Count a rule."""
         self._left -= 1
         if self._left < 0:
             raise _TooManyError
 
 
 def _closed(text: str) -> FrozenSet[clingo.Symbol]:
-    """Return what the rules of a text may make true."""
-    control = clingo.Control(["-Wnone"], logger=lambda code, said: None)
+    """Return the atoms that the rules in ``text`` can derive."""
+    control = clingo.Control(["-Wnone"], logger=lambda code, message: None)
     control.register_observer(_Counter())
     try:
         control.add("base", [], text)

@@ -1,18 +1,17 @@
-"""A reactive program whose constraints, and bounds of choices, hold only as far as a search asks for them.
+"""A reactive program whose constraints and bounds of choices can be relaxed by assumptions.
 
-The body of ``:- BODY.``, the I-th rule that can be let go, is given a head, and what was forbidden is so where the
-search keeps the rule at step T, or as a whole:
+The I-th constraint ``:- BODY.`` gets a head and two selectors, which enforce it at step T or at all steps:
 
     __oclingo_broken(I,T,(X,Y)) :- BODY.
     :- __oclingo_broken(I,T,V), __oclingo_keep(I,T).
     __oclingo_keep(I,T) :- __oclingo_whole(I).
 
-Both selectors are free to choose, so an answer of the program with some rules is one of the program with fewer: what is
-not asked for forbids nothing. Of ``L { ELEMENTS } U :- BODY.`` the choice stays, and the bounds become a constraint.
-clingo-explaid (``UnsatConstraintComputer``) takes constraints apart in the same way.
+The selectors are choices: a constraint whose selectors are not assumed excludes nothing. A choice with bounds, such as
+``L { ELEMENTS } U :- BODY.``, is split into the choice and a constraint for the bounds. clingo-explaid
+(``UnsatConstraintComputer``) transforms constraints in the same way.
 
-Facts can't be let go like that: as choices they are no longer known when the program is ground, which may even have no
-end then. They are left out, and the program is ground anew.
+Facts are not relaxed by choices, as they would no longer simplify the grounding, which could even become infinite. They
+are removed, and the program is grounded again.
 """
 
 from copy import copy
@@ -44,7 +43,7 @@ _SELECTORS = """
 
 
 class Breach(NamedTuple):
-    """An instance of a rule that an answer breaks: at which step, None in base, with which values of its variables."""
+    """A violated instance of a rule: its step, None in base, and the values of its variables."""
 
     number: int
     step: Optional[int]
@@ -52,34 +51,34 @@ class Breach(NamedTuple):
 
 
 class RelaxedProgram(ReactiveProgram):
-    """A program whose rules can be let go.
+    """A program with relaxed constraints.
 
     Attributes:
-        rules: those rules, facts included, by their numbers.
+        rules: the constraints, bounds and facts, by their numbers.
 
     """
 
     def __init__(
         self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
     ) -> None:
-        """Take the texts of a program as it does."""
+        """Load a program, see :class:`ReactiveProgram`."""
         self.rules: List[NamedRule] = []
         self._facts: Dict[int, Tuple[Signature, Node]] = {}
         super().__init__(sources, constants, whole)
 
     @classmethod
     def of(cls, program: ReactiveProgram) -> "RelaxedProgram":
-        """Return ``program`` with rules that can be let go."""
+        """Return ``program`` with relaxed constraints."""
         return cls(program.sources, {name: str(value) for name, value in program.constants.items()})
 
     def without(self, facts: AbstractSet[int]) -> "RelaxedProgram":
-        """Return the program without these of its facts, given by their numbers."""
-        less, gone = copy(self), [statement for number, (_, statement) in self._facts.items() if number in facts]
-        less.parts = [
-            replace(part, statements=[one for one in part.statements if not any(one is other for other in gone)])
+        """Return the program without some facts, given by their numbers."""
+        program, removed = copy(self), [statement for number, (_, statement) in self._facts.items() if number in facts]
+        program.parts = [
+            replace(part, statements=[one for one in part.statements if not any(one is other for other in removed)])
             for part in self.parts
         ]
-        return less
+        return program
 
     def _collect(self) -> None:
         texts, names = RuleTexts(self.texts), {one.name for one in self.texts}
@@ -91,16 +90,11 @@ class RelaxedProgram(ReactiveProgram):
 
     @property
     def constraints(self) -> List[NamedRule]:
-        """The rules that a search may keep or not."""
+        """The rules that can be relaxed."""
         return [rule for rule in self.rules if rule.kind is not RuleKind.FACT]
 
-    @property
-    def facts(self) -> List[NamedRule]:
-        """The facts of the program's base part."""
-        return [rule for rule in self.rules if rule.kind is RuleKind.FACT]
-
-    def facts_behind(self, rules: AbstractSet[int]) -> List[NamedRule]:
-        """Return the facts that the rules depend on, by whatever way."""
+    def facts_behind(self, rules: AbstractSet[int]) -> List[int]:
+        """Return the numbers of the base part's facts that the rules depend on."""
         places = {one.place for one in self.rules if one.number in rules}
         found = [(_place(statement), atoms) for part in self.parts for statement, atoms in part.found]
         wanted = {one.signature for place, atoms in found if place in places for one in atoms}
@@ -110,7 +104,7 @@ class RelaxedProgram(ReactiveProgram):
             for _, atoms in found:
                 if any(one.head and one.signature in wanted and one.signature != _BROKEN for one in atoms):
                     wanted.update(one.signature for one in atoms)
-        return [rule for rule in self.facts if self._facts[rule.number][0] in wanted]
+        return [number for number, (signature, _) in self._facts.items() if signature in wanted]
 
     def breaches(self, answer: Iterable[clingo.Symbol]) -> List[Breach]:
         """Return the instances of rules that an answer breaks, those of earlier steps first."""
@@ -129,17 +123,17 @@ class RelaxedProgram(ReactiveProgram):
             if own and part.name == _BASE and not statement.body and _is_atom(statement.head):
                 relaxed.statements += self._enter_facts(statement, texts)
                 continue
-            apart = _apart(statement) if own else None
-            if apart is None:
+            split = _split(statement) if own else None
+            if split is None:
                 relaxed.statements.append(statement)
                 continue
             kind = RuleKind.VOLATILE if part.window else RuleKind.INTEGRITY
-            variables = tuple(sorted(_variables(apart.forbidden) | _guard_variables(statement.head)))
-            rule = self._enter(statement, texts, RuleKind.BOUND if apart.rest else kind, variables)
+            variables = tuple(sorted(_variables(split.forbidden) | _guard_variables(statement.head)))
+            rule = self._enter(statement, texts, RuleKind.BOUND if split.rest else kind, variables)
             step = part.parameter or _BASE
             values = ",".join(variables) + ("," if len(variables) == 1 else "")
             head = _parse(f"{BROKEN}({rule.number},{step},({values})).")[0].head
-            relaxed.statements += [*apart.rest, statement.update(head=head, body=apart.forbidden)]
+            relaxed.statements += [*split.rest, statement.update(head=head, body=split.forbidden)]
             selectors.append(_SELECTORS.format(keep=KEEP, whole=WHOLE, broken=BROKEN, number=rule.number, step=step))
         relaxed.statements += _parse("".join(selectors))
         return relaxed
@@ -154,7 +148,7 @@ class RelaxedProgram(ReactiveProgram):
         return self.rules[-1]
 
     def _enter_facts(self, statement: Node, texts: RuleTexts) -> Iterator[Node]:
-        """Yield a fact, or each of those that are written as one."""
+        """Yield a fact, or the facts of a pool."""
         terms = list(atom_terms(statement.head.atom.symbol))
         for term in terms:
             rule = self._enter(statement, texts, RuleKind.FACT, text=f"{term}." if len(terms) > 1 else "")
@@ -164,8 +158,8 @@ class RelaxedProgram(ReactiveProgram):
             yield fact
 
 
-class _Apart(NamedTuple):
-    """A statement in two: what is forbidden by it, as the body of a constraint, and what is left of it."""
+class _Split(NamedTuple):
+    """A rule in two parts: what it forbids, as the body of a constraint, and the remaining rules."""
 
     forbidden: List[Node]
     rest: List[Node]
@@ -185,26 +179,26 @@ def _is_atom(head: Node) -> bool:
     return bool(plain and head.atom.ast_type == ASTType.SymbolicAtom)
 
 
-def _apart(rule: Node) -> Optional[_Apart]:
-    """Take a rule apart; None where it forbids nothing."""
+def _split(rule: Node) -> Optional[_Split]:
+    """Split a rule; None if it forbids nothing."""
     head, body = rule.head, list(rule.body)
     if head.ast_type == ASTType.Literal:
         if head.atom.ast_type == ASTType.BooleanConstant:
-            return _Apart(body, []) if not head.atom.value and head.sign == Sign.NoSign else None
+            return _Split(body, []) if not head.atom.value and head.sign == Sign.NoSign else None
         if head.sign == Sign.NoSign:
             return None
         sign = Sign.NoSign if head.sign == Sign.Negation else Sign.Negation
-        return _Apart([*body, head.update(sign=sign)], [])
+        return _Split([*body, head.update(sign=sign)], [])
     guards = [getattr(head, name, None) for name in _GUARDS]
     if all(guard is None for guard in guards):
         return None
     free = rule.update(head=head.update(left_guard=None, right_guard=None))
     counted = make(Literal, rule.location, Sign.Negation, _in_body(head))
-    return _Apart([*body, counted], [free])
+    return _Split([*body, counted], [free])
 
 
 def _in_body(aggregate: Node) -> Node:
-    """Return a head's aggregate as one of a body."""
+    """Return a head aggregate as a body aggregate."""
     if aggregate.ast_type == ASTType.Aggregate:
         return aggregate
     elements = [
@@ -221,12 +215,12 @@ def _guard_variables(head: Node) -> Set[str]:
 
 
 def _named(node: Node) -> Iterator[str]:
-    """Yield the names of variables, but for those that nobody has named."""
+    """Yield the names of variables that are not anonymous."""
     yield from (name for name in names_in(node) if name != "_" and not name.startswith("Any__"))
 
 
 def _variables(body: Iterable[Node]) -> Set[str]:
-    """Return the variables that instances of a body differ in: those in aggregates and conditions are their own."""
+    """Return the global variables of a body; those inside aggregates and conditions are local."""
     atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
     plain = [atom for atom in atoms if not hasattr(atom, "elements")]
     guards = [getattr(atom, name, None) for atom in atoms if hasattr(atom, "elements") for name in _GUARDS]

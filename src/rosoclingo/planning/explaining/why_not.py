@@ -1,33 +1,30 @@
-"""Why there is no plan, as plain values and in words."""
+"""Explanations why there is no plan, as values and in words."""
 
 from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleKind
-from rosoclingo.planning.explaining.near_miss import NearMiss, NeverTrue
+from rosoclingo.planning.explaining.near_miss import NeverTrue
 
-#: Of so many facts at most each is named where all they do is that there is something to do.
-MANY = 12
+MOST_REQUESTS = 12
+"""Greatest number of named facts without which there is nothing to do."""
 
-
-_BEYOND = (
-    "No rule stands in the way: nothing that the program can do leads there, or not in so many steps",
+_UNREACHED = (
+    "Apart from that, no rule excludes a plan: the actions do not lead there, or not within this number of steps",
     "(a place, a connection or an action may be missing).",
 )
 
 
 @dataclass(frozen=True)
 class BlamedRule:
-    """A rule because of which there is no plan.
+    """A rule of a minimal conflict.
 
     Attributes:
         rule: the rule.
-        steps: at which its instances forbid something; none where that is not known, or it is of no step.
-        besides: the other rules that would have to go for a plan without this one, as few as can be; none where there
-            is one without this rule alone; None where that is not known.
-        breach: where the plan that there is without it breaks it: the step, None in base, and the values of its
-            variables; None where that is not known.
-        words: what its author says of that, or of the rule; empty where nothing.
+        steps: the steps of the instances that are in conflict; empty if unknown or if the rule has no step.
+        besides: the fewest other rules that have to be removed along with this one to get a plan; None if unknown.
+        breach: the step, None in base, and the variables of an instance that a plan without the rule violates; None if
+            unknown.
 
     """
 
@@ -38,19 +35,19 @@ class BlamedRule:
 
     @property
     def words(self) -> str:
-        """What its author says of it, with the values of the plan that breaks it."""
-        return self.rule.saying(self.breach[1] if self.breach else {})
+        """The author's comment on the rule, with the values of the breach."""
+        return self.rule.comment(self.breach[1] if self.breach else {})
 
 
 @dataclass(frozen=True)
 class BlamedFact:
-    """A fact because of which there is no plan: of the stream, as is an action done, or of the program.
+    """A fact, or an executed action, without which there is a plan.
 
     Attributes:
         text: the fact.
-        rule: where the program has it; None for a fact of the stream.
-        hinders: whether there would be something to do without it; False where it merely asks for something, or lets
-            it be asked for; None where that is not known, as of programs without actions.
+        rule: its place in the program; None for a fact of the stream.
+        hinders: whether the plan without the fact has actions; False for requests and what they depend on; None if
+            unknown, as for programs without actions.
 
     """
 
@@ -61,7 +58,7 @@ class BlamedFact:
 
 @dataclass(frozen=True)
 class BrokenPlan:
-    """A plan that breaks these rules and no other: its actions to come, in order."""
+    """The actions of a plan that violates these rules and no other."""
 
     rules: Tuple[NamedRule, ...]
     actions: Tuple[str, ...]
@@ -69,21 +66,19 @@ class BrokenPlan:
 
 @dataclass(frozen=True)
 class WhyNot:
-    """Why there is no plan: rules and facts which together allow none, whatever becomes of the others.
-
-    A rule of the others may be let go, a fact of the others that the rules depend on may never have been told.
+    """An explanation why there is no plan: rules and facts that exclude one, whether or not all others hold.
 
     Attributes:
         step: the step of the update.
-        last: the last step that a plan might have had.
-        never: whether it is known that no longer plan does, either.
+        last: the greatest horizon that was allowed.
+        never: whether it is proven that longer plans do not exist either.
         rules: constraints and bounds of choices.
         told: facts of the stream.
         facts: facts of the program.
-        smallest: whether fewer rules would not do.
-        complete: whether all of this was found out in time; otherwise some that are named may be of no matter.
-        plan: a plan that breaks as few rules as can be, one of ``rules`` among them; None where none is known.
-        lacking: what a plan would need at its end and what no rule ever makes true, with the rules that come nearest.
+        smallest: whether no smaller set of rules excludes a plan.
+        complete: whether the search was finished in time; otherwise some named rules and facts can be irrelevant.
+        plan: a plan that violates the fewest rules, among them one of ``rules``; None if unknown.
+        lacking: atoms that the end of a plan requires but that are never true.
 
     """
 
@@ -99,69 +94,45 @@ class WhyNot:
     lacking: Tuple[NeverTrue, ...] = ()
 
     def to_message(self) -> Dict[str, Any]:
-        """Return it as a plain value that JSON knows."""
+        """Return the explanation as a value for JSON."""
         return asdict(self, dict_factory=_plain)
 
-    @classmethod
-    def from_message(cls, message: Dict[str, Any]) -> "WhyNot":
-        """Return what :meth:`to_message` was asked of."""
-        rules = tuple(
-            BlamedRule(
-                _rule(one["rule"]),
-                tuple(one["steps"]),
-                None if one["besides"] is None else tuple(map(_rule, one["besides"])),
-                one["breach"] and tuple(one["breach"]),
-            )
-            for one in message["rules"]
-        )
-        told, facts = (
-            tuple(BlamedFact(one["text"], one["rule"] and _rule(one["rule"]), one["hinders"]) for one in message[name])
-            for name in ("told", "facts")
-        )
-        plan = message["plan"] and BrokenPlan(
-            tuple(map(_rule, message["plan"]["rules"])), tuple(message["plan"]["actions"])
-        )
-        lacking = tuple(
-            NeverTrue(one["atom"], tuple(NearMiss(**miss) for miss in one["misses"])) for one in message["lacking"]
-        )
-        return cls(**{**message, "rules": rules, "told": told, "facts": facts, "plan": plan, "lacking": lacking})
-
     def text(self) -> str:
-        """Return it in words, in several lines."""
-        return "\n".join([*self._heading(), *self._of_rules(), *self._of_facts(), *self._of_plan()]) + "\n"
+        """Return the explanation in words, in several lines."""
+        return "\n".join([*self._heading(), *self._rule_lines(), *self._fact_lines(), *self._plan_lines()]) + "\n"
 
     def _heading(self) -> List[str]:
         steps = self.last - self.step
         within = f"No plan of at most {steps} step{'' if steps == 1 else 's'}"
-        return [f"{within}, and none of any length." if self.never else f"{within}; there may be a longer one."]
+        return [f"{within}, and none of any length." if self.never else f"{within}; a longer plan may exist."]
 
-    def _of_rules(self) -> List[str]:
+    def _rule_lines(self) -> List[str]:
         if not self.rules:
-            text = "No constraint forbids it: the rules that define things have no answer, or the facts contradict."
-            return [text] if self.complete else ["It was not found out in time why."]
-        kind = "These rules forbid it together" if len(self.rules) > 1 else "This rule forbids it"
-        doubt = "" if self.complete else " (not all of it was found out in time)"
-        lines = [f"{kind}{doubt}:", *(line for one in self.rules for line in _lines_of(one, self.last))]
+            text = "No constraint excludes a plan: the other rules have no answer set, or the facts are contradictory."
+            return [text] if self.complete else ["No reason was found in time."]
+        kind = "These rules together exclude a plan" if len(self.rules) > 1 else "This rule excludes a plan"
+        limit = "" if self.complete else " (incomplete: out of time)"
+        lines = [f"{kind}{limit}:", *(line for one in self.rules for line in _lines_of(one, self.last))]
         volatile = all(one.rule.kind is RuleKind.VOLATILE for one in self.rules)
         lacking = [line for one in self.lacking for line in one.lines()]
-        return [*lines, *(lacking or _BEYOND)] if volatile and not self.never else [*lines, *lacking]
+        return [*lines, *(lacking or _UNREACHED)] if volatile and not self.never else [*lines, *lacking]
 
-    def _of_facts(self) -> List[str]:
+    def _fact_lines(self) -> List[str]:
         facts = [*self.told, *self.facts]
         hindering = [one for one in facts if one.hinders is not False]
-        asking = [one for one in facts if one.hinders is False]
+        requests = [one.text for one in facts if one.hinders is False]
         lines = ["given these facts:", *(f"  {_fact(one)}" for one in hindering)] if hindering else []
-        if asking:
-            texts = [one.text for one in asking]
-            more = [f"and {len(texts) - MANY} more"] if len(texts) > MANY else []
-            lines += ["without one of these there would be nothing to do:", "  " + " ".join([*texts[:MANY], *more])]
+        if requests:
+            more = [f"and {len(requests) - MOST_REQUESTS} more"] if len(requests) > MOST_REQUESTS else []
+            lines.append("without any one of these facts there is nothing to do:")
+            lines.append("  " + " ".join([*requests[:MOST_REQUESTS], *more]))
         return lines
 
-    def _of_plan(self) -> List[str]:
+    def _plan_lines(self) -> List[str]:
         if self.plan is None:
             return []
         rules = " and ".join(_short(rule) for rule in self.plan.rules)
-        return [f"There would be a plan without {rules}:", f"  {' '.join(self.plan.actions) or 'nothing to do'}"]
+        return [f"Without {rules} there is a plan:", f"  {' '.join(self.plan.actions) or 'nothing to do'}"]
 
 
 def _lines_of(one: BlamedRule, last: int) -> List[str]:
@@ -173,30 +144,28 @@ def _lines_of(one: BlamedRule, last: int) -> List[str]:
     if one.breach is not None:
         lines.append(f"    {_breach(*one.breach)}")
     if one.besides:
-        lines.append(
-            f"    it is not enough to leave it out: {' and '.join(map(_short, one.besides))} would forbid it, too"
-        )
+        lines.append(f"    to get a plan, {' and '.join(map(_short, one.besides))} must be removed as well")
     return lines
 
 
 def _where(one: BlamedRule, last: int) -> str:
-    """Say at which steps a rule forbids something."""
+    """Return the steps of a rule in words."""
     if not one.steps:
         return ""
     if one.rule.kind is RuleKind.VOLATILE and one.steps[-1] == last:
-        return "at the end of the plan, whatever its length" if len(one.steps) > 1 else f"at the last step, {last}"
+        return "at the end of the plan, for any length" if len(one.steps) > 1 else f"at the last step, {last}"
     return f"at step{'' if len(one.steps) == 1 else 's'} {ranges(one.steps)}"
 
 
 def _breach(step: Optional[int], values: Dict[str, str]) -> str:
     at = "" if step is None else f" at step {step}"
-    of = ", ".join(f"{name}={value}" for name, value in values.items())
-    return f"a plan without it breaks it{at}{' with ' if of else ''}{of}"
+    variables = ", ".join(f"{name}={value}" for name, value in values.items())
+    return f"a plan without this rule violates it{at}{' with ' if variables else ''}{variables}"
 
 
 def _fact(one: BlamedFact) -> str:
-    told = "done" if one.text.startswith("_action_lib(") else "told"
-    return f"{one.rule.place if one.rule is not None else told}: {one.text}"
+    origin = "executed" if one.text.startswith("_action_lib(") else "asserted"
+    return f"{one.rule.place if one.rule is not None else origin}: {one.text}"
 
 
 def _short(rule: NamedRule) -> str:
@@ -204,7 +173,7 @@ def _short(rule: NamedRule) -> str:
 
 
 def ranges(numbers: Iterable[int]) -> str:
-    """Return ascending numbers as text, those in a row together: 1-3, 5."""
+    """Return ascending numbers as text with ranges: 1-3, 5."""
     found: List[List[int]] = []
     for number in numbers:
         if found and number == found[-1][-1] + 1:
@@ -216,7 +185,3 @@ def ranges(numbers: Iterable[int]) -> str:
 
 def _plain(pairs: Iterable[Tuple[str, Any]]) -> Dict[str, Any]:
     return {name: value.value if isinstance(value, RuleKind) else value for name, value in pairs}
-
-
-def _rule(message: Dict[str, Any]) -> NamedRule:
-    return NamedRule(**{**message, "kind": RuleKind(message["kind"]), "variables": tuple(message["variables"])})

@@ -1,10 +1,10 @@
-"""Shorter plans by large neighbourhood search (Shaw 1998): most of a plan stays, a part of it is free.
+"""Shorter plans by large neighbourhood search (Shaw 1998): most of a plan is fixed, a part of it is free.
 
 Each round asks for plans of several kinds:
 
-* The tasks of the plan in another *order*, see reorder.py. Nothing is free: the solver decides whether it is a plan.
+* The tasks of the plan in another *order*, see reorder.py. All actions are fixed: the solver checks the candidate.
 * Any plan of half the length, as the first plan can be many times too long.
-* A free *window* of steps: actions before it stay, those after it are one step earlier. Windows overlap by half.
+* A free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap by half.
 
 If a round finds nothing, the next has larger windows and allows more conflicts. Each plan is trimmed, see trim.py.
 """
@@ -16,58 +16,57 @@ import clingo
 
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan, cycle_of
-from rosoclingo.planning.question import Question, Reply, Stop, StoppedError, Strategy
+from rosoclingo.planning.question import Question, Reply, StoppedError, Strategy
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import moved, trimmed
 
 Assumption = Tuple[clingo.Symbol, bool]
 
 SIZE = 16
-"""Steps of a window in the first round; half as many more in each further round, until one is the whole plan."""
+"""Steps of a window in the first round; each further round enlarges it by half, up to the whole plan."""
 
 CONFLICTS = 100
 """Limit of conflicts of a question in the first round; it doubles with each further round."""
 
 MOST_CONFLICTS = 20_000
-"""Limit of conflicts in the last round: nothing is left to try if it finds nothing."""
+"""Limit of conflicts in the last round; if it finds nothing, the search is over."""
 
 FEW_STEPS = 100
-"""For more steps, a question without advice finds no plan."""
+"""For more steps, questions without heuristics are not worth asking."""
 
 
 class Improvement:
-    """The attempts to shorten one plan. They resume with the next call as long as the plan is the same."""
+    """A search for shorter plans than one plan; each call of :meth:`run` resumes it."""
 
     def __init__(self, plan: Plan, step: int, first: int) -> None:
-        """Shorten ``plan`` after ``step``, the present one; no answer has a horizon below ``first``."""
+        """Shorten ``plan`` after the present ``step``; ``first`` is the least possible horizon."""
         self._plan, self._step, self._first = plan, step, first
         self._random = Random(0)
-        self._advises = False
-        self._is_stopped: Stop = lambda: False
-        self._ended = False
+        self._asking: Asking  # that of the last call
+        self._exhausted = False
         self._questions = self._rounds()
 
-    def goes_on(self, plan: Plan, step: int, first: int) -> bool:
-        """Resume at a later ``step`` if ``plan`` is the one to shorten; return whether it is."""
+    def moves_to(self, plan: Plan, step: int, first: int) -> bool:
+        """Continue at a later ``step`` if ``plan`` is the same from there on; return whether it is."""
         same = plan.horizon == self._plan.horizon and plan.rest(step).actions == self._plan.rest(step).actions
         if same:
-            if self._ended and step > self._step:  # questions about the shorter rest are easier
-                self._ended, self._questions = False, self._rounds()
+            if self._exhausted and step > self._step:  # questions about the shorter rest are easier
+                self._exhausted, self._questions = False, self._rounds()
             self._plan, self._step, self._first = plan, step, first
         return same
 
     def run(self, asking: Asking) -> Strategy[Optional[Reply]]:
-        """Return a shorter plan as soon as one is found; None after a stop, or if nothing is left to try."""
-        self._advises, self._is_stopped = asking.program.advises, asking.is_stopped
+        """Return the first shorter plan that is found; None after a stop, or if the search is exhausted."""
+        self._asking = asking
         present: Optional[List[Assumption]] = None
         while not asking.is_stopped():
             present = self._present(asking) if present is None else present
             question = next(self._questions, None)
             if question is None:
-                self._ended = True
+                self._exhausted = True
                 break
             last = min(question.last, self._plan.horizon - 1)
-            if last < self._begin:  # a question of the same round has left nothing to save
+            if last < self._begin:  # earlier questions of the round have excluded all shorter plans
                 continue
             try:
                 found = yield question._replace(last=last, given=[*present, *question.given])
@@ -82,9 +81,9 @@ class Improvement:
         return None
 
     def _present(self, asking: Asking) -> List[Assumption]:
-        """Return the assumptions that fix the actions up to the present step: those committed or running, no others.
+        """Return the assumptions that fix the actions up to the present step as executed.
 
-        They begin with the first step that is open in the grounding, which can be older than the present step.
+        They begin with the first step that is open in the grounding, which can precede the present step.
         """
         cycles = [asking.step, self._step, *map(cycle_of, self._plan.actions)]
         open_actions = asking.actions(min(cycles), self._step)
@@ -93,7 +92,7 @@ class Improvement:
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def _rounds(self) -> Iterator[Question]:
-        """Yield questions until a round over the whole plan finds nothing with the most conflicts."""
+        """Yield questions until a round over the whole plan with the greatest limit finds nothing."""
         size, conflicts = SIZE, CONFLICTS
         while self._length > 0:
             horizon, whole = self._plan.horizon, size >= self._length
@@ -108,7 +107,7 @@ class Improvement:
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         if self._length >= 2 * SIZE:
             half = self._begin + self._length // 2
-            for advised in (True, False) if self._advises and self._length <= FEW_STEPS else (True,):
+            for advised in (True, False) if self._asking.program.advises and self._length <= FEW_STEPS else (True,):
                 yield Question(self._first, half, conflicts=2 * conflicts, advised=advised)
         first = self._step + 1
         while first <= self._plan.horizon:
@@ -117,18 +116,18 @@ class Improvement:
             first = max(self._step + 1, first + size // 2)
 
     def _window(self, conflicts: int, first: int, end: int) -> Question:
-        """Return the question for a plan with the steps from ``first`` to ``end`` free, the latter excluded."""
+        """Return the question for a plan in which the steps from ``first`` up to, without, ``end`` are free."""
         actions = self._plan.rest(self._step + 1).actions
         before = [(action, True) for action in actions if cycle_of(action) < first]
-        behind = [(moved(action, -1), True) for action in actions if cycle_of(action) >= end]
-        return Question(self._first, self._plan.horizon - 1, [*before, *behind], conflicts=conflicts)
+        after = [(moved(action, -1), True) for action in actions if cycle_of(action) >= end]
+        return Question(self._first, self._plan.horizon - 1, [*before, *after], conflicts=conflicts)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
-        """Yield the question whether the tasks in another order are a plan; once more if they are."""
+        """Yield questions for the tasks in another order, as long as they shorten the plan."""
         shortened = True
         while shortened:
             horizon = self._plan.horizon
-            plan = reordered(self._plan, self._step, self._random, self._is_stopped)
+            plan = reordered(self._plan, self._step, self._random, self._asking.is_stopped)
             if plan is not None:
                 given = [(action, True) for action in plan.actions]
                 yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
@@ -136,10 +135,10 @@ class Improvement:
 
     @property
     def _length(self) -> int:
-        """The number of steps that a shorter plan could save at most."""
+        """The greatest number of steps that a shorter plan can save."""
         return self._plan.horizon - self._begin
 
     @property
     def _begin(self) -> int:
-        """The least horizon that a shorter plan can have."""
+        """The least horizon of a shorter plan."""
         return max(self._step, self._first)

@@ -1,13 +1,12 @@
-"""Candidates for shorter plans: the same tasks in another order. Only the solver knows whether a candidate is a plan.
+"""Candidates for shorter plans: the same tasks in another order. The solver checks whether a candidate is a plan.
 
-The plan is read as a tour. If it repeats an action, all actions of this kind are *moves*, each to a place that it
-names; other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and a
-delivery, form a *chain*: they keep their order, and at most as many chains are open at once as in the plan. Ways are
-those of the plan; half of the searches take them in both directions, as most floors allow.
+The plan is read as a tour. If an action repeats, all actions of its kind are *moves*, each to the place that it names;
+other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and a delivery,
+form a *chain*: they keep their order, and the plan's number of simultaneously open chains is a limit. Moves use the
+connections that the plan uses; half of the searches use them in both directions.
 
-The search ruins and recreates (Schrimpf et al. 2000): it removes some chains with tasks near each other (Shaw 1998),
-and inserts each of them where it adds the fewest moves. It also accepts slightly longer tours, as simulated annealing
-does.
+The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
+each where it adds the fewest moves. Like simulated annealing, it also accepts slightly longer tours.
 """
 
 import math
@@ -24,37 +23,37 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Stop
 
 EFFORT = 40_000
-"""Rounds of a search, times the tasks of the plan."""
+"""Number of rounds of a search, times the number of tasks."""
 
 REMOVED = 8
-"""Chains that a round removes at most."""
+"""Greatest number of chains that a round removes."""
 
 FAR = 1_000_000
-"""Moves to a place that no known way leads to."""
+"""Number of moves to an unreachable place."""
 
 Act = Tuple[clingo.Symbol, clingo.Symbol]
-"""An action without its cycle: its kind and its parameter."""
+"""An action without its cycle: kind and parameter."""
 
 Place = Optional[Act]
 """The move that leads to a place; None for an unknown start."""
 
 ANYWHERE: Act = (clingo.Infimum, clingo.Infimum)
-"""Where a plan ends that ends with a task."""
+"""The end of a plan whose last action is a task."""
 
 Order = List[int]
 """The numbers of tasks, from 1."""
 
 
 def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[Plan]:
-    """Return what a shorter plan might do after ``step``; None if the search finds nothing before it is ``stopped``.
+    """Return a candidate that differs from ``plan`` after ``step``; None if none is found before it is ``stopped``.
 
-    There are no candidates for a plan with several actions at a step.
+    A plan with several actions at a step has no candidates.
     """
     actions = sorted(plan.actions, key=cycle_of)
     acts = [(action.arguments[0], action.arguments[1]) for action in actions]
     cycles = [cycle_of(action) for action in actions if cycle_of(action) > step]
-    done = len(acts) - len(cycles)
-    tour = Tour(acts[:done], acts[done:], both_ways=random.random() < 0.5)
+    past = len(acts) - len(cycles)
+    tour = Tour(acts[:past], acts[past:], both_ways=random.random() < 0.5)
     if len(set(cycles)) < len(cycles) or len(tour.chains) < 2:
         return None
     best = order = tour.order
@@ -73,7 +72,7 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
 
 
 def _recreated(tour: "Tour", order: Order, random: Random) -> Optional[Order]:
-    """Return ``order`` with some chains inserted elsewhere; None if there is no room for one of them."""
+    """Return ``order`` with some chains inserted elsewhere; None if a chain does not fit."""
     near = dict.fromkeys(tour.chain_of[task] for task in tour.nearest(random.choice(order)))
     chains = [*near][: random.randint(1, REMOVED)]
     random.shuffle(chains)
@@ -84,7 +83,7 @@ def _recreated(tour: "Tour", order: Order, random: Random) -> Optional[Order]:
 
 
 class Tour:
-    """A plan, read as tasks at places.
+    """A plan as a sequence of tasks at places.
 
     Attributes:
         order: the numbers of the tasks, in the order of the plan.
@@ -94,7 +93,7 @@ class Tour:
     """
 
     def __init__(self, past: Sequence[Act], plan: Sequence[Act], both_ways: bool) -> None:
-        """Read ``plan``, which follows the ``past``; moves lead back as well if ``both_ways``."""
+        """Read ``plan``, which follows the ``past``; if ``both_ways``, connections are symmetric."""
         moving = {kind for (kind, _), count in Counter(plan).items() if count > 1}
         here: Place = next((act for act in reversed(past) if act[0] in moving), None)
         self._tasks: List[Act] = []
@@ -122,7 +121,7 @@ class Tour:
             chains.setdefault(self._tasks[task - 1][1], []).append(task)
         self.chains = [*chains.values()]
         self.chain_of = {task: number for number, chain in enumerate(self.chains) for task in chain}
-        # A chain is open at the start if a longer one ends with the same kinds of tasks.
+        # A chain is open at the start if its tasks are the last kinds of a longer chain.
         kinds = [[self._tasks[task - 1][0] for task in chain] for chain in self.chains]
         self._begun = [any(len(a) > len(b) and a[-len(b) :] == b for a in kinds) for b in kinds]
         self._opens = {
@@ -135,7 +134,7 @@ class Tour:
     # ---- Moves -------------------------------------------------------------------------------------------------------
 
     def _ways_from(self, start: Place) -> Dict[Place, List[Act]]:
-        """Return a shortest way to each place."""
+        """Return a shortest path to each place."""
         ways: Dict[Place, List[Act]] = {start: [], ANYWHERE: []}
         queue = deque([start])
         while queue:
@@ -147,19 +146,19 @@ class Tour:
         return ways
 
     def moves(self, order: Order) -> int:
-        """Return the number of moves that an order takes."""
+        """Return the number of moves of an order."""
         return sum(self._moves[a][b] for a, b in zip([0, *order], [*order, -1]))
 
     def nearest(self, task: int) -> Order:
-        """Return all tasks, those near ``task`` first."""
+        """Return all tasks, nearest to ``task`` first."""
         return sorted(self.order, key=self._moves[task].__getitem__)
 
     # ---- Orders ------------------------------------------------------------------------------------------------------
 
     def inserted(self, order: Order, chain: int) -> Optional[Order]:
-        """Return ``order`` with the tasks of a chain where they add the fewest moves; None if there is no room.
+        """Return ``order`` with a chain inserted where it adds the fewest moves; None if it does not fit.
 
-        Dynamic programming over the gaps: of the first tasks of the chain, ``added`` has the moves and the gaps.
+        Dynamic programming over the gaps: ``added[n]`` has the moves and gaps of the first ``n`` tasks of the chain.
         """
         tasks, moves = self.chains[chain], self._moves
         along = [0, *accumulate(moves[a][b] for a, b in zip(tasks, tasks[1:]))]
@@ -174,9 +173,9 @@ class Tour:
                     added[state] = nowhere
                 continue
             for end in range(len(tasks), 0, -1):
-                behind = along[end - 1] + moves[tasks[end - 1]][after] - moves[before][after]
+                rest = along[end - 1] + moves[tasks[end - 1]][after] - moves[before][after]
                 for begin in range(end):
-                    count = added[begin][0] + moves[before][tasks[begin]] - along[begin] + behind
+                    count = added[begin][0] + moves[before][tasks[begin]] - along[begin] + rest
                     if count < added[end][0]:
                         added[end] = count, added[begin][1] + [gap] * (end - begin)
         if added[-1] == nowhere:
@@ -185,23 +184,23 @@ class Tour:
         return [task for _, task in sorted(gaps, key=itemgetter(0))]
 
     def acts(self, order: Order) -> List[Act]:
-        """Return moves and tasks; an open chain goes on as soon as the tour passes the place of its next task."""
+        """Return moves and tasks; an open chain continues when the tour passes the place of its next task."""
         acts: List[Act] = []
         here, left = self._places[0], [list(chain) for chain in self.chains]
         is_open = [chain for chain, begun in enumerate(self._begun) if begun]
 
-        def go_on() -> None:
+        def do_tasks() -> None:
             for chain in is_open:
                 while left[chain] and self._places[left[chain][0]] == here:
                     acts.append(self._tasks[left[chain].pop(0) - 1])
 
-        go_on()
+        do_tasks()
         for task in order:
             if task in left[self.chain_of[task]]:
                 for place in self._ways[here][self._places[task]]:
                     acts.append(place)
                     here = place
-                    go_on()
+                    do_tasks()
                 is_open.append(self.chain_of[task])
-                go_on()
+                do_tasks()
         return acts + self._ways[here][self._end]

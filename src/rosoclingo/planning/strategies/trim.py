@@ -1,9 +1,9 @@
 """Plans without superfluous actions and without idle steps.
 
-An action is superfluous if the plan remains one without it, and without the actions that only it makes possible
-(action elimination, Nakhost and Mueller 2010). The solver is asked for a plan with fewer of the actions and no others,
-until there is none. For that, all other actions are assumed false, which takes long if there are many. A program with
-``#heuristic`` statements is trusted to plan no superfluous actions.
+An action is superfluous if removing it, with the actions that depend on it, leaves a valid plan (action elimination,
+Nakhost and Mueller 2010). The solver searches for a plan with a proper subset of the actions, until there is none. All
+other actions are assumed false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
+plan no superfluous actions.
 """
 
 from contextlib import suppress
@@ -16,7 +16,7 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Given, Question, Reply, Stop, StoppedError
 
 CONFLICTS = 1000
-"""Limit of conflicts of a question; most take a few."""
+"""Limit of conflicts of a question; most need few."""
 
 _Trimmed = Generator[Question, Reply, Reply]
 
@@ -24,15 +24,15 @@ _Trimmed = Generator[Question, Reply, Reply]
 def trimmed(
     found: Reply, asking: Asking, step: int, first: int, present: Given = (), until: Optional[Stop] = None
 ) -> _Trimmed:
-    """Return the plan that was ``found``, without superfluous actions after ``step`` and without idle steps.
+    """Return the plan that was ``found`` without superfluous actions and idle steps after ``step``.
 
-    No plan has a horizon below ``first``; ``present`` are the assumptions about the actions up to ``step``. A question
-    without an answer leaves the plan as it is, and a stop ends the questions.
+    ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``. A
+    question without an answer leaves the plan unchanged; a stop ends the trimming.
     """
     advises = asking.program.advises
 
     def question(plan: Plan, first: int, last: int, fewer: bool) -> Question:
-        """Return the question for ``plan``, or for a plan with ``fewer`` of its actions."""
+        """Return the question for ``plan``, or for a proper subset of its actions."""
         others = [] if advises else [one for one in asking.actions(step + 1, last) if one not in plan.actions]
         given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
         return Question(first, last, given, tuple(plan.actions if fewer else ()), conflicts=CONFLICTS, until=until)
@@ -58,11 +58,11 @@ def _plan_after(found: Reply, step: int) -> Plan:
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
-    """Return ``plan``, which begins after ``step``, without its idle steps."""
+    """Return ``plan``, whose first step follows ``step``, without idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
     return plan._replace(actions=frozenset(moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
 
 
 def moved(action: clingo.Symbol, steps: int) -> clingo.Symbol:
-    """Return the same action ``steps`` steps later."""
+    """Return ``action`` delayed by ``steps`` steps."""
     return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) + steps)])

@@ -1,4 +1,4 @@
-"""Messages between a worker and its parent: JSON, one a line, over a socket."""
+"""Messages between a worker and its parent: lines of JSON over a socket."""
 
 import json
 import select
@@ -14,12 +14,13 @@ _CHUNK = 1 << 18
 
 
 class Channel:
-    """One end of a connection, at which sending never waits: a worker that is grounding does not read.
+    """One end of a connection.
 
-    Data that the socket does not accept yet is written by a later call of any method.
+    Sending never blocks, as a worker that is grounding does not read: data that the socket does not accept is sent by
+    later calls.
 
     Attributes:
-        unread: messages that have come, oldest first.
+        unread: received messages, oldest first.
 
     """
 
@@ -32,14 +33,14 @@ class Channel:
         self.unread: Deque[Message] = deque()
 
     def send(self, message: Message) -> None:
-        """Send ``message``; if nobody is at the other end :meth:`wait` reports it."""
+        """Send ``message``; a closed connection is reported by :meth:`wait`."""
         self._unsent += json.dumps(message, separators=(",", ":")).encode("ascii") + b"\n"
         self._flush()
 
     def wait(self, timeout: Optional[float] = None) -> bool:
-        """Wait for a message for at most ``timeout`` seconds of wall time; return whether one is unread.
+        """Wait at most ``timeout`` seconds of wall time for a message; return whether one is unread.
 
-        Raises EOFError if the other end is closed and all its messages are read.
+        Raises EOFError if the other end is closed and all messages have been read.
         """
         end = None if timeout is None else time.monotonic() + timeout
         poll = select.poll()
@@ -61,7 +62,7 @@ class Channel:
         self._socket.close()
 
     def _flush(self) -> None:
-        with suppress(OSError):  # it is full, or nobody reads
+        with suppress(OSError):  # full, or closed by the other end
             while self._unsent:
                 del self._unsent[: self._socket.send(self._unsent[:_CHUNK])]
 
@@ -71,7 +72,7 @@ class Channel:
                 data = self._socket.recv(_CHUNK)
             except BlockingIOError:
                 return
-            except OSError:  # the other end was closed before it had read all
+            except OSError:  # closed by the other end with unread data
                 data = b""
             self._ended = not data
             *lines, rest = data.split(b"\n")

@@ -1,4 +1,4 @@
-"""The incremental solver as a worker needs it: it continues from any history."""
+"""An incremental solver that can continue from any history."""
 
 from typing import Callable, Optional
 
@@ -10,10 +10,10 @@ from rosoclingo.planning.question import Stop
 
 
 class LoggedSolver:
-    """Keeps an incremental solver in step with a history, and makes a new one if the history went back.
+    """Replays a history in an incremental solver; uses a new solver if the history was shortened.
 
     Attributes:
-        log: all accepted updates.
+        log: the history.
 
     """
 
@@ -24,7 +24,7 @@ class LoggedSolver:
 
     @property
     def reached(self) -> int:
-        """The last step that is ground in the midst of a search."""
+        """The last grounded step, also during a search."""
         return self._solver.reached
 
     def restore(self, log: History) -> None:
@@ -38,7 +38,7 @@ class LoggedSolver:
     def update(
         self, update: StreamUpdate, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None
     ) -> SolveResult:
-        """Accept ``update`` and search for answers; raises as :class:`ReactiveSolver` does."""
+        """Accept ``update`` and search for answers; raises like :class:`ReactiveSolver`."""
         return self._run(lambda solver: solver.update(update, stopped, dropped), update)
 
     def _run(self, search: Callable[[ReactiveSolver], SolveResult], update: Optional[StreamUpdate]) -> SolveResult:

@@ -1,4 +1,4 @@
-"""A solver that works in worker processes."""
+"""A solver that runs in worker processes."""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 
 class ProcessSolver(PlanningSolver):
-    """Solves a reactive logic program under a stream of updates, in a worker process.
+    """Solves a reactive logic program under a stream of updates in a worker process.
 
-    The methods are those of :class:`~rosoclingo.planning.solver.PlanSolver`; not thread-safe.
+    It has the methods of :class:`~rosoclingo.planning.solver.PlanSolver`. Not thread-safe.
     """
 
     def __init__(self, pool: "WorkerPool") -> None:
-        """Make a solver with an empty history that asks the workers of ``pool``; that does not wait."""
+        """Create a solver with an empty history that uses the workers of ``pool``; does not block."""
         super().__init__()
         self._pool, self._under_way = pool, lambda: pool.reached
 
@@ -39,44 +39,42 @@ class ProcessSolver(PlanningSolver):
     def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
         """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
-        Raises SolverError if the update is refused, DroppedError if the worker had to be killed; the history is then
-        as it was before. An interrupted search leaves the update in force. A predicted update is answered at once,
-        whatever the worker does.
+        Raises SolverError if the update is refused, and DroppedError if the worker was killed; the history is unchanged
+        then. After an interrupted search the update stays accepted. A predicted update is answered without the worker.
         """
         result = self._accept_predicted(update) or self._search(update, stopped)
         return replace(result, warnings=update.warnings + result.warnings)
 
     def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
-        """Have the answer to ``update`` prefetched, should it come next; nothing waits for that.
+        """Prefetch the answer to ``update``; return whether the standby worker does so. Does not block.
 
-        Or after some updates ``before`` that are predicted: then there is time to shorten the plan. Return whether the
-        standby does so.
+        Predicted updates can come ``before`` it: then the standby worker also shortens the plan.
         """
         log = self._log_after(before) if before else self.log
         return log is not None and self._pool.prefetch(Search(log, update, improves=bool(before)))
 
     def has_prefetched(self, update: StreamUpdate) -> bool:
-        """Return whether the answer to ``update`` is there, should it come next."""
+        """Return whether the answer to ``update`` was prefetched."""
         return self._pool.has_prefetched(Search(self.log, update))
 
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
-        """Look for a shorter plan until there is one, ``stopped`` or nothing is left to try; raises as updates do.
+        """Search for a shorter plan; None after a stop, or if the search is exhausted. Raises like :meth:`update`.
 
         A stop does not wait for the worker.
         """
         if self.log.plan is None or self.log.plan.shortest:
             return None
-        reply = self._ask_idly("improve", stopped)
+        reply = self._ask_idle("improve", stopped)
         return self._answered(reply) if "result" in reply else None
 
     def compact(self, stopped: Optional[Stop] = None) -> None:
-        """Put a checkpoint at the end of the history, if it has grown long by predicted updates.
+        """Append a checkpoint if many predicted updates have followed the last one.
 
-        The worker makes it, with steps that are over compacted; a stop does not wait for it.
+        The worker computes it, with past steps compacted. A stop does not wait for the worker.
         """
         if self.log.length <= LONG_PREDICTED or self._known_answer is None:
             return
-        reply = self._ask_idly("shorten", stopped)
+        reply = self._ask_idle("shorten", stopped)
         if reply:
             self._replace_log(self._log_after_reply(reply))
 
@@ -87,34 +85,34 @@ class ProcessSolver(PlanningSolver):
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
     ) -> Verdict:
-        """Return whether ``update`` would have an answer without the facts ``disabled``; raises as updates do."""
+        """Return whether ``update`` has an answer without the ``disabled`` facts; raises like :meth:`update`."""
         facts = {"assumable": symbols_to_text(sorted(assumable)), "disabled": symbols_to_text(sorted(disabled))}
         reply = self._pool.ask({"do": "inquire", "update": str(update), **facts}, self.log, stopped)
         return Verdict(reply["satisfiable"], symbols_from_text(reply["core"]))
 
-    def _ask_idly(self, do: str, stopped: Optional[Stop]) -> Message:
-        """Return the reply to a command that only improves what there is; an empty one after a stop."""
+    def _ask_idle(self, do: str, stopped: Optional[Stop]) -> Message:
+        """Return the reply to an optional command; an empty reply after a stop."""
         with suppress(NotReadyError):
-            return self._pool.ask({"do": do}, self.log, stopped, idly=True)
+            return self._pool.ask({"do": do}, self.log, stopped, idle=True)
         return {}
 
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stop]) -> SolveResult:
         return self._answered(self._pool.search(Search(self.log, update), stopped))
 
     def _answered(self, reply: Message) -> SolveResult:
-        """Continue with the history and the answer in ``reply``."""
+        """Adopt the history and the answer in ``reply``; return the answer."""
         result, reported = result_from_message(reply["result"]), self._pool.remarks
         remarks = [one for one in reply["remarks"] if one not in reported]
         reported.update(remarks)
         result = replace(result, warnings=(*result.warnings, *remarks))
         log = self._log_after_reply(reply)
-        if log.plan is not None:  # that of a prefetched answer may have begun with an earlier plan
+        if log.plan is not None:  # a prefetched answer can result from an earlier plan
             log = log.adopt(Plan.from_result(result))
         self.log, self._answer = log, (log, result)
         return result
 
     def _log_after_reply(self, reply: Message) -> History:
-        """Return the history after a reply; a prefetched one began with another object for the same history."""
+        """Return the history after a reply; a prefetched search can have started from an equal history."""
         if reply["start"] is self.log:
             log: History = reply["log"]
             return log

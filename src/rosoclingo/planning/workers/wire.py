@@ -1,4 +1,4 @@
-"""What a worker and its parent tell each other, as plain values that JSON knows.
+"""Programs, results and streams as JSON values, for messages between a worker and its parent.
 
 Symbols are sent as text, see :mod:`~rosoclingo.planning.text`.
 """
@@ -18,13 +18,13 @@ from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 
 
 def program_to_message(program: ReactiveProgram) -> Message:
-    """Return the texts and constants of ``program``."""
+    """Return ``program`` for :func:`program_from_message`."""
     sources = [[one.name, one.text, None if one.folder is None else str(one.folder)] for one in program.sources]
     return {"sources": sources, "constants": {name: str(value) for name, value in program.constants.items()}}
 
 
 def program_from_message(message: Message) -> ReactiveProgram:
-    """Return the program of :func:`program_to_message`; raises ProgramError as that program did."""
+    """Return the program of :func:`program_to_message`; raises ProgramError."""
     sources = [Source(name, text, folder and Path(folder)) for name, text, folder in message["sources"]]
     return ReactiveProgram(sources, message["constants"])
 
@@ -47,13 +47,13 @@ def result_from_message(message: Message) -> SolveResult:
 
 
 def recent(answer: Answer, step: int, program: ReactiveProgram) -> Answer:
-    """Return ``answer`` without atoms of cycles that ended more than :data:`SHOWN_STEPS` cycles before ``step``.
+    """Return ``answer`` without atoms of cycles that lie more than :data:`SHOWN_STEPS` before ``step``.
 
-    Compaction removes them later anyway; otherwise each answer of a long run would have all its shown atoms.
+    Otherwise the answers of a long run would grow until the next compaction.
     """
 
     def is_recent(atom: clingo.Symbol) -> bool:
-        """Return whether an atom has no cycle, or a recent one."""
+        """Return whether an atom has a recent cycle or none."""
         function = atom.type is clingo.SymbolType.Function
         position = program.time_position(atom.name, len(atom.arguments)) if function else None
         if position is None or atom.arguments[position].type is not clingo.SymbolType.Number:

@@ -1,4 +1,4 @@
-"""A worker as seen from its parent: a process with a program that does commands, one after the other."""
+"""A worker process, as the parent process sees it."""
 
 import os
 import signal
@@ -18,21 +18,21 @@ from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.channel import Channel
 
 POLL = 0.002
-"""Seconds of wall time between two calls of a stop request."""
+"""Seconds of wall time between two calls of a stop function."""
 
 GROWTH = 32 * 2**20
-"""Bytes by which a worker may grow before it is replaced; half of its first size if that is more."""
+"""A worker is replaced when it has grown by this number of bytes, or by half of its first size if that is more."""
 
 Patience = Tuple[float, float]
 """Seconds of wall time after a stop until a command is dropped, and until the worker is killed."""
 
 
 class WorkerLostError(Exception):
-    """The worker has ended; the text says how."""
+    """The worker process has ended; the text says how."""
 
 
 class Search(NamedTuple):
-    """A search for an answer to ``update`` after ``log``; if it ``improves`` it shortens the plan until interrupted."""
+    """A search for an answer to ``update`` after ``log``; if it ``improves``, it then shortens the plan."""
 
     log: History
     update: Optional[StreamUpdate]
@@ -50,20 +50,21 @@ class Search(NamedTuple):
 
 
 class Worker:
-    """A process with a program, which does the last command that was begun.
+    """A process with a program that executes one command at a time.
 
-    It has a session of its own, so that a Ctrl-C in the terminal does not reach it, and ends with its parent.
+    It runs in a session of its own, so that Ctrl-C in the terminal does not reach it, and ends with its parent.
 
     Attributes:
         is_ready: whether it has loaded the program.
-        reached: the last step that the search under way has ground, as far as the worker has reported.
+        reached: the last grounded step of the running search, as last reported.
         search: the search that was begun last; None after :meth:`abandon` and for other commands.
-        log: the history to which the last reply has led; None while a command is under way, or if it has failed.
+        log: the history after the last reply; None while a command is running, or after a failure.
 
     """
 
-    def __init__(self, load: Message) -> None:
-        """Start a process that does the command ``load``; raises WorkerLostError if it can't be started."""
+    def __init__(self, load: Message, patience: Patience) -> None:
+        """Start a process and send it the command ``load``; raises WorkerLostError."""
+        self._patience = patience
         ours, theirs = socket.socketpair()
         search_path = os.pathsep.join(filter(None, sys.path))
         with theirs:
@@ -77,15 +78,15 @@ class Worker:
                 )
             except OSError as error:
                 ours.close()
-                raise WorkerLostError(f"no solver process can be started: {error}") from None
+                raise WorkerLostError(f"cannot start a solver process: {error}") from None
         self._channel = Channel(ours)
-        self._open = 0  # commands without their last reply
-        self._reply: Optional[Message] = None  # to the command that was begun last
-        self._worked, self._first_memory = 0.0, 0
+        self._open = 0  # number of commands whose last reply is missing
+        self._reply: Optional[Message] = None  # to the last command
+        self._cpu_time, self._first_memory = 0.0, 0
         self.is_ready, self.reached = False, 0
         self.search: Optional[Search] = None
         self.log: Optional[History] = None
-        self._start: Optional[History] = None  # the history of the command that was begun last
+        self._start: Optional[History] = None  # the history before the last command
         self.begin(load)
 
     # ---- The process -------------------------------------------------------------------------------------------------
@@ -109,21 +110,21 @@ class Worker:
         return 0
 
     @property
-    def worked(self) -> float:
+    def cpu_time(self) -> float:
         """Seconds of processor time that the process has used."""
         with suppress(OSError):
-            self._worked = time.clock_gettime((~self.pid << 3) | 2)  # as clock_getcpuclockid(3) has it
-        return self._worked
+            self._cpu_time = time.clock_gettime((~self.pid << 3) | 2)  # see clock_getcpuclockid(3)
+        return self._cpu_time
 
     def has_grown(self) -> bool:
-        """Return whether it holds much more memory than at the first call: clingo never frees a term."""
-        self.is_busy()  # takes the reply to the first command
+        """Return whether it uses much more memory than at the first call: clingo never frees symbols."""
+        self.is_busy()  # reads the reply to the first command
         memory = self.memory if self.is_ready else 0
         self._first_memory = self._first_memory or memory
         return memory > self._first_memory + max(GROWTH, self._first_memory // 2)
 
     def kill(self) -> None:
-        """Kill the process, whatever it does, and release all that belongs to it."""
+        """Kill the process and close the connection."""
         self._process.kill()
         self._process.wait()
         self._channel.close()
@@ -133,9 +134,9 @@ class Worker:
     # ---- Commands ----------------------------------------------------------------------------------------------------
 
     def begin(self, command: Message, log: Optional[History] = None, search: Optional[Search] = None) -> None:
-        """Have the worker do ``command`` after ``log``, that of a ``search`` or another one; abandon the one before.
+        """Send ``command``, for a history or none, which can be that of a ``search``; abandon a running command.
 
-        The worker gets the entries that have followed its own history, or else the whole history.
+        The worker gets the entries that follow its own history if it can, otherwise the whole history.
         """
         self.abandon()
         if log is not None:
@@ -148,36 +149,29 @@ class Worker:
         self.search, self.reached = search, 0
 
     def abandon(self) -> None:
-        """Interrupt the command under way; nobody waits for its reply."""
+        """Interrupt the running command and ignore its reply."""
         if self._open:
             self._interrupt(0.0)
         self.search = self._reply = None
 
     def wait_until_ready(self, stopped: Optional[Stop]) -> None:
-        """Wait until the program is loaded; raises NotReadyError if ``stopped`` came first, and ProgramError."""
+        """Wait until the program is loaded; raises NotReadyError after a stop, and ProgramError."""
         while not self.is_ready:
             if not self._receive(POLL) and stopped is not None and stopped():
-                raise NotReadyError("stopped before the solver was ready: nothing was solved, send it again")
+                raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
 
-    def ask(
-        self,
-        command: Message,
-        log: Optional[History],
-        stopped: Optional[Stop],
-        patience: Patience,
-        idly: bool = False,
-    ) -> Message:
-        """Do ``command`` once the program is loaded; see :meth:`wait_until_ready`, :meth:`begin`, :meth:`finish`."""
+    def ask(self, command: Message, log: Optional[History], stopped: Optional[Stop], idle: bool = False) -> Message:
+        """Execute ``command`` once the program is loaded; see :meth:`begin` and :meth:`finish`."""
         self.wait_until_ready(stopped)
         self.begin(command, log)
-        return self.finish(stopped, patience, idly)
+        return self.finish(stopped, idle)
 
-    def finish(self, stopped: Optional[Stop], patience: Patience, idly: bool = False) -> Message:
-        """Wait for the last reply to the command under way, and return it with the histories before and after it.
+    def finish(self, stopped: Optional[Stop], idle: bool = False) -> Message:
+        """Wait for the last reply to the running command; return it with the histories before and after it.
 
-        A stop interrupts the command; so does an answer that is only improved. After the first seconds of ``patience``
-        it is dropped, after the second ones WorkerLostError is raised. A command that is done ``idly``, to improve what
-        there is, is abandoned at a stop, with an empty reply. Raises SolverError if the worker refuses the command.
+        A stop interrupts the command, and so does a first answer that is being improved. If the worker does not react,
+        the command is dropped and then WorkerLostError raised, see :data:`Patience`. An ``idle`` command, which is
+        optional work, is abandoned at a stop with an empty reply. Raises SolverError if the worker refuses the command.
         """
         interrupted: Optional[float] = None
         while self._open:
@@ -186,29 +180,30 @@ class Worker:
             if interrupted is None:
                 if self._reply is None and (stopped is None or not stopped()):
                     continue
-                if idly:
+                if idle:
                     self.abandon()
                     return {}
                 interrupted = time.monotonic()
-                self._interrupt(patience[0])
-            elif time.monotonic() > interrupted + patience[1]:
-                raise WorkerLostError("the solver did not heed a stop, since it was grounding, and was ended")
+                self._interrupt(self._patience[0])
+            elif time.monotonic() > interrupted + self._patience[1]:
+                raise WorkerLostError("the solver ignored a stop while grounding and was killed")
         reply, self.search, self._reply = self._reply or {}, None, None
         if "refused" in reply:
             raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
         if self._start is not None:
             self.log = self._start.with_entries(*map(entry_from_message, reply.get("entries", ()))).cut()
-        return {**reply, "start": self._start, "log": self.log}
+            reply = {**reply, "start": self._start, "log": self.log}
+        return reply
 
     def is_busy(self) -> bool:
-        """Return whether it loads the program, or a command is under way."""
+        """Return whether it loads the program or executes a command."""
         with suppress(WorkerLostError):
             while self._receive(0.0):
                 pass
         return self.alive and self._open > 0
 
     def searches(self, search: Search) -> bool:
-        """Return whether it searches the answer to ``search``, or has it."""
+        """Return whether it has begun ``search``, or one with the same answer."""
         return self.alive and self.search is not None and self.search.has_answer_of(search)
 
     def has_answer(self, search: Search) -> bool:
@@ -218,11 +213,11 @@ class Worker:
         return self.searches(search) and result.get("outcome") in ("satisfiable", "unsatisfiable")
 
     def _interrupt(self, grace: float) -> None:
-        """Interrupt the command under way, and have a grounding dropped in so many seconds."""
-        self._channel.send({"do": "interrupt", "drop_at": time.monotonic() + grace})  # the clock of all processes
+        """Interrupt the running command; a grounding is dropped after ``grace`` seconds."""
+        self._channel.send({"do": "interrupt", "drop_at": time.monotonic() + grace})  # processes share this clock
 
     def _receive(self, timeout: float) -> bool:
-        """Take a message, waiting for it at most ``timeout`` seconds; return whether there was one."""
+        """Process one message, waiting at most ``timeout`` seconds for it; return whether there was one."""
         try:
             if not self._channel.wait(timeout):
                 return False

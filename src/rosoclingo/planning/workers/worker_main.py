@@ -1,8 +1,8 @@
-"""The process of a worker: a solver that does the commands of its parent.
+"""The main program of a worker process.
 
 Started as ``python3 -m rosoclingo.planning.workers.worker_main SOCKET``, where SOCKET is the number of a file
-descriptor. Nobody writes to its standard input: when the parent ends, however it ends, the other end is closed, and the
-kernel ends this process by SIGIO, even while it grounds.
+descriptor. The standard input only serves as a lifeline: when the parent ends, it is closed, and the kernel ends this
+process by SIGIO, even while it is grounding.
 """
 
 import fcntl
@@ -36,24 +36,24 @@ from rosoclingo.planning.workers.wire import (
 )
 
 NICENESS = 10
-"""The niceness of a process that explains: other work of the machine comes first."""
+"""Niceness of an explaining process."""
 
 REPORTING = 0.5
-"""Seconds of wall time between two reports on how far a search is."""
+"""Seconds of wall time between two progress reports of a search."""
 
 CACHED = 100
-"""Histories that are kept with their snapshots."""
+"""Greatest number of cached histories."""
 
 
 class WorkerMain:
-    """Does commands, one after the other, and replies to each.
+    """Executes commands one after the other and replies to each.
 
-    It keeps only caches: histories with their snapshots, and the solver's groundings.
+    Its only state is caches: histories with their snapshots, and the solver's groundings.
     """
 
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
-        self._histories: Dict[str, History] = {}  # by their texts, as the solver's groundings belong to these objects
+        self._histories: Dict[str, History] = {}  # text -> history; the solver's groundings refer to these objects
         self._reported = time.monotonic()
         self._handlers: Dict[str, Callable[[Message], Message]] = {
             "load": self._load,
@@ -65,11 +65,11 @@ class WorkerMain:
         }
 
     def run(self) -> None:
-        """Serve until the parent closes its end, which raises EOFError."""
+        """Execute commands until the parent closes the connection, which raises EOFError."""
         while True:
             self._channel.wait()
             command = self._channel.unread.popleft()
-            if command["do"] in self._handlers:  # an interrupt that came late is ignored
+            if command["do"] in self._handlers:  # late interrupts are ignored
                 self._channel.send(self._reply_to(command))
 
     def _reply_to(self, command: Message) -> Message:
@@ -100,14 +100,14 @@ class WorkerMain:
         return {}
 
     def _update(self, command: Message) -> Message:
-        """Accept an update, and search; then shorten the plan, if that is asked for, until interrupted."""
+        """Accept an update and search; if the command says so, then shorten the plan until interrupted."""
         solver, start, text = self._solver, self._solver.log, command["update"]
         if text is None:
             result = solver.solve(self._is_interrupted, self._is_dropped)
         else:
             result = solver.update(parse_update(text), self._is_interrupted, self._is_dropped)
         reply = self._answer(result, start)
-        with suppress(SolverError):  # the plan that there is remains one
+        with suppress(SolverError):  # the first plan remains valid
             while command["improves"] and result.answers and not self._is_interrupted():
                 self._channel.send({**reply, "more": True})
                 better = self._planner.improve(self._is_interrupted)
@@ -123,26 +123,26 @@ class WorkerMain:
         return {} if result is None else self._answer(result, start)
 
     def _shorten(self, _command: Message) -> Message:
-        """Put a checkpoint at the end of the history."""
+        """Append a checkpoint to the history."""
         start = self._planner.log
         self._planner.checkpoint()
         return self._entries_since(start)
 
     def _inquire(self, command: Message) -> Message:
-        """Find out what would be, had some facts not been asserted."""
+        """Decide whether there is an answer without some facts."""
         assumable, disabled = (symbols_from_text(command[key]) for key in ("assumable", "disabled"))
         update = parse_update(command["update"])
         verdict = self._planner.inquire(update, assumable, disabled, self._is_interrupted, self._is_dropped)
         return {"satisfiable": verdict.satisfiable, "core": symbols_to_text(sorted(verdict.core))}
 
     def _explain(self, command: Message) -> Message:
-        """Find out why there is no plan."""
+        """Explain why there is no plan."""
         os.nice(NICENESS)
         try:
             found = explain(self._program, stream_from_message(command["stream"]), self._is_interrupted)
         except UndecidedError:
-            raise DroppedError("stopped before anything was found out") from None
-        return {"why": None if found is None else found.to_message()}
+            raise DroppedError("stopped before anything was found") from None
+        return {"why": None} if found is None else {"why": found.to_message(), "text": found.text()}
 
     @property
     def _planner(self) -> PlanSolver:
@@ -152,7 +152,7 @@ class WorkerMain:
     # ---- Histories ---------------------------------------------------------------------------------------------------
 
     def _history(self, text: str, continues: bool) -> History:
-        """Return the history of a text: it continues the last one, or else is made from the longest in the cache."""
+        """Return the history of a text, which extends the last history or else the longest cached one."""
         lines, rest = text.splitlines(keepends=True), []
         if continues:
             return self._solver.log.with_entries(*(entry_from_message(json.loads(line)) for line in lines))
@@ -162,7 +162,7 @@ class WorkerMain:
         return log.with_entries(*(entry_from_message(json.loads(line)) for line in reversed(rest)))
 
     def _cache(self, log: History) -> None:
-        """Cache a history, and drop the one that was used least recently; those without checkpoints are too long."""
+        """Cache a history, and evict the least recently used one; histories without checkpoints are too long."""
         if not isinstance(self._solver, PlanSolver):
             return
         text = log.text()
@@ -174,8 +174,8 @@ class WorkerMain:
     # ---- The parent --------------------------------------------------------------------------------------------------
 
     def _answer(self, result: SolveResult, start: History) -> Message:
-        """Return the reply with a ``result`` of the solver, which continued from ``start``."""
-        remarks: List[str] = []  # all of them: earlier replies may not have been read
+        """Return the reply with a ``result`` and the entries that follow ``start``."""
+        remarks: List[str] = []  # all of them, as earlier replies may be unread
         if isinstance(self._solver, PlanSolver):
             answers = tuple(recent(one, result.step, self._program) for one in result.answers)
             warnings = tuple(one for one in result.warnings if one not in self._solver.remarks)
@@ -183,41 +183,41 @@ class WorkerMain:
         return {"result": result_to_message(result), "remarks": remarks, **self._entries_since(start)}
 
     def _entries_since(self, start: History) -> Message:
-        """Return the part of a reply with the entries that the solver has appended to ``start``."""
+        """Return the part of a reply with the entries that follow ``start``."""
         self._cache(self._solver.log)
         return {"entries": [*map(entry_to_message, self._solver.log.entries_after(start) or ())]}
 
     def _is_interrupted(self) -> bool:
-        """Return whether to end the search under way; report now and then how far it is."""
+        """Return whether to stop the running search; reports its progress at times."""
         if time.monotonic() - self._reported >= REPORTING:
             self._reported = time.monotonic()
             self._channel.send({"reached": self._solver.reached})
         return bool(self._interrupts())
 
     def _is_dropped(self) -> bool:
-        """Return whether to drop the command under way."""
+        """Return whether to drop the running command."""
         return any(time.monotonic() >= one["drop_at"] for one in self._interrupts())
 
     def _interrupts(self) -> List[Message]:
-        """Return the messages that interrupt the command under way."""
+        """Return the messages that interrupt the running command."""
         self._channel.wait(0.0)
         return [message for message in self._channel.unread if message["do"] == "interrupt"]
 
 
 def end_with_parent(lifeline: int) -> None:
-    """End this process when the other end of the pipe ``lifeline`` is closed."""
+    """End this process when the other end of the pipe ``lifeline`` closes."""
     signal.signal(signal.SIGIO, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGIO])
     fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([lifeline], [], [], 0)[0]:
-        raise SystemExit(0)  # it was closed before the kernel was asked to signal that
+        raise SystemExit(0)  # it was closed before F_SETOWN
 
 
 def main() -> None:
-    """Serve the parent."""
+    """Execute the commands of the parent."""
     end_with_parent(0)
-    os.dup2(2, 1)  # scripts in a program may print; the standard output is the parent's
+    os.dup2(2, 1)  # scripts in a program can print; standard output belongs to the parent
     with suppress(EOFError):
         WorkerMain(Channel(socket.socket(fileno=int(sys.argv[1])))).run()
 

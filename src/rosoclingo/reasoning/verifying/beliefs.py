@@ -58,7 +58,7 @@ class Beliefs:
         """Return what to read of a model: what matters, what does where facts may come late, and what must never be."""
         now, before = self._seen(grounding, step), self._seen(grounding, step - self.late)
         if grounding.horizon not in self._never:
-            self._never[grounding.horizon] = [one for one in grounding.named if signature_of(one[0]) == _NEVER]
+            self._never[grounding.horizon] = [one for one in grounding.atom_literals if signature_of(one[0]) == _NEVER]
         never = [one for one in self._never[grounding.horizon] if self._is_by(one[0], step)]
         return [_reader(now), _reader(before), _reader(never)]
 
@@ -105,7 +105,7 @@ class Beliefs:
     def _atoms_by_time(self, grounding: Grounding) -> Dict[int, List[Tuple[clingo.Symbol, int]]]:
         """Return the atoms that have a time, with their literals, by that."""
         found: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
-        for atom, literal in grounding.named:
+        for atom, literal in grounding.atom_literals:
             time = self.shift.time_of(atom)
             if time is not None:
                 found.setdefault(time, []).append((atom, literal))
@@ -116,7 +116,7 @@ class Beliefs:
         defined = self._program.external_signatures | self._program.step_signatures
         return [
             (atom, literal)
-            for atom, literal in grounding.named
+            for atom, literal in grounding.atom_literals
             if signature_of(atom) in defined and self.shift.time_of(atom) is None
         ]
 

@@ -298,7 +298,7 @@ def test_an_update_that_grounds_without_end_is_dropped():
             pass
         reply = client.ask("#step 2. #endstep.")
         assert reply.end == "error"
-        assert "did not heed a stop" in reply.text
+        assert "ignored a stop" in reply.text
         assert "the time limit of 1 s was reached" in reply.text
         while client.ask("#step 1. #endstep.").sets != [["e(1)"]]:
             pass

@@ -66,9 +66,9 @@ def test_where_there_is_none_the_rules_and_facts_are_told(run):
     code, out, _ = run("--plan", "go(b).", "--plan", "go(c)", "--stream", "shut.str")
     assert code == 1
     assert "go(b).: a plan up to step 2\n" in out
-    assert "go(c): No plan of at most 30 steps; there may be a longer one.\n" in out
+    assert "go(c): No plan of at most 30 steps; a longer plan may exist.\n" in out
     assert "  walk.lp:19:1: c is shut\n      :- _action_lib(go,B,t), closed(B,t).\n" in out
-    assert "  told: shut(c,1).\n" in out
+    assert "  asserted: shut(c,1).\n" in out
 
 
 @pytest.mark.slow
@@ -87,7 +87,7 @@ def test_steps_bound_plans(run):
     code, out, _ = run("--plan", "go(c)", "--stream", "walked.str", "--steps", "1", "--plan", "go(a)")
     assert code == 1
     assert "go(c): a plan up to step 3\n" in out
-    assert "go(a): No plan of at most 1 step; there may be a longer one.\n" in out
+    assert "go(a): No plan of at most 1 step; a longer plan may exist.\n" in out
 
 
 @pytest.mark.slow

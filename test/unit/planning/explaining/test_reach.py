@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.explaining.why_not import WhyNot
 from rosoclingo.planning.history import History
 
 PAPER = Path(__file__).resolve().parents[4] / "encodings" / "paper.lp"
@@ -70,7 +69,6 @@ def check(world, steps=STEPS):
     if found is None:
         assert world.holds(f"has({world.wanted},t)")
         return None
-    assert WhyNot.from_message(found.to_message()) == found
     if found.never:
         assert not world.holds(f"has({world.wanted},t)")
     for one in found.lacking:

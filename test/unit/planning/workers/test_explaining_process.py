@@ -1,13 +1,15 @@
 """Why there is no plan, asked of a process of its own: the same reasons, and an end in time."""
 
+import json
+
 import pytest
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.planning.workers import explaining_process, worker
-from rosoclingo.planning.workers.explaining_process import explain_apart
+from rosoclingo.planning.workers import pool, worker
+from rosoclingo.planning.workers.pool import explain_in_worker
 
 PROGRAM = (
     "#program cumulative(t).\n#external on(t).\n{ up(t) }.\n:- up(t), on(t-1).\n#program volatile(t).\n:- not up(t).\n"
@@ -27,10 +29,11 @@ def stream(text, steps, *before):
 def test_a_process_finds_the_same_reasons():
     program = ReactiveProgram.from_text(PROGRAM, "lift.lp")
     asked = stream("#step 2. on(2). #end step.", 1, "#step 1. on(1). #end step.")
-    found = explain_apart(program, asked, 300.0)
-    assert found == explain(program, asked)
-    assert [one.text for one in found.told] == ["on(1).", "on(2)."]
-    assert explain_apart(program, stream("#step 1. #end step.", 1), 300.0) is None
+    found = explain_in_worker(program, asked, 300.0)
+    here = explain(program, asked)
+    assert found == (here.text(), json.loads(json.dumps(here.to_message())))
+    assert [one.text for one in here.told] == ["on(1).", "on(2)."]
+    assert explain_in_worker(program, stream("#step 1. #end step.", 1), 300.0) is None
 
 
 def test_facts_go_with_what_was_done_because_of_them():
@@ -54,13 +57,13 @@ at(P,t) :- _action_lib(go,P,t).
 @pytest.mark.once
 @pytest.mark.slow
 def test_what_takes_too_long_is_ended(monkeypatch):
-    monkeypatch.setattr(explaining_process, "GRACE", 0.1)
-    monkeypatch.setattr(explaining_process, "PATIENCE", 0.2)
+    monkeypatch.setattr(pool, "EXPLAIN_GRACE", 0.1)
+    monkeypatch.setattr(pool, "EXPLAIN_PATIENCE", 0.2)
     program = ReactiveProgram.from_text(EXPLODING)
-    with pytest.raises(DroppedError, match="not found out in 1 s"):
-        explain_apart(program, stream("#step 1. e(1). #end step.", 3), 1.0)
+    with pytest.raises(DroppedError, match="no explanation was found in 1 s"):
+        explain_in_worker(program, stream("#step 1. e(1). #end step.", 3), 1.0)
     with pytest.raises(DroppedError):
-        explain_apart(program, stream("#step 1. e(1). #end step.", 3), 300.0, lambda: True)
+        explain_in_worker(program, stream("#step 1. e(1). #end step.", 3), 300.0, lambda: True)
 
 
 def test_a_process_that_cannot_be_started_is_told(monkeypatch):
@@ -69,4 +72,4 @@ def test_a_process_that_cannot_be_started_is_told(monkeypatch):
 
     monkeypatch.setattr(worker.subprocess, "Popen", refused)
     with pytest.raises(SolverError, match="no more processes"):
-        explain_apart(ReactiveProgram.from_text(PROGRAM), stream("#step 1. #end step.", 1), 1.0)
+        explain_in_worker(ReactiveProgram.from_text(PROGRAM), stream("#step 1. #end step.", 1), 1.0)

@@ -69,8 +69,8 @@ def atoms(result):
 
 def after_work(pool, seconds=0.1):
     """A stop request once the worker has worked for some time on the command."""
-    before = pool.worked
-    return lambda: pool.worked > before + seconds
+    before = pool.cpu_time
+    return lambda: pool.cpu_time > before + seconds
 
 
 # ---- Answers ---------------------------------------------------------------------------------------------------------
@@ -188,7 +188,7 @@ def test_update_that_crashes_two_workers_is_dropped():
             kill(pool)
             return False
 
-        with pytest.raises(DroppedError, match="ended by signal SIGKILL; what it was asked for was dropped"):
+        with pytest.raises(DroppedError, match="ended by signal SIGKILL; the request was discarded"):
             fed(solver, "2.", stopped)
         assert atoms(fed(solver, "1 : 0.")) == [["c(1)", "e(1)"]]
 
@@ -211,23 +211,23 @@ def test_worker_ends_with_parent_even_while_grounding():
 
 @pytest.mark.slow
 def test_standby_takes_the_place_of_killed_worker():
-    with pool_of(EXPLODING, patience=0.1, spare=True) as pool:
+    with pool_of(EXPLODING, patience=0.1, standby=True) as pool:
         solver = pool.solver()
         pool.start()
-        assert pool.spare_pid is None, "one starts after the other"
+        assert pool.standby_pid is None, "one starts after the other"
         fed(solver, "1. e(1).")
         for _ in range(2):
             fed(solver, "1.")
-            lost, spare, worked, elapsed = pool.pid, pool.spare_pid, pool.worked, pool.stopwatch()
-            with pytest.raises(DroppedError, match="did not heed a stop, since it was grounding"):
+            lost, spare, worked, elapsed = pool.pid, pool.standby_pid, pool.cpu_time, pool.stopwatch()
+            with pytest.raises(DroppedError, match="ignored a stop while grounding"):
                 fed(solver, "2. e(2).", after_work(pool))
             assert ended(lost)
-            assert (pool.pid, pool.spare_pid) == (spare, None)
-            assert pool.worked > worked + 0.1, "the work of a killed worker counts"
+            assert (pool.pid, pool.standby_pid) == (spare, None)
+            assert pool.cpu_time > worked + 0.1, "the work of a killed worker counts"
             assert elapsed() > 0.1
             assert (solver.step, solver.horizon) == (1, 1)
         assert atoms(fed(solver, "1.")) == [["e(1)"]]
-        spare = pool.spare_pid
+        spare = pool.standby_pid
     assert ended(spare)
 
 
@@ -369,13 +369,13 @@ def update_of(cycle, before):
 def test_stream_survives_fifty_kills():
     """Of the active worker, the standby or both, between two updates and in the midst of one."""
     draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(RUN), log_limit=2)
-    with pool_of(RUN, **PLANS, log_limit=2, spare=True) as pool:
+    with pool_of(RUN, **PLANS, log_limit=2, standby=True) as pool:
         solver = pool.solver()
         kills, cycle, done, now = 0, 0, [], None
 
         def kill_some():
             nonlocal kills
-            for pid in draw.choice([[pool.pid], [pool.spare_pid], [pool.pid, pool.spare_pid]]):
+            for pid in draw.choice([[pool.pid], [pool.standby_pid], [pool.pid, pool.standby_pid]]):
                 with suppress(TypeError, ProcessLookupError):  # there is none
                     os.kill(pid, signal.SIGKILL)
                     assert ended(pid)

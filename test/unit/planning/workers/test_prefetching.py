@@ -23,7 +23,7 @@ AGAIN = onward(3, "no", place=1)
 
 
 def pool_of(**options):
-    return WorkerPool(PROGRAM, spare=True, shortest=True, **{**OPTIONS, **options})
+    return WorkerPool(PROGRAM, standby=True, shortest=True, **{**OPTIONS, **options})
 
 
 @pytest.fixture
@@ -54,27 +54,27 @@ def solver(pool):
 @pytest.mark.parametrize("waits", [True, False])
 def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
     """Also while it still searches."""
-    old, spare = pool.pid, pool.spare_pid
-    assert solver.prefetch(onward(2, "no"))
+    old, spare = pool.pid, pool.standby_pid
+    assert solver.prepare(onward(2, "no"))
     if waits:
         wait_until_prepared(pool)
-    worked = pool.worked
+    worked = pool.cpu_time
     assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
-    assert (pool.pid, pool.spare_pid) == (spare, None)
+    assert (pool.pid, pool.standby_pid) == (spare, None)
     assert ended(old)
-    assert pool.worked >= worked
+    assert pool.cpu_time >= worked
     assert solver.log.key == here.log.key
     assert solver.log.plan == here.log.plan
     assert solver.update(AGAIN) == here.update(AGAIN)
-    assert pool.spare_pid is not None, "there is another standby"
+    assert pool.standby_pid is not None, "there is another standby"
 
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("comes", ["as predicted", "earlier"])
 def test_answer_is_prefetched_behind_predicted_updates(here, pool, solver, comes):
     before, later = [onward(2, 1), onward(3, 2)], onward(4, "no")
-    pids = pool.pid, pool.spare_pid
-    assert solver.prefetch(later, before)
+    pids = pool.pid, pool.standby_pid
+    assert solver.prepare(later, before)
     if comes == "earlier":
         for update in (onward(2, "no"), AGAIN):
             assert solver.update(update) == here.update(update)
@@ -83,7 +83,7 @@ def test_answer_is_prefetched_behind_predicted_updates(here, pool, solver, comes
     wait_until_prepared(pool)
     for update in before:
         assert solver.update(update) == here.update(update)
-        assert (pool.pid, pool.spare_pid) == pids
+        assert (pool.pid, pool.standby_pid) == pids
     assert solver.update(later) == here.update(later)
     assert pool.pid == pids[1]
 
@@ -141,7 +141,7 @@ def test_standby_prefetches_the_latest_question(here, pool, solver):
     for _ in range(2):
         solver.prefetch(onward(2, "no"))
         wait_until_prepared(pool)
-    spare = pool.spare_pid
+    spare = pool.standby_pid
     assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
     assert pool.pid == spare
 
@@ -151,17 +151,17 @@ def test_lost_standby_costs_only_its_answer(here, pool, solver, when):
     solver.prefetch(onward(2, "no"))
     if when == "ready":
         wait_until_prepared(pool)
-    os.kill(pool.spare_pid, signal.SIGKILL)
-    assert ended(pool.spare_pid)
-    assert not solver.has_prefetched(onward(2, "no"))
-    assert solver.prefetch(onward(2, "no")), "another one begins"
+    os.kill(pool.standby_pid, signal.SIGKILL)
+    assert ended(pool.standby_pid)
+    assert not solver.has_prepared(onward(2, "no"))
+    assert solver.prepare(onward(2, "no")), "another one begins"
     assert solver.update(onward(2, "no")) == here.update(onward(2, "no"))
 
 
 def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
     """It abandons its search, of which nothing gets into the next answer."""
-    solver.prefetch(onward(2, "no"))
-    spare = pool.spare_pid
+    solver.prepare(onward(2, "no"))
+    spare = pool.standby_pid
     kill(pool)
     assert solver.update(onward(2, "other")) == here.update(onward(2, "other"))
     assert pool.pid == spare
@@ -178,8 +178,8 @@ def test_grown_standby_is_replaced(monkeypatch):
         solver.update(ASK)
         wait_until_prepared(pool)
         for number in range(2):
-            solver.prefetch(onward(2, f"no{number}"))
-            pids.append(pool.spare_pid)
+            solver.prepare(onward(2, f"no{number}"))
+            pids.append(pool.standby_pid)
             wait_until_prepared(pool)
     assert pids[0] != pids[1]
 
@@ -200,7 +200,7 @@ def test_improved_plan_is_prefetched_for_again(here, again):
             if again or plan is worse:
                 assert solver.prefetch(onward(2, "no"))
                 wait_until_prepared(pool)
-        spare = pool.spare_pid
+        spare = pool.standby_pid
         result = solver.update(onward(2, "no"))
         assert pool.pid == spare
         assert solver.log.plan == Plan.from_result(result)
@@ -223,6 +223,6 @@ def test_pool_without_standby_prefetches_nothing():
     with WorkerPool(PROGRAM, shortest=True, **OPTIONS) as pool:
         solver = pool.solver()
         solver.update(ASK)
-        assert not solver.prefetch(onward(2, "no"))
-        assert pool.spare_pid is None
+        assert not solver.prepare(onward(2, "no"))
+        assert pool.standby_pid is None
         solver.update(onward(2, "no"))

@@ -21,19 +21,19 @@ def load(text=""):
 
 @pytest.fixture
 def worker():
-    one = Worker(load())
+    one = Worker(load(), PATIENCE)
     yield one
     one.kill()
 
 
 def test_worker_that_hangs_is_not_waited_for(worker):
-    assert worker.finish(None, PATIENCE) == {}
+    assert worker.finish(None) == {}
     os.kill(worker.pid, signal.SIGSTOP)
     for _ in range(3):
         worker.begin(load(f'b("{"x" * 2**20}").'))
     assert worker.is_busy()
     os.kill(worker.pid, signal.SIGCONT)
-    assert worker.finish(None, PATIENCE) == {}
+    assert worker.finish(None) == {}
     assert not worker.is_busy()
 
 
@@ -50,4 +50,4 @@ def test_worker_that_ended_is_reported_as_lost(worker):
     assert ended(worker.pid)
     worker.begin(load())
     with pytest.raises(WorkerLostError, match="ended by signal SIGKILL"):
-        worker.finish(None, PATIENCE)
+        worker.finish(None)
