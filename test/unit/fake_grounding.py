@@ -66,7 +66,7 @@ class FakeGrounding:
         return sorted(actions(*range(first, min(last, self.horizon) + 1)))
 
     def ask(self, question, stopped):
-        first, last, conflicts, given = question.first, question.last, question.conflicts, question.given
+        first, last, conflicts = question.first, question.last, question.conflicts
         assert self.step <= first <= last <= self.horizon
         assert question.best or question.models == 1
         assert question.advised or self.program.advises
@@ -75,17 +75,19 @@ class FakeGrounding:
         if self.cut and (stopped() or (question.until is not None and question.until())):
             return UNKNOWN
         horizons = range(first, last + 1)
-        agree = [
-            one
-            for one in horizons
-            if one in self.plans and all((cycle_of(action) in self.plans[one]) == value for action, value in given)
-        ]
+        agree = [one for one in horizons if one in self.plans and self.agrees(actions(*self.plans[one]), question)]
         if agree:
             return Reply(True, (actions(*self.plans[agree[-1]]),), agree[-1])
-        if conflicts is not None and not given and max(self.hard.get(one, 0) for one in horizons) > conflicts:
+        if conflicts is not None and not question.given and max(self.hard.get(one, 0) for one in horizons) > conflicts:
             return UNKNOWN
         dead = self.dead is not None and last >= self.dead
         return Reply(False, hopeless=dead, permanent=dead)
+
+    @staticmethod
+    def agrees(plan, question):
+        """Whether the plan is an answer to the question, whatever the horizons."""
+        given = all((action in plan) == value for action, value in question.given)
+        return given and (not question.lacking or not plan.issuperset(question.lacking))
 
     def note(self, question):
         text = f"{question.first}..{question.last}"

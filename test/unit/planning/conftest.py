@@ -8,12 +8,19 @@ from rosoclingo.planning.grounding import Grounding
 
 @pytest.fixture
 def compacts_at_once(monkeypatch):
-    """Retire whatever can be retired with every update, step by step."""
+    """Compact with every update whatever can be compacted, step by step."""
     monkeypatch.setattr(compaction, "LEAST_STEPS", 1)
     monkeypatch.setattr(solver, "LEAST_STEPS", 1)
     monkeypatch.setattr(grounding, "PIECE", 1)
     monkeypatch.setattr(grounding, "CLOSED_PIECE", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)
+
+
+@pytest.fixture
+def large_pieces(compacts_at_once, monkeypatch):
+    """Nevertheless ground many steps at once."""
+    monkeypatch.setattr(grounding, "PIECE", 64)
+    monkeypatch.setattr(solver, "BLOCK", 8)
 
 
 @pytest.fixture

@@ -1,6 +1,8 @@
-"""Compaction: answers stay the same, and a long stream costs no more than a short one."""
+"""Compaction: a stream that compacts has the answers of one that does not, and costs no more the longer it gets."""
 
+from collections import Counter
 from dataclasses import replace
+from unittest import mock
 
 import pytest
 from hypothesis import given
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from random_streams import PARTS, UPDATES, without_strangers
 from recorded_streams import STEPS, Planned
 from stream_logs import copied
+from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -15,16 +18,295 @@ from rosoclingo.oclingo import (
     SolveOutcome,
     SolverError,
     commitment,
+    fact,
     parse_atom,
     parse_update,
 )
+from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Forget, Literal, Over, Statement, StreamUpdate
-from rosoclingo.planning import compaction, grounding
-from rosoclingo.planning import solver as solver_module
-from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
+from rosoclingo.planning import grounding
+from rosoclingo.planning.fixed_atoms import fixed_atoms
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, cycle_of
+from rosoclingo.planning.question import Question
+from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 from rosoclingo.planning.solver import PlanSolver
 
 pytestmark = pytest.mark.usefixtures("compacts_at_once")
+
+
+def first(solver):
+    """The first step that a grounding would have; None if nothing was compacted."""
+    return None if solver.snapshot.past is None else solver.snapshot.past.first
+
+
+def heads(result):
+    """The heads that the warnings name."""
+    return [one.split(" ")[1] for one in result.warnings]
+
+
+# ---- Random programs -------------------------------------------------------------------------------------------------
+
+
+def concerns(statement, step):
+    """Whether all atoms of the statement are about steps from ``step`` on, as far as one can tell."""
+    mentioned = [one.atom for one in statement.body] + ([] if statement.head is None else [statement.head])
+    return all(not atom.arguments or atom.arguments[-1].number >= step for atom in mentioned)
+
+
+def decide(draw, names):
+    """Constraints that settle choices of the program."""
+    return [Statement(None, (Literal(parse_atom(name), name[0] == "q" or draw(st.booleans())),)) for name in names]
+
+
+@pytest.mark.slow
+@given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
+def test_compaction_answers_as_forgetting_does(parts, data, margin):
+    """Whether steps are decided or not, answers are as if their externals had been forgotten."""
+    program = ReactiveProgram.from_text(parts.text())
+    compacting, forgetting = (PlanSolver(program, models=0) for _ in range(2))
+    step = decided = begin = 1
+    for number, update in enumerate(data.draw(st.lists(UPDATES, min_size=2, max_size=6))):
+        update = without_strangers(parts, update)
+        begin = max(begin, min(step, update.step) - margin)
+        step = max(step, update.step)
+        items = [one for one in update.items if not isinstance(one, Statement) or concerns(one, begin)]
+        forget = [Forget(1, begin - 1)] if begin > 1 else []
+        names = ["a", "b"] if number == 0 and data.draw(st.booleans()) else []
+        settle = decide(data.draw, [*names, *(f"{name}({one})" for one in range(decided, step + 1) for name in "pq")])
+        decided = step + 1
+        found = compacting.update(replace(update, items=(Over(begin), *settle, *items), step=step))
+        expected = forgetting.update(replace(update, items=(*settle, *forget, *items), step=step))
+        assert found.outcome is expected.outcome
+        assert set(found.answers) == set(expected.answers), (parts.text(), str(update), begin)
+        if found.outcome is SolveOutcome.SATISFIABLE:
+            assert compacting.horizon == forgetting.horizon
+        elif found.permanent or compacting.horizon != forgetting.horizon:
+            return  # the one that forgets may have seen before the bound that there is no answer
+
+
+# ---- Up to which step ------------------------------------------------------------------------------------------------
+
+CHOICES = "{ x ; y }. #external door. #external sees/1. #external seen/2. "
+STEP = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). "
+EXTERNALS = STEP + "#program volatile(t)."
+
+
+def compact(text, *updates, steps=8, every=1):
+    """Play updates, one a step, with and without compaction; compare the answers; return the solver that compacts.
+
+    At ``every`` so many steps those before the last one are over.
+    """
+    compacting, forgetting = planner_of(text, models=0), planner_of(text, models=0)
+    for step in range(1, steps + 1):
+        update = updates[step - 1] if step <= len(updates) else ""
+        over = f"#over {step - 1}. " if step % every == 0 else ""
+        forgotten = f"#forget 1..{step - 2}. " if step > 2 else ""
+        found = play(compacting, f"#step {step} : 0. {over}{update}")
+        expected = play(forgetting, f"#step {step} : 0. {forgotten}{update}")
+        assert set(found.answers) == set(expected.answers), step
+        assert heads(found) == heads(expected), step
+    return compacting
+
+
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize(
+    ("rules", "updates", "reached"),
+    [
+        # facts and constraints
+        ("", ["e(1).", ":- e(1), x."], 7),
+        ("", ["", ":- not x, not y.", ":- c(2), not x, y."], 7),
+        ("", ["p(1).", ":- p(1), x."], 7),
+        ("", ["", "", "seen(a,3) :- c(1), x."], 7),
+        ("", ["", "note :- x.", ":- note."], 7),
+        # rules of the program
+        ("#show c/1.", ["e(1).", "e(2)."], 7),
+        ("_action_lib(go,x,soon(t)) :- e(t), t > 2.", ["", "", "e(3)."], 7),
+        ("_action_lib(go,x,t-2) :- e(t), t > 2.", ["", "", "e(3)."], 7),
+        ("_action_lib(go,x,t+1) :- e(t), t > 2.", ["", "", "e(3)."], 7),
+        ("next(t) :- c(t-1). unless(t) :- not c(t-1).", ["", "e(2)."], 7),
+        ("door :- e(t), t = 1. gate :- e(t), t = 2. #external gate : t = 1.", ["e(1)."], 7),
+        ("d(X,t) :- seen(X,T), T <= t.", ["seen(a,1).", "seen(b,2)."], 7),
+        (":- x, t = 1.", ["", "e(2)."], 7),
+        (":- x, e(t).", ["", "e(2)."], 7),
+        (":- late(t), 1 { x ; y }.", ["", "e(2)."], 7),
+        # statements with a body that define an atom of a step
+        ("", ["e(1) :- x. e(1) :- y.", ":- not c(1)."], None),
+        ("", ["", "", "", "", "e(5) :- x. :- not e(5)."], 5),
+        ("", ["", "", "e(3) :- not c(2)."], 3),
+        ("d(t) :- sees(t).", ["", "sees(6) :- x. :- not sees(6)."], 6),
+        ("d(t) :- sees(t).", ["e(1).", "sees(6). sees(6) :- x. e(2) :- sees(6), c(1)."], None),
+        ("d(t) :- seen(a,t).", ["seen(a,1) :- x.", ":- d(1)."], None),
+        ("s(t) :- door, t > 1.", ["", "door :- c(1). door :- x."], 2),
+        ("s(t) :- door, t > 6.", ["", "door :- x. door :- c(1).", "sees(6) :- door."], 7),
+        ("s(t) :- door, t > 1. :- door, t = 1.", ["", "door :- c(1). door :- x."], None),
+        # statements that lapse
+        ("", ["", ":- c(1). #volatile : 9. e(1) :- x."], None),
+        ("", ["", ":- c(1). #volatile : 3. e(1) :- x."], 7),
+        ("", ["", ":- c(1). #assert : r. e(1) :- x.", "", "", "#retract : r."], 7),
+        ("s(t) :- x.", ["", "#assert : r. :- not x.", "", "", "#retract : r."], None),
+        ("s(t) :- x.", ["", "#volatile. :- not x."], None),
+    ],
+)
+def test_compaction_keeps_answers_of_any_statements(rules, updates, reached):
+    text = f"{CHOICES}{STEP}{rules} #program volatile(t)."
+    compact(text, *updates, every=4)
+    assert first(compact(text, *updates)) == reached
+
+
+@pytest.mark.parametrize(
+    ("text", "over", "reached"),
+    [
+        ("#cumulative t. p(t). #volatile t : 1. :- not p(t). #volatile t. :- not p(t).", [1, 2, 3, 4, 5, 6, 7], 7),
+        ("#cumulative t. p(t). #volatile t : 3. :- not p(t). #volatile t. :- not p(t).", [1, 2, 3, 4, 5, 6, 7], 5),
+        (EXTERNALS, [2, 2, 2], 2),
+    ],
+    ids=["volatile at one step", "volatile at three steps", "over too early"],
+)
+def test_compaction_waits_for_the_end_of_steps(text, over, reached):
+    solver = planner_of(text)
+    for step, past in enumerate(over, 1):
+        play(solver, f"#step {step}. #over {past}.")
+    assert first(solver) == reached
+
+
+MARKS = "#theory marks { term { - : 1, unary }; &mark/0 : term, any }. "
+FACTS = "#program cumulative(t). p(t). q(t) :- p(t-1), not r(t). { r(t) }. :- not r(t)."
+OPEN = "{{ a ; b }}. #program cumulative(t). s(t). {}".format
+
+
+def first_open(text, blocks, before, told=()):
+    """The first step that is not fixed in a program that has grown block by block."""
+    end, *rest = blocks
+    grown = Grounding(ReactiveProgram.from_text(text), Snapshot(horizon=end, items=told), end)
+    for last in rest:
+        grown.grow_to(last)
+    return fixed_atoms(grown, before, set()).first
+
+
+@pytest.mark.usefixtures("large_pieces")
+@pytest.mark.parametrize(
+    ("text", "blocks", "before", "reached"),
+    [
+        (FACTS, (1, 2, 3), 4, 4),
+        (FACTS, (1, 2, 3), 3, 3),
+        (FACTS, (1, 3, 5), 6, 6),
+        (FACTS, (1, 3, 5), 5, 4),
+        (FACTS, (3,), 3, 1),
+        (FACTS, (1,), 9, 2),
+        (OPEN("{ p(3) } :- t = 3."), (1, 2, 3, 4), 5, 3),
+        (OPEN("#external e(3) : t = 3."), (1, 2, 3, 4), 5, 3),
+        (OPEN(":- t = 3, #sum { 1,x : a ; 1,y : b } > 1."), (1, 2, 3, 4), 5, 3),
+        (OPEN("c(t) :- t = 3, a."), (1, 2, 3, 4), 5, 3),
+        ("#program cumulative(t). #edge (t,t+1). #program volatile(t).", (1, 2, 3), 4, 1),
+        (MARKS + "#program cumulative(t). s(t) :- &mark. #program volatile(t).", (1, 2, 3), 4, 1),
+        ("#iinit -3. " + MARKS + "&mark. #program cumulative(t). s(t). #program volatile(t).", (-3, 2, 3), 4, -3),
+        ("{ a ; b }. b :- a. :- a, b. :- not a. " + FACTS, (3,), 4, 1),
+    ],
+)
+def test_fixed_atoms_end_before_an_open_block(text, blocks, before, reached):
+    assert first_open(text, blocks, before) == reached
+
+
+@pytest.mark.usefixtures("large_pieces")
+def test_fixed_atoms_include_those_of_projections():
+    """clingo projects ``_`` under ``not`` by a rule of its own for every atom that it knows."""
+    text, atom = "#external q/2. #program cumulative(t). p(t) :- not q(_,t+1).", fact(parse_atom("q(a,3)"))
+    assert first_open(text, (3,), 4, told=(TimedStatement(atom, 5, 0),)) == 1, "q(a,3) is open"
+    assert first_open(text, (3,), 4, told=(TimedStatement(atom, FOREVER, 0),)) == 4
+
+
+def test_fixed_atoms_repeat_no_remarks_of_clingo(capfd):
+    assert first_open(FACTS + " c(X) :- X = 2/(t-2).", (3,), 4) == 4
+    assert capfd.readouterr() == ("", "")
+
+
+# ---- Facts and externals of compacted steps --------------------------------------------------------------------------
+
+
+def test_compaction_leaves_contradictions_that_can_be_withdrawn():
+    solver = planner_of("#cumulative t. #external e(t). p(t) :- e(t). p(t) :- p(t-1). #volatile t. :- p(t).")
+    play(solver, "#step 1.")
+    assert play(solver, "#step 2 : 0. e(2).").outcome is SolveOutcome.UNSATISFIABLE
+    for step in (3, 4, 5):
+        assert play(solver, f"#step {step} : 0. #over {step}.").outcome is SolveOutcome.UNSATISFIABLE
+    assert play(solver, "#step 6 : 0. #withdraw e(2).").outcome is SolveOutcome.SATISFIABLE
+
+
+def test_compaction_leaves_externals_of_base_open():
+    solver = compact("#external door. #program cumulative(t). s(t) :- door, t > 7. #program volatile(t).", steps=7)
+    assert first(solver) == 6
+    assert atoms(play(solver, "#step 8. door.")) == ["door", "s(8)"]
+
+
+SEVERAL = "day(t). #external e(T) : day(T), T > t-3. c(T,t) :- e(T), day(T), T > t-3. "
+
+
+@pytest.mark.parametrize("text", [EXTERNALS, f"#program cumulative(t). {SEVERAL} #program volatile(t)."])
+def test_compaction_closes_externals_of_its_steps(text):
+    solver = compact(text)
+    play(solver, "#step 9 : 0. #over 8.")
+    result = play(solver, "#step 9 : 0. e(7). e(8). e(9).")
+    assert (first(solver), heads(result)) == (8, ["e(7)"])
+    assert {"e(8)", "e(9)"} <= set(atoms(result))
+
+
+def test_compaction_closes_externals_that_later_steps_declare():
+    solver = planner_of("#program cumulative(t). #external e(9) : t \\ 4 = 1. c(t) :- e(9). #program volatile(t).")
+    for step in (1, 2, 3, 4, 5):
+        result = play(solver, f"#step {step} : 0. #over {step - 1}." + (" e(9)." if step == 4 else ""))
+        assert heads(result) == (["e(9)"] if step == 4 else [])
+    assert (first(solver), atoms(result)) == (4, [])
+
+
+def test_compaction_keeps_facts_that_later_steps_declare():
+    text = "{ x }. #program cumulative(t). day(t). #external e(T) : day(T), T > t-4. #program volatile(t)."
+    assert first(compact(text, "", "", "e(3).", "", ":- e(3), x.")) == 7
+
+
+def test_compaction_keeps_decided_choices_of_base():
+    solver = planner_of("#base. { a }. #cumulative t. c(t) :- not a. :- c(t-1). #volatile t.", models=0)
+    for step in (3, 4, 5):
+        assert play(solver, f"#step {step} : 0. #over {step}.").answers == (frozenset([parse_atom("a")]),)
+    assert first(solver) > 2
+    assert len(list(solver.snapshot.permanent)) == 1
+
+
+def test_compaction_shows_atoms_of_ten_steps_once():
+    solver = compact("a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).")
+    shown = sorted(str(atom) for _, atom in solver.snapshot.past.shown)
+    assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"], "none of base"
+    for step in range(9, 17):
+        result = play(solver, f"#step {step} : 0. #over {step}. e({step}).")
+    assert first(solver) == 16
+    assert [one for one in atoms(result) if one[0] == "c"] == sorted(f"c({step})" for step in range(9, 17))
+    assert "late(4)" not in atoms(result)
+
+
+def test_compaction_keeps_nothing_that_no_later_step_uses():
+    snapshot = compact(EXTERNALS, "e(1).", "e(2). :- not c(1).", steps=12).snapshot
+    assert (snapshot.past.first, snapshot.past.facts, list(snapshot.statements)) == (11, frozenset(), [])
+    assert snapshot.size <= 4
+
+
+def test_compaction_drops_facts_and_actions_without_later_use():
+    solver = planner_of(
+        "#external told/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "
+        "wanted(t) :- _request(x,t). #program volatile(t).",
+        models=0,
+    )
+    for step in range(1, 6):
+        past = f"#over {step - 1}. #closed {step}."
+        play(solver, f"#step {step} : 0. {past} told({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
+    snapshot = solver.snapshot
+    assert first(solver) == 4
+    assert sorted(snapshot.closed) == [3, 4, 5], "the last one before what is ground is kept for its returns"
+    assert sorted(map(str, snapshot.permanent)) == ["_request(x,9)."]
+    shown = {str(atom): step for step, atom in snapshot.past.shown if atom.name == "told"}
+    assert shown == {f"told({step})": max(1, step - 2) for step in range(1, 6)}, "with the last step compacted then"
+
+
+# ---- Long streams of a robot -----------------------------------------------------------------------------------------
 
 WALK = """
 #program base.
@@ -43,210 +325,197 @@ seen(X,t) :- sees(X,T), T <= t.
 #program volatile(t).
 :- wanted(X,t), not at(X,t).
 """
-
-
-@pytest.mark.slow
-def test_answers_show_the_latest_retired_steps_alone():
-    answers = drive(walk(), 80, 0)
-    for cycle, shown in ((10, False), (80, True)):
-        assert any(atom.startswith("at(") and atom.endswith(f",{cycle})") for atom in answers[-1]) is shown
-    assert sum("_action_lib" in atom for atom in answers[-1]) < 50
-    assert max(map(len, answers[40:])) < 2 * max(map(len, answers[20:40])), "a long stream's answers are no larger"
-
-
 PROGRAM = ReactiveProgram.from_text(WALK)
 
 
-def walk():
-    return PlanSolver(PROGRAM)
-
-
-def past(cycle, before, margin=None):
+def past(cycle, done, margin):
     """The items by which the update of a cycle closes the one before; steps that lie so far back are over."""
     items = [f"#closed {cycle - 1}."] if cycle > 1 else []
-    items += [f"#over {cycle - margin}."] if margin is not None and cycle > margin else []
-    return " ".join([*items, *(f":- not {action}." for action in before)])
+    items += [f"#over {cycle - margin}."] if cycle > margin else []
+    return " ".join([*items, *(f":- not {action}." for action in done)])
 
 
-def ask(solver, text):
-    """Feed an update; return the answer as text, and the actions planned for its cycle."""
-    result = solver.update(parse_update(text))
-    assert result.outcome is SolveOutcome.SATISFIABLE
-    answer = result.answers[0]
-    step = result.step
-    executed = [atom for atom in answer if atom.name == "_action_lib" and atom.arguments[2].number == step]
-    return sorted(map(str, answer)), executed
-
-
-def drive(solver, cycles, margin, improves=False):
-    """Go round and round; return all answers. In each cycle it may be looked for better plans until there are none."""
-    answers, before = [], []
+def drive(solver, cycles, margin, every=2, improves=False):
+    """Request a place at ``every`` so many cycles, and improve each plan until nothing is found, if so desired."""
+    done = []
     for cycle in range(1, cycles + 1):
-        goal = "abc"[cycle % 3]
-        text = f"#step {cycle}. {past(cycle, before, margin)} "
-        text += f"_request(goal({goal},{cycle}),{cycle + 1}). " if cycle % 2 else ""
-        answer, before = ask(solver, text + "#endstep.")
-        answers.append(answer)
+        request = f"_request(goal({'abc'[cycle % 3]},{cycle}),{cycle + 1})." if cycle % every == 1 else ""
+        result = play(solver, f"#step {cycle}. {past(cycle, done, margin)} {request}")
+        done = [one for one in result.answers[0] if one.name == "_action_lib" and cycle_of(one) == cycle]
         if improves:
-            solver.restore(
-                solver.log.adopt(solver.log.plan._replace(horizon=solver.log.plan.horizon + 3, shortest=False))
-            )
+            plan = solver.log.plan
+            solver.restore(solver.log.adopt(plan._replace(horizon=plan.horizon + 3, shortest=False)))
             while solver.improve() is not None:
                 pass
-    return answers
+    return solver
+
+
+RARE = WALK.replace("not blocked(t).", "not blocked(t), t \\ 5 = 1.")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "margin", "every"), [(WALK, 0, 2), (WALK, 5, 2), (RARE, 3, 5)])
+def test_compaction_bounds_the_snapshot_of_a_long_stream(text, margin, every):
+    snapshot = drive(planner_of(text), 40, margin, every).snapshot
+    assert snapshot.past.first >= 39 - margin
+    assert len(snapshot.past.facts) < 12
+    assert snapshot.size + len(snapshot.closed) < 36 + margin
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cycles", [12, 13])
-def test_steps_are_retired_after_a_vain_improvement(cycles):
-    solver = PlanSolver(PROGRAM, plan_time=0.0)
-    drive(solver, cycles, 0, improves=True)
-    assert solver.snapshot.past.first == cycles
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("margin", [0, 1, 5])
-def test_answers_stay_the_same(margin, monkeypatch):
-    monkeypatch.setattr(compaction, "SHOWN_STEPS", 100)
-    solver = walk()
-    answers = drive(solver, 30, margin)
-    assert solver.snapshot.past.first >= 30 - margin - 1
-    assert answers == drive(walk(), 30, None)
-
-
-@pytest.mark.slow
-def test_snapshot_does_not_grow():
-    solver = walk()
-    drive(solver, 60, 2)
-    snapshot = solver.snapshot
-    assert len(snapshot.past.facts) < 12
-    assert snapshot.size + len(snapshot.closed) < 36
+def test_compaction_follows_an_improvement_without_result(cycles):
+    assert first(drive(PlanSolver(PROGRAM, plan_time=0.0), cycles, 0, improves=True)) == cycles
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("offset", [-3, 0, 1, 3])
 @pytest.mark.parametrize("name", ["t", "T"])
-def test_snapshot_does_not_grow_wherever_a_step_has_its_actions(offset, name):
-    head = f"{{ _action_lib(go,x,{name}+{offset}) }} :- now(T), t-1 < T, T <= t"
-    text = f"#program cumulative(t). now(t). {head}. #program volatile(t)."
-    solver = PlanSolver(ReactiveProgram.from_text(text), models=0)
+def test_compaction_includes_steps_with_actions_of_other_cycles(offset, name):
+    choice = f"{{ _action_lib(go,x,{name}+{offset}) }} :- now(T), t-1 < T, T <= t"
+    solver = planner_of(f"#program cumulative(t). now(t). {choice}. #program volatile(t).", models=0)
     for cycle in range(1, 16):
-        answers = solver.update(parse_update(f"#step {cycle} : 0. {past(cycle, (), 0)} #endstep.")).answers
+        answers = play(solver, f"#step {cycle} : 0. {past(cycle, (), 0)}").answers
         assert len(answers) == (2 if 0 <= offset < cycle else 1), "each cycle is closed without an action"
-    assert solver.snapshot.past.first >= 14 - max(offset, 0)
+    assert first(solver) >= 14 - max(offset, 0)
     assert name == "T" or len(solver.snapshot.closed) <= 6
 
 
-@pytest.mark.slow
-def test_cycles_without_possible_actions_are_retired(monkeypatch):
-    monkeypatch.setattr(grounding, "PIECE", 64)
-    monkeypatch.setattr(solver_module, "BLOCK", 8)
-    text = WALK.replace("not blocked(t).", "not blocked(t), t \\ 5 = 1.")
-    solver = PlanSolver(ReactiveProgram.from_text(text))
-    before = []
-    for cycle in range(1, 41):
-        text = f"#step {cycle}. {past(cycle, before, 3)} "
-        text += f"_request(goal({'abc'[cycle // 5 % 3]},{cycle}),{cycle + 1}). " if cycle % 5 == 1 else ""
-        _, before = ask(solver, text + "#endstep.")
-    assert solver.snapshot.past.first >= 36
-
-
-def test_choices_of_base_that_the_past_has_decided_stay_so():
-    text = "#base.\n{ a }.\n#cumulative t.\nc(t) :- not a.\n:- c(t-1).\n#volatile t.\n"
-    solver = PlanSolver(ReactiveProgram.from_text(text), models=0)
-    for step in (3, 4, 5):
-        answers = solver.update(parse_update(f"#step {step} : 0. #over {step}. #endstep.")).answers
-        assert answers == (frozenset([parse_atom("a")]),)
-    assert solver.snapshot.past.first > 2
-    assert len(list(solver.snapshot.permanent)) == 1
-
-
-def test_facts_of_retired_steps_are_too_late():
-    """For a solver that reads the history of another one as well."""
-    solver, reader = walk(), walk()
-    drive(solver, 10, 2)
+def test_facts_of_compacted_steps_come_too_late():
+    """For a solver that has read the history of another one as well."""
+    solver, reader = drive(PlanSolver(PROGRAM), 10, 2), PlanSolver(PROGRAM)
     reader.restore(copied(solver.log))
-    assert reader.snapshot.past == solver.snapshot.past
     for one in (solver, reader):
-        result = one.update(parse_update("#step 11. blocked(3). blocked(11). _request(goal(b,3),4). #endstep."))
+        result = play(one, "#step 11. blocked(3). blocked(11). _request(goal(b,3),4).")
         assert [line.split(".")[0] for line in result.warnings] == [
             "Head blocked(3) comes too late: steps before 8 are compacted",
             "Head _request(goal(b,3),4) comes too late: steps before 8 are compacted",
         ]
-        assert parse_atom("blocked(11)") in result.answers[0]
+        assert "blocked(11)" in atoms(result)
 
 
-def test_facts_that_later_steps_see_are_never_too_late():
-    solver = walk()
-    drive(solver, 10, 2)
+def test_facts_that_later_steps_read_are_never_too_late():
+    solver = drive(PlanSolver(PROGRAM), 10, 2)
     for step, items in ((11, "sees(x,3)."), (12, "#over 11."), (13, ""), (14, "")):
-        result = solver.update(parse_update(f"#step {step}. {items} #endstep."))
+        result = play(solver, f"#step {step}. {items}")
         assert not result.warnings
-        assert parse_atom(f"seen(x,{step})") in result.answers[0]
+        assert f"seen(x,{step})" in atoms(result)
 
 
-def test_predicted_updates_are_compacted_between_searches(searches):
-    """They take no search; what they make of the history is compacted when it is shortened."""
-    text = WALK.replace("next(a,b). next(b,c). next(c,a).", "next(X,X+1) :- X = 0..19.").replace("at(a,0)", "at(0,0)")
-    text += "#show _action_lib/3. #program cumulative(t). #external _return/3. "
-    text += "failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.\n"
-    solver, other = (PlanSolver(ReactiveProgram.from_text(text)) for _ in range(2))
-    for one in (solver, other):
-        one.update(parse_update("#step 1 : 20. _request(goal(9,1),1). #endstep."))
-    asked = len(searches)
-    for step in range(2, 9):
-        (done,) = [one for one in solver.log.plan.actions if one.arguments[2].number == step - 1]
-        told = f":- not {done}. _return(go,{done.arguments[1]},{step - 1})."
-        for one, over in ((solver, f"#over {step - 1}."), (other, "")):
-            one.update(parse_update(f"#step {step} : 20. #closed {step - 1}. {over} {told} #endstep."))
-    assert len(searches) == asked
-    solver.checkpoint()
-    assert len(searches) == asked + 1, "the predicted answer is asked for, with all its actions given"
-    assert solver.snapshot.past.first >= 6
-    assert other.snapshot.past is None
-    update = parse_update("#step 9 : 20. #closed 8. blocked(9). :- not _action_lib(go,8,8). #endstep.")
-    mine, its = solver.update(update), other.update(update)
-    assert (mine.outcome, mine.horizon) == (its.outcome, its.horizon) == (SolveOutcome.SATISFIABLE, 10)
+# ---- Closed steps ----------------------------------------------------------------------------------------------------
+
+LINE = """
+place(1..9). at(5,0).
+#external _request/2. #external _wet/2.
+#cumulative t.
+#external seen(t).
+{ _action_lib(go,(A-1;A+1),t) } 1 :- at(A,t-1), not _wet(A,t).
+gone(t) :- _action_lib(go,B,t).
+at(B,t) :- _action_lib(go,B,t), place(B).
+at(A,t) :- at(A,t-1), not gone(t).
+been(A,t) :- at(A,t), seen(t).
+been(A,t) :- been(A,t-1).
+wanted(A,t) :- _request(A,t).
+wanted(A,t) :- wanted(A,t-1), not at(A,t-1).
+#volatile t.
+:- wanted(A,t), not at(A,t).
+"""
 
 
-def concerns(statement, first):
-    """Whether all atoms of the statement are about steps from ``first`` on, as far as one can tell."""
-    atoms = [one.atom for one in statement.body] + ([] if statement.head is None else [statement.head])
-    return all(not atom.arguments or atom.arguments[-1].number >= first for atom in atoms)
+def walk(solver, places, facts=(), bound=20):
+    """Be in one of the ``places`` after the other, from cycle 0 on, with some facts in each update."""
+    for step, (here, place) in enumerate(zip(places, places[1:]), 2):
+        done = f":- not _action_lib(go,{place},{step - 1}). " if place != here else ""
+        more = " ".join(facts[step - 2 : step - 1])
+        play(solver, f"#step {step} : {bound}. #closed {step - 1}..{step - 1}. {done}{more}")
+    return solver
 
 
-def decide(draw, steps):
-    """Constraints that settle the program's choices at ``steps``."""
-    names = [one for step in steps for one in (f"p({step})", f"q({step})")]
-    atoms = [parse_atom(name) for name in names]
-    return [Statement(None, (Literal(atom, atom.name == "q" or draw(st.booleans())),)) for atom in atoms]
+def places_of(solver, horizon):
+    """In how many places the robot may be after each cycle."""
+    known = Grounding(solver.program, solver.snapshot, horizon).possible_atoms
+    return Counter(atom.arguments[1].number for atom in known if atom.name == "at")
 
 
-@pytest.mark.slow
-@given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
-def test_compacting_solver_answers_as_one_that_forgets(parts, data, margin):
-    """Random programs: where steps are decided or not, answers are as if their externals had been forgotten."""
-    program = ReactiveProgram.from_text(parts.text())
-    compacting, forgetting = (PlanSolver(program, models=0) for _ in range(2))
-    step = decided = first = 1
-    for number, update in enumerate(data.draw(st.lists(UPDATES, min_size=2, max_size=6))):
-        update = without_strangers(parts, update)
-        first = max(first, min(step, update.step) - margin)
-        step = max(step, update.step)
-        items = [one for one in update.items if not isinstance(one, Statement) or concerns(one, first)]
-        forget = [Forget(1, first - 1)] if first > 1 else []
-        choices = ["a", "b"] if number == 0 and data.draw(st.booleans()) else []
-        settle = [Statement(None, (Literal(parse_atom(name), data.draw(st.booleans())),)) for name in choices]
-        settle += decide(data.draw, range(decided, step + 1))
-        decided = step + 1
-        found = compacting.update(replace(update, items=(Over(first), *settle, *items), step=step))
-        expected = forgetting.update(replace(update, items=(*settle, *forget, *items), step=step))
-        assert found.outcome is expected.outcome
-        assert set(found.answers) == set(expected.answers), (parts.text(), str(update), first)
-        if found.outcome is SolveOutcome.SATISFIABLE:
-            assert compacting.horizon == forgetting.horizon
-        elif found.permanent or compacting.horizon != forgetting.horizon:
-            return  # the one that forgets may have seen before the bound that there is no answer
+def test_closed_steps_are_ground_with_their_actions():
+    """In cycle t the robot might have been in t places; it is known in which one it was."""
+    solver = walk(planner_of(LINE), [5, 6, 7, 8, 7, 6, 5, 4])
+    play(solver, "#step 9 : 20. #closed 8..8. _request(2,8).")
+    places = places_of(solver, 10)
+    assert {cycle: places[cycle] for cycle in range(9)} == dict.fromkeys(range(9), 1)
+    assert places[10] > 1
+
+
+@pytest.mark.parametrize("text", ["p(X) :- _wet(X,t).", "p(t-1) :- _wet(1,t). p(t) :- _wet(2,t)."])
+def test_closed_steps_that_define_an_atom_are_ground_together(text):
+    """clingo refuses to define an atom again after a search."""
+    solver = walk(planner_of(f"{LINE} #cumulative t. {text}"), [5, 5, 5, 5])
+    play(solver, "#step 5 : 20. #closed 4..4. _wet(5,6).")
+    assert places_of(solver, 5)[2] > 1
+
+
+LINE_PROGRAM = ReactiveProgram.from_text(LINE)
+LINE_FACTS = st.one_of(
+    st.builds("seen({}).".format, st.integers(1, 9)),
+    st.builds("_wet({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+    st.builds("_request({},{}).".format, st.integers(1, 9), st.integers(1, 9)),
+    st.builds("p({0}) :- q({0}). q({0}).".format, st.integers(1, 3)),
+    st.builds(":- at({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+    st.builds("#assert : a. _wet({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+)
+
+
+@given(
+    st.lists(st.sampled_from([-1, 0, 1]), min_size=1, max_size=7),
+    st.lists(LINE_FACTS, max_size=7),
+    st.integers(1, 3),
+    st.integers(0, 3),
+)
+def test_closed_steps_have_the_answers_of_steps_ground_together(moves, facts, block, over):
+    """A late fact may contradict what was done; then there is none."""
+    places = [5]
+    for move in moves:
+        places.append(places[-1] + move)
+    solver = walk(PlanSolver(LINE_PROGRAM, models=0), places, facts, bound=2)
+    snapshot, found = replace(solver.snapshot, keep_from=over), []
+    # with an assumable fact all steps are ground together
+    for assumable in (frozenset([parse_atom("unknown")]), frozenset()):
+        with mock.patch.object(grounding, "CLOSED_PIECE", block):
+            one = Grounding(LINE_PROGRAM, snapshot, snapshot.horizon, assumable)
+        for last in (snapshot.horizon, snapshot.horizon + 1):
+            if last > one.horizon:
+                one.grow_to(last)
+            found.append(set(one.ask(Question(last, last, models=0), lambda: False).answers))
+    assert found[:2] == found[2:]
+
+
+RETURNS = """
+#external _request/2. #external _return/3.
+#program cumulative(t).
+wanted(A,t) :- _request(A,t+1).
+wanted(A,t) :- wanted(A,t-1), not done(A,t-1).
+{ _action_lib(go,A,t) : wanted(A,t) } 1.
+failed(t) :- _action_lib(go,A,t), _return(go,V,t), V != A.
+done(A,t) :- _action_lib(go,A,t), not failed(t).
+#program volatile(t).
+:- wanted(A,t), not done(A,t).
+"""
+
+
+@pytest.mark.parametrize("built", [False, True])
+@pytest.mark.parametrize(("value", "again"), [("failed", True), ("a", False)])
+def test_return_is_accepted_after_several_cycles_are_closed(value, again, built):
+    solver = planner_of(RETURNS)
+    play(solver, "#step 1 : 9. _request(a,2).")
+    if built:
+        solver.restore(solver.log)
+    result = play(solver, f"#step 4 : 9. #closed 1..3. :- not _action_lib(go,a,1). _return(go,{value},1).")
+    assert result.warnings == ()
+    assert ("_action_lib(go,a,4)" in atoms(result)) == again
+    assert play(solver, "#step 5 : 9. #closed 4..4.").warnings == ()
+
+
+# ---- Between two updates ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -254,40 +523,36 @@ def test_compacting_solver_answers_as_one_that_forgets(parts, data, margin):
 @pytest.mark.parametrize("seed", [0, 2])
 def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
     """And no package is picked up without its request, unless a correction names it."""
-    stream, step, items, asked, picked = Planned("mailbot", 100 + seed), 0, [], set(), set()
+    stream, items, asked, picked = Planned("mailbot", 100 + seed), [], set(), set()
     compacting = stream.solver
     whole = PlanSolver(compacting.program, log_limit=1000)
-    for _ in range(10):
+    for step in range(1, 11):
         items += stream.events()
-        stream.step = step = step + 1
+        stream.step = step
         asked |= {parse_atom(one) for one in items if one.startswith("_request(goal")}
         update = parse_update(f"#step {step} : {STEPS}. " + " ".join(f"{item}." for item in items) + " #endstep.")
-        over = replace(update, items=(Over(step - 4), *update.items))
-        result, other = compacting.update(over), whole.update(update)
-        assert result.outcome is other.outcome, str(update)
+        result = compacting.update(replace(update, items=(Over(step - 4), *update.items)))
+        assert result.outcome is whole.update(update).outcome, str(update)
         if result.outcome is not SolveOutcome.SATISFIABLE:
             return
         compacting.checkpoint()
-        for one in [one for one in asked if one.arguments[1].number > step - 3]:
-            verdicts = [outcome_without(solver, one) for solver in (compacting, whole)]
-            assert verdicts[0] is verdicts[1], (str(update), str(one))
-            if str(one.arguments[0].arguments[-1]) in picked:
-                assert verdicts[0] is SolveOutcome.UNSATISFIABLE, (str(update), str(one))
+        for request in [one for one in asked if one.arguments[1].number > step - 3]:
+            verdicts = []
+            for solver in (compacting, whole):
+                other = PlanSolver(solver.program)
+                other.restore(solver.log.withdraw(frozenset([request])))
+                verdicts.append(other.solve().outcome)
+            assert verdicts[0] is verdicts[1], (str(update), str(request))
+            if str(request.arguments[0].arguments[-1]) in picked:
+                assert verdicts[0] is SolveOutcome.UNSATISFIABLE, (str(update), str(request))
         items = stream.outcomes(result)
         returned = [parse_atom(item) for item in items if item.startswith("_return(pickup")]
-        picked |= {str(one.arguments[1]) for one in returned} - {"1", "2", "777"}  # what corrections name
+        picked |= {str(one.arguments[1]) for one in returned} - {"1", "2", "777"}  # those that corrections name
         assert whole.log.length > compacting.log.length
 
 
-def outcome_without(solver, request):
-    """The outcome after the same history without a request."""
-    beside = PlanSolver(solver.program)
-    beside.restore(solver.log.withdraw(frozenset([request])))
-    return beside.solve().outcome
-
-
 class Trip:
-    """A stream on which checkpoints, compactions, withdrawals and lost updates may come between any two updates.
+    """A stream with checkpoints, compactions, withdrawals and lost updates between any two updates.
 
     Attributes:
         solver: the solver under test.
@@ -301,13 +566,13 @@ class Trip:
         self.draw = data.draw
         self.solver = self.new_solver()
         self.whole, self.read = History(), self.solver.log
-        self.step, self.over, self.planned, self.committed, self.told = 0, 1, [], set(), set()
+        self.step, self.over, self.planned, self.committed, self.facts = 0, 1, [], set(), set()
 
     def new_solver(self, **options):
         return PlanSolver(PROGRAM, horizon_limit=self.LIMIT, **options)
 
     def text(self):
-        """The next update: what was done of the plan, and what else may be told."""
+        """The next update: executed actions, and perhaps facts."""
         cycle, facts, draw = self.step + 1, [], self.draw
         if draw(st.booleans()):
             facts.append(f"_request(goal({draw(st.sampled_from('abc'))},{cycle}),{cycle + 1})")
@@ -327,7 +592,7 @@ class Trip:
         assert {warning.split()[1] for warning in its.warnings} <= {warning.split()[1] for warning in mine.warnings}
         self.step += 1
         self.committed |= update.committed
-        self.told |= {head for head in update.heads if head is not None}
+        self.facts |= {head for head in update.heads if head is not None}
         actions = mine.answers[0] if mine.answers else ()
         self.planned = sorted(
             one for one in actions if one.name == "_action_lib" and one.arguments[2].number == self.step
@@ -343,12 +608,12 @@ class Trip:
         self.solver.checkpoint()
 
     def withdraw(self):
-        recent = sorted(one for one in self.told | self.committed if one.arguments[-1].number >= self.over)
+        recent = sorted(one for one in self.facts | self.committed if one.arguments[-1].number >= self.over)
         if recent:
             facts = self.draw(st.sets(st.sampled_from(recent), min_size=1, max_size=2))
             self.solver.restore(self.solver.log.withdraw(frozenset(facts)))
             self.committed -= facts
-            self.told -= facts
+            self.facts -= facts
 
     def drop(self):
         before = self.solver.log
@@ -380,7 +645,7 @@ EVENTS = st.lists(st.sampled_from(["checkpoint", "compact", "compact", "withdraw
 
 @pytest.mark.slow
 @given(st.data())
-def test_whatever_happens_between_updates_the_whole_history_answers_alike(data):
+def test_events_between_updates_leave_the_answers_of_the_history(data):
     trip = Trip(data)
     for events in data.draw(st.lists(EVENTS, min_size=2, max_size=8)):
         trip.update()

@@ -1,59 +1,41 @@
-"""One grounding: which externals belong to which step, what is ground at once, and what it reports."""
+"""One grounding: which externals belong to which step, what is ground at once, and what a question leaves."""
 
 import gc
 import weakref
 
-import clingo
 import pytest
-from stream_logs import copied
+from stream_logs import cut
+from stream_play import atoms, planner_of, play
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, parse_update
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.grounding import Grounding, pieces
 from rosoclingo.planning.question import UNKNOWN, Question
 from rosoclingo.planning.snapshot import Snapshot
-from rosoclingo.planning.solver import PlanSolver
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 EXTERNALS = (
     "#external door. #external sees/1. d(1..2). #program cumulative(t). #external e(t). #external both(1) : t = 1. "
     "both(t+1). #external f(X) : d(X), t = 4. #program volatile(t). s(t) :- sees(t)."
 )
+STEPS = "#cumulative t. #external e(t). c(t) :- e(t). #volatile t."
 
 
-def solver_of(text, **options):
-    return PlanSolver(ReactiveProgram.from_text(text), **options)
-
-
-def play(solver, text):
-    return solver.update(parse_update(f"{text} #endstep."))
-
-
-def atoms(result):
-    assert result.outcome is SolveOutcome.SATISFIABLE
-    return sorted(map(str, result.answers[-1]))
+def snapshot_of(program, update):
+    return Snapshot.initial(program).with_update(parse_update(f"#step 1. {update} #endstep."), Reader(program, False))
 
 
 def grounding_of(text, horizon=1, update="", **options):
     program = ReactiveProgram.from_text(text)
-    snapshot = Snapshot.initial(program).with_update(
-        parse_update(f"#step 1. {update} #endstep."), Reader(program, False)
-    )
-    return Grounding(program, snapshot, horizon, **options)
-
-
-def restored(solver):
-    """The solver, with its history as one checkpoint, read from its text."""
-    solver.restore(copied(solver.log.checkpoint(solver.snapshot)))
-    return solver
+    return Grounding(program, snapshot_of(program, update), horizon, **options)
 
 
 # ---- Externals -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("horizons", [(1, 2, 3, 4, 5), (1, 3, 5), (3, 5)])
-def test_to_which_steps_externals_belong(horizons):
+def test_externals_belong_to_the_steps_that_declare_them(horizons):
     grounding = grounding_of(EXTERNALS, horizons[0], "#volatile. sees(1).")
     for last in horizons[1:]:
         grounding.grow_to(last)
@@ -70,60 +52,61 @@ def test_to_which_steps_externals_belong(horizons):
     assert declared(1, 3, base=False) == ["both(1)", "e(1)", "e(2)", "e(3)"]
 
 
-def test_a_history_that_is_restored_forgets_the_same():
-    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
-    play(solver, "#step 5.")
-    play(restored(solver), "#forget 3..3.")
-    result = play(solver, "e(2). e(3). e(4).")
-    assert result.warnings == (IGNORED.format("e(3)"),)
-    assert atoms(result) == ["c(2)", "c(4)", "e(2)", "e(4)"]
-
-
-def test_atoms_of_open_predicates_are_of_no_step_and_not_forgotten():
-    solver = solver_of("#external sees/1. a(X) :- sees(X). #cumulative t. #volatile t.")
-    play(solver, "#step 1. #volatile. sees(x).")
-    play(solver, "#step 2. #forget 0..9.")
-    assert atoms(play(solver, "sees(x).")) == ["a(x)", "sees(x)"]
-
-
 @pytest.mark.parametrize("is_restored", [False, True])
-def test_returns_of_all_cycles_before_the_last_closed_one_are_closed(is_restored):
-    solver = solver_of("#cumulative t. #external _return(go,x,t). c(t) :- _return(go,x,t). #volatile t.")
-    for step in (1, 2, 3, 4):
-        play(solver, f"#step {step}. #closed {step}.")
+@pytest.mark.parametrize(
+    ("text", "updates", "late", "closed", "expected"),
+    [
+        (STEPS, ["#step 5.", "#forget 3..3."], "e(2). e(3). e(4).", ["e(3)"], ["c(2)", "c(4)", "e(2)", "e(4)"]),
+        (
+            "#external sees/1. a(X) :- sees(X). #cumulative t. #volatile t.",
+            ["#step 1. #volatile. sees(x).", "#step 2. #forget 0..9."],
+            "sees(x).",
+            [],
+            ["a(x)", "sees(x)"],
+        ),
+        (
+            "#cumulative t. #external _return(go,x,t). c(t) :- _return(go,x,t). #volatile t.",
+            [f"#step {step}. #closed {step}." for step in (1, 2, 3, 4)],
+            "_return(go,x,2). _return(go,x,3). _return(go,x,4).",
+            ["_return(go,x,2)", "_return(go,x,3)"],
+            ["_return(go,x,4)", "c(4)"],
+        ),
+    ],
+    ids=["forgotten", "open predicates belong to no step", "returns before the last closed cycle"],
+)
+def test_externals_are_closed_in_restored_histories_too(text, updates, late, closed, expected, is_restored):
+    solver = planner_of(text)
+    for update in updates:
+        play(solver, update)
     if is_restored:
-        restored(solver)
-    late = play(solver, "_return(go,x,2). _return(go,x,3). _return(go,x,4).")
-    assert late.warnings == (IGNORED.format("_return(go,x,2)"), IGNORED.format("_return(go,x,3)"))
-    assert atoms(late) == ["_return(go,x,4)", "c(4)"]
-    found = atoms(play(solver, "#step 6. #closed 5. _return(go,x,4)."))
-    assert found == ["_return(go,x,4)", "c(4)"], "it was asserted in time"
+        solver.restore(cut(solver))
+    result = play(solver, late)
+    assert (result.warnings, atoms(result)) == (tuple(map(IGNORED.format, closed)), expected)
+    assert atoms(play(solver, f"#step 6. #closed 5. {late}")) == expected, "what was asserted in time stays"
 
 
-def test_rules_for_open_predicates_are_restored_as_rules_and_facts_as_facts():
-    solver = solver_of("{ a }. #external sees/1. #cumulative t. b(X,t) :- sees(X). #volatile t.", models=0)
+def test_rules_and_facts_of_open_predicates_are_restored():
+    solver = planner_of("{ a }. #external sees/1. #cumulative t. b(X,t) :- sees(X). #volatile t.", models=0)
     play(solver, "#step 1. sees(x) :- a. sees(y). sees(z). sees(z) :- a. :- sees(w).")
     expected = set(play(solver, "#step 2.").answers)
     assert len(expected) == 2
-    assert set(restored(solver).solve().answers) == expected
-
-
-@pytest.mark.parametrize("rules", ["", "e(9) :- c(9)."], ids=["grown", "built again, for a loop"])
-@pytest.mark.parametrize("first", [1, 6])
-def test_steps_are_forgotten_however_the_horizon_gets_beyond_them(rules, first):
-    program = ReactiveProgram.from_text("#cumulative t. #external e(t). #forget t : t-2. c(t) :- e(t). #volatile t.")
-    snapshot = Snapshot.initial(program).with_update(
-        parse_update(f"#step 1. {rules} #endstep."), Reader(program, False)
-    )
-    asking = Asking(program, snapshot, lambda one, horizon: Grounding(program, one, horizon), 8)
-    asking.ground(first)
-    assert asking.run(only(Question(1, 6)), lambda: False).satisfiable
-    assert [str(one) for one in asking.grounding.undefined_between(1, 6) if one.name == "e"] == ["e(5)", "e(6)"]
+    solver.restore(cut(solver))
+    assert set(solver.solve().answers) == expected
 
 
 def only(question):
     """A strategy that asks one question."""
     return (yield question)
+
+
+@pytest.mark.parametrize("rules", ["", "e(9) :- c(9)."], ids=["grown", "built again, for a loop"])
+@pytest.mark.parametrize("first", [1, 6])
+def test_steps_are_forgotten_when_the_horizon_passes_them(rules, first):
+    program = ReactiveProgram.from_text("#cumulative t. #external e(t). #forget t : t-2. c(t) :- e(t). #volatile t.")
+    asking = Asking(program, snapshot_of(program, rules), lambda one, last: Grounding(program, one, last), 8)
+    asking.ground(first)
+    assert asking.run(only(Question(1, 6)), lambda: False).satisfiable
+    assert [str(one) for one in asking.grounding.undefined_between(1, 6) if one.name == "e"] == ["e(5)", "e(6)"]
 
 
 # ---- What is ground at once ------------------------------------------------------------------------------------------
@@ -140,54 +123,20 @@ def only(question):
         (6, 0, []),
     ],
 )
-def test_pieces_end_where_steps_may_be_retired(keep_from, end, ends):
+def test_pieces_end_where_compaction_can_begin(keep_from, end, ends):
     assert list(pieces(1, end, 4, keep_from)) == ends
 
 
-def test_building_ends_between_two_pieces_when_it_is_dropped():
+def test_dropped_grounding_ends_between_two_pieces():
     looks = []
     with pytest.raises(DroppedError):
         grounding_of(EXTERNALS, 1000, dropped=lambda: looks.append(1) or len(looks) > 3)
     assert len(looks) == 4
 
 
-def test_changes_are_handed_over_before_clingo_grounds_or_searches(monkeypatch, compacts_at_once):
-    opened, backend = [], clingo.Control.backend
-
-    class Noted:
-        """A backend that notes whether it is open."""
-
-        def __init__(self, control):
-            self._control, self._backend = control, backend(control)
-
-        def __enter__(self):
-            opened.append(self._control)
-            return self._backend.__enter__()
-
-        def __exit__(self, *error):
-            opened.remove(self._control)
-            return self._backend.__exit__(*error)
-
-    def checked(step):
-        def call(control, *arguments, **named):
-            assert control not in opened
-            return step(control, *arguments, **named)
-
-        return call
-
-    monkeypatch.setattr(clingo.Control, "backend", lambda control: Noted(control))
-    monkeypatch.setattr(clingo.Control, "ground", checked(clingo.Control.ground))
-    monkeypatch.setattr(clingo.Control, "solve", checked(clingo.Control.solve))
-    solver = solver_of("#cumulative t. #external e(t). c(t) :- e(t). #volatile t.")
-    for step in (1, 2, 3, 4):
-        found = atoms(play(solver, f"#step {step}. #over {step}. e({step}). :- not c({step})."))
-        assert found[-1] == f"e({step})"
-    assert solver.snapshot.past is not None
-
-
 @pytest.mark.parametrize("window", [0, -3])
-def test_a_volatile_rule_of_no_steps_holds_at_none(window):
-    solver = solver_of(f"#cumulative t. p(t). #volatile t : {window}. :- p(t). #volatile t.")
+def test_volatile_rule_of_no_steps_never_holds(window):
+    solver = planner_of(f"#cumulative t. p(t). #volatile t : {window}. :- p(t). #volatile t.")
     assert [atoms(play(solver, f"#step {step}.")) for step in (1, 2)] == [["p(1)"], ["p(1)", "p(2)"]]
 
 
@@ -195,7 +144,7 @@ def test_a_volatile_rule_of_no_steps_holds_at_none(window):
 
 
 @pytest.mark.parametrize("predicts", [False, True])
-def test_a_grounding_that_is_dropped_is_free_at_once(predicts):
+def test_grounding_without_references_is_freed_at_once(predicts):
     grounding = grounding_of(EXTERNALS, 3, "#volatile. sees(1).", predicts=predicts)
     assert grounding.undefined_between(1, 3)
     assert grounding.ask(Question(1, 3), lambda: False).satisfiable
@@ -219,14 +168,6 @@ HOLES = """
 @pytest.mark.parametrize(
     ("text", "models"), [(HOLES, 1), ("{ a(1..40) }. #cumulative t. #volatile t.", 0)], ids=["none", "many"]
 )
-def test_a_search_that_is_stopped_replies_nothing(text, models):
+def test_stopped_search_has_an_unknown_reply(text, models):
     grounding = grounding_of(text)
     assert grounding.ask(Question(1, 1, models=models), lambda: True) == UNKNOWN
-
-
-def test_an_interrupted_search_leaves_the_update_in_force():
-    solver = solver_of("#cumulative t. #external e(t). :- e(t). #volatile t.")
-    play(solver, "#step 1.")
-    found = solver.update(parse_update("#step 2 : 0. e(2). #endstep."), lambda: True)
-    assert found.outcome is SolveOutcome.INTERRUPTED
-    assert solver.solve().outcome is SolveOutcome.UNSATISFIABLE

@@ -183,11 +183,12 @@ def taken(text, horizon=1):
     return AcceptedUpdate(parse_update(f"{text} #endstep."), horizon)
 
 
-def checkpoint_of(**values):
-    return History().checkpoint(Snapshot(**values)).entry
-
-
 ONE, TWO, THREE = (taken(f"#over {step}.") for step in (1, 2, 3))
+
+
+def checkpoint_of(**values):
+    """The entry of a checkpoint."""
+    return History().checkpoint(Snapshot(**values)).entry
 
 
 def test_history_text_has_a_line_for_each_entry():
@@ -205,47 +206,40 @@ def test_history_text_has_a_line_for_each_entry():
     assert History().text() == ""
 
 
-def test_history_knows_step_horizon_and_steps_over():
-    def leads(log):
-        return log.step, log.horizon, log.keep_from
+@pytest.mark.parametrize(
+    ("entries", "reach"),
+    [
+        ([], (1, 1, 0)),
+        ([taken("#over 4.")], (1, 1, 4)),
+        ([taken("#over 4."), taken("#step 5. #over 3.", 7)], (5, 7, 4)),
+        ([taken("#step 5.", 7), taken("#over 6. #over 1.", 8), AcceptedUpdate(None, 9)], (5, 9, 6)),
+        ([taken("#step 5. #over 4.", 7), taken("#anew.", 1)], (1, 1, 0)),
+        ([taken("#step 5. #over 4.", 7), taken("#step 3. #anew. #over 2.", 4)], (3, 4, 2)),
+        ([ONE, checkpoint_of(step=7, horizon=8, keep_from=6)], (7, 8, 6)),
+    ],
+)
+def test_history_knows_step_horizon_and_steps_over(entries, reach):
+    log = History().with_entries(*entries)
+    for one in (log, copied(log)):
+        assert (one.step, one.horizon, one.keep_from) == reach
 
-    log = History()
-    assert leads(log) == (1, 1, 0)
-    for entry, there in (
-        (taken("#over 4."), (1, 1, 4)),
-        (taken("#step 5. #over 3.", 7), (5, 7, 4)),
-        (taken("#over 6. #over 1.", 8), (5, 8, 6)),
-        (AcceptedUpdate(None, 9), (5, 9, 6)),
-        (taken("#anew.", 1), (1, 1, 0)),
-        (taken("#step 3. #anew. #over 2.", 4), (3, 4, 2)),
-        (checkpoint_of(step=7, horizon=8, keep_from=6), (7, 8, 6)),
-    ):
-        log = log.with_entries(entry)
-        assert leads(log) == leads(copied(log)) == there, entry
 
-
-def test_history_since_an_earlier_one_has_the_entries_between():
+def test_history_knows_later_entries_and_last_update():
     log = History().with_entries(ONE)
     longer = log.with_entries(TWO, THREE)
     assert longer.entries_after(longer) == []
     assert longer.entries_after(log) == [TWO, THREE]
     assert log.entries_after(longer) is None
-    assert longer.entries_after(History()) is None, "it may be of another stream"
+    assert longer.entries_after(History()) is None, "it can be of another stream"
+    assert (History().before_update, History().with_entries(AcceptedUpdate(None, 1)).update) == (None, None)
+    for one in (longer, longer.with_entries(AcceptedUpdate(None, 3))):
+        assert (one.before_update, one.update) == (longer.before, THREE.update)
 
 
-def test_history_knows_its_last_update():
-    log = History().with_entries(AcceptedUpdate(None, 1))
-    assert (log.before_update, log.update) == (None, None)
-    updated = log.with_entries(TWO)
-    for longer in (updated, updated.with_entries(AcceptedUpdate(None, 3))):
-        assert (longer.before_update, longer.update) == (log, TWO.update)
-
-
-def test_history_cut_drops_all_before_the_last_checkpoint_but_one():
+def test_history_cut_keeps_the_last_two_checkpoints():
     first, second = (checkpoint_of(step=step, horizon=step) for step in (1, 2))
-    log = History().with_entries(ONE, first, TWO, second, THREE).cut()
+    log = one = History().with_entries(ONE, first, TWO, second, THREE).cut()
     kept = []
-    one = log
     while one is not None:
         kept.append(one.entry)
         one = one.before
@@ -265,25 +259,16 @@ def test_history_needs_fewer_checkpoints_of_large_snapshots(size, longer):
     assert not log.is_longer(3, snapshot)
 
 
-# ---- Plans -----------------------------------------------------------------------------------------------------------
-
-
 def test_plan_has_the_actions_of_known_cycles():
     names = ["_action_lib(go,1,3)", "_action_lib(go,2,2)", "_action_lib(go,2,soon)", "_action_lib(go,2)", "at(1,2,3)"]
-    plan = Plan.from_atoms(map(parse_atom, names), 4)
-    assert plan == Plan(frozenset(map(parse_atom, names[:2])), 4, shortest=False)
+    answers = (frozenset(), frozenset(map(parse_atom, names)))
+    plan = Plan.from_result(SolveResult(SolveOutcome.SATISFIABLE, answers, 4, 1, shortest=True))
+    assert plan == Plan(frozenset(map(parse_atom, names[:2])), 4, shortest=True)
+    assert Plan.from_result(SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1)) is None
     assert (plan.last_cycle, Plan(frozenset(), 4).last_cycle < -1000) == (3, True)
     assert plan.rest(3).actions == {parse_atom(names[0])}
     assert plan.rest(2) == plan
-    moved = {parse_atom("_action_lib(go,1,4)"), parse_atom("_action_lib(go,2,3)")}
-    assert plan._replace(shortest=True).delayed() == Plan(frozenset(moved), 5)
-
-
-def test_plan_in_result_is_that_of_the_last_answer():
-    answers = tuple(frozenset([parse_atom(f"_action_lib(go,{place},1)")]) for place in "ab")
-    result = SolveResult(SolveOutcome.SATISFIABLE, answers, 4, 1, shortest=True)
-    assert Plan.from_result(result) == Plan(answers[1], 4, shortest=True)
-    assert Plan.from_result(SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1)) is None
+    assert plan.delayed() == Plan(frozenset(map(parse_atom, ["_action_lib(go,1,4)", "_action_lib(go,2,3)"])), 5)
 
 
 # ---- Histories of solvers --------------------------------------------------------------------------------------------

@@ -1,17 +1,17 @@
-"""Predicted updates are answered without a search, as a search would have answered them."""
+"""Predicted updates are answered without a search, as a search would answer them."""
 
 import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, parse_atom
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, Statement, Volatile, Withdraw
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.history import History, Plan, cycle_of
 from rosoclingo.planning.prediction import is_predicted, success_of
 from rosoclingo.planning.solver import PlanSolver
 
-#: A robot on a line of places that goes where it is wanted; what it does with returns follows.
+#: A robot on a line that goes to requested places; rules about returns follow.
 WALK = """
 #program base.
 at(0,0).
@@ -31,7 +31,7 @@ wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 """
 FAILS = "failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.\n"
 
-#: Rules that ask for returns, in ways that matter and in ways that don't.
+#: Rules about returns, some of which matter.
 RULES = [
     FAILS,
     "rests(t) :- _return(go,1,t).\n:- rests(t-1), _action_lib(go,2,t).\n",
@@ -58,8 +58,8 @@ def due(solver):
     return {one for one in solver.log.plan.actions if cycle_of(one) == solver.step}
 
 
-def told(solver, fails=False, wanted=(), bound=20, further=()):
-    """The update by which the next step begins."""
+def next_update(solver, fails=False, wanted=(), bound=20, further=()):
+    """The update that begins the next step: planned actions were executed, with success or a failure."""
     step, done = solver.step, sorted(due(solver))
     values = [parse_atom(f"_return(go,no,{step})") if fails else success_of(action) for action in done]
     items = [commitment(one) for one in done] + [Statement(one) for one in values]
@@ -67,12 +67,17 @@ def told(solver, fails=False, wanted=(), bound=20, further=()):
     return StreamUpdate(step + 1, bound, (Closed(step, step), *items, *further))
 
 
-def asked(solver):
-    return solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(3,1)")),)))
+def statements(*texts):
+    return tuple(Statement(parse_atom(text)) for text in texts)
+
+
+def asked(solver, *items):
+    """The answer to a request for place 3."""
+    return solver.update(StreamUpdate(1, 20, (*statements("_request(3,1)"), *items)))
 
 
 def searched(solver, log, update, demanded=()):
-    """The shortest answer that a solver finds which reads a ``log`` and searches."""
+    """The shortest answer of a solver that reads a ``log`` and searches."""
     other = PlanSolver(solver.program)
     other.restore(History.parse(log.text()))
     items = (*update.items, Volatile(), *map(commitment, demanded))
@@ -83,13 +88,13 @@ def searched(solver, log, update, demanded=()):
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(st.sets(st.sampled_from(RULES), max_size=4), NEWS, st.sampled_from([None, 0.0, 5.0]))
-def test_the_answer_is_one_that_a_search_finds(rules, news, plan_time):
+def test_predicted_answer_is_one_that_a_search_finds(rules, news, plan_time):
     solver = solver_of(WALK + "".join(sorted(rules)), plan_time=plan_time)
     result = solver.update(StreamUpdate(1, 20))
     for wanted, fails in news:
         if result.outcome is not SolveOutcome.SATISFIABLE:
             return
-        before, update = solver.log, told(solver, fails, wanted)
+        before, update = solver.log, next_update(solver, fails, wanted)
         result = solver.update(update)
         if solver.log.predicted:
             event("predicted")
@@ -103,19 +108,20 @@ def test_the_answer_is_one_that_a_search_finds(rules, news, plan_time):
 
 
 @pytest.mark.parametrize("plan_time", [None, 5.0])
-def test_success_takes_no_search_as_long_as_something_is_left_to_do(plan_time, searches):
+def test_success_needs_no_search_while_actions_are_left(plan_time, searches):
     solver = solver_of(WALK + FAILS, plan_time=plan_time)
-    first = asked(solver)
-    assert first.horizon == 3
+    first = asked(solver, *statements("_return(go,1)"))
+    assert (first.horizon, len(first.warnings)) == (3, 1)
     searches.clear()
     for step in (2, 3):
-        result = solver.update(told(solver))
+        result = solver.update(next_update(solver))
         assert (result.step, result.horizon, result.answers) == (step, 3, first.answers)
-        assert result.shortest
+        assert (result.shortest, result.warnings) == (True, ())
+        assert result.statistics == dict.fromkeys(first.statistics, 0.0)
         assert (solver.step, solver.snapshot.step) == (step, step)
         assert solver.log.predicted
     assert searches == []
-    assert solver.update(told(solver)).horizon == 4
+    assert solver.update(next_update(solver)).horizon == 4
     assert searches != []
     assert not solver.log.predicted
 
@@ -141,33 +147,28 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
         (2, (*AS_PLANNED, Statement(success_of(NOW), (commitment(THEN).body[0],))), False),
     ],
 )
-def test_an_answer_goes_on_where_the_step_was_done_as_planned(step, items, expected):
-    plan, predicted = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
-    assert is_predicted(plan, predicted, 1, StreamUpdate(step, None, items)) is expected
-    assert not is_predicted(Plan(frozenset([NOW]), 2), predicted, 1, StreamUpdate(step, None, items)), (
-        "nothing is left to do"
-    )
+def test_update_is_predicted_if_the_step_went_as_planned(step, items, expected):
+    plan, returns = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
+    assert is_predicted(plan, returns, 1, StreamUpdate(step, None, items)) is expected
+    assert not is_predicted(Plan(frozenset([NOW]), 2), returns, 1, StreamUpdate(step, None, items)), "no action is left"
 
 
-def test_what_is_not_foreseen_is_searched(searches):
-    """A failure, something wanted, and what holds for one update or is asserted."""
+def test_unpredicted_update_is_searched(searches):
     volatile = (Volatile(), Statement(None, (commitment(parse_atom("at(1,1)")).body[0],)))
-    cases = [{"fails": True}, {"wanted": [1]}, {"further": volatile}]
-    cases.append({"further": (Assert(parse_atom("x")), Statement(parse_atom("_request(3,2)")))})
-    for case in cases:
+    asserted = (Assert(parse_atom("x")), *statements("_request(3,2)"))
+    for case in ({"fails": True}, {"wanted": [1]}, {"further": volatile}, {"further": asserted}):
         solver = solver_of(WALK + FAILS)
         asked(solver)
         searches.clear()
-        assert solver.update(told(solver, **case)).outcome is SolveOutcome.SATISFIABLE
+        assert solver.update(next_update(solver, **case)).outcome is SolveOutcome.SATISFIABLE
         assert searches != []
 
 
-def test_a_log_that_went_on_otherwise_is_searched(searches):
-    """The answer is that of the log after which it was given."""
-    solver, wanted = solver_of(WALK + FAILS), [parse_atom("_request(3,1)"), parse_atom("_request(-1,1)")]
-    both = solver.update(StreamUpdate(1, 20, tuple(map(Statement, wanted))))
-    before, update = solver.log, told(solver)
-    solver.restore(solver.log.withdraw(frozenset(wanted[1:])))
+def test_prediction_belongs_to_one_history(searches):
+    solver = solver_of(WALK + FAILS)
+    both = asked(solver, *statements("_request(-1,1)"))
+    before, update = solver.log, next_update(solver)
+    solver.restore(solver.log.withdraw(frozenset([parse_atom("_request(-1,1)")])))
     searches.clear()
     assert solver.update(update).outcome is SolveOutcome.SATISFIABLE
     assert searches != []
@@ -175,109 +176,7 @@ def test_a_log_that_went_on_otherwise_is_searched(searches):
     assert solver.update(update).answers == both.answers
 
 
-@pytest.mark.parametrize("options", [{"models": 0}, {"oclingo_strings": True}])
-def test_other_solvers_foresee_nothing(options):
-    assert asked(solver_of(WALK + FAILS, **options)).predicted == frozenset()
-
-
-def test_nothing_is_foreseen_of_an_answer_that_lapses():
-    items = (Statement(parse_atom("_request(3,1)")), Volatile(), commitment(parse_atom("at(1,1)")))
-    assert solver_of(WALK + FAILS).update(StreamUpdate(1, 20, items)).predicted == frozenset()
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        (WALK + FAILS).replace("#show _action_lib/3.", ""),
-        WALK + FAILS + "#show _return/3.",
-        WALK + FAILS + "#minimize { 1,X,t : at(X,t) }.",
-    ],
-)
-def test_nothing_is_foreseen_where_answers_tell_more_or_less_than_actions(text):
-    assert asked(solver_of(text)).predicted == frozenset()
-
-
-def walked(solver, steps):
-    """So many updates that are predicted, each of which lets what lies before it be over."""
-    for _ in range(steps):
-        solver.update(told(solver, further=[Over(solver.step)]))
-
-
-def reader_of(solver, **options):
-    """Another solver that has read the log as a text."""
-    other = solver_of(WALK + FAILS, **options)
-    other.restore(History.parse(solver.log.text()))
-    return other
-
-
-def test_a_long_log_of_what_was_foreseen_begins_anew(compacts_at_once, monkeypatch, searches):
-    """Who reads it has little to take and to ground, and its answers tell as much of what was done."""
-    monkeypatch.setattr(solver_module, "LONG_PREDICTED", 4)
-    solver, same = solver_of(WALK + FAILS), solver_of(WALK + FAILS, log_limit=100)
-    for one in (solver, same):
-        one.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(8,1)")),)))
-    walked(solver, 3)
-    solver.compact()
-    assert solver.log.length == 4, "that is not long"
-    walked(solver, 2)
-    solver.compact(lambda: True)
-    assert solver.log.length == 6, "it was stopped"
-    assert reader_of(solver).snapshot.past is None
-    solver.compact()
-    assert solver.log.length == 0
-    searches.clear()
-    walked(solver, 1)
-    assert searches == [], "what was predicted still is"
-    walked(same, 6)
-    other = reader_of(solver)
-    assert other.snapshot.past.first == 5
-    for fails in (True, False, True):
-        update = told(solver, fails)
-        results = [one.update(update) for one in (solver, other, same)]
-        assert len({(one.horizon, one.answers) for one in results}) == 1
-
-
-def test_a_plan_that_was_improved_is_foreseen(searches):
-    """With all returns with which it stays an answer: it is not said to be the shortest."""
-    solver = solver_of(WALK + "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).")
-    assert len(asked(solver).predicted) == 1
-    plan = solver.log.plan
-    last = max(plan.actions, key=cycle_of)
-    solver.restore(solver.log.adopt(Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)))
-    better = solver.improve()
-    assert Plan.from_result(better).actions == plan.actions
-    assert better.predicted == {success_of(action) for action in plan.actions}
-    searches.clear()
-    result = solver.update(told(solver))
-    assert (result.answers, result.shortest) == (better.answers, False)
-    assert searches == []
-
-
-def test_what_is_answered_without_a_search_took_no_time_and_warns_of_nothing():
-    solver = solver_of(WALK + FAILS)
-    items = tuple(Statement(parse_atom(text)) for text in ("_request(3,1)", "_return(go,1)"))
-    first = solver.update(StreamUpdate(1, 20, items))
-    assert len(first.warnings) == 1
-    result = solver.update(told(solver))
-    assert solver.log.predicted
-    assert result.warnings == ()
-    assert result.statistics == dict.fromkeys(first.statistics, 0.0)
-
-
-def test_returns_that_the_program_does_not_take_are_not_foreseen():
-    text = (WALK + FAILS).replace("#external _return/3.", "#external _return(go,2,t).")
-    assert asked(solver_of(text)).predicted == {parse_atom("_return(go,2,2)")}
-
-
-def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
-    """A shorter plan may come in with them."""
-    solver = solver_of(WALK + "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).", plan_time=None)
-    asked(solver)
-    predicted = []
-    for _ in range(2):
-        assert solver.update(told(solver)).shortest
-        predicted.append(solver.log.predicted)
-    assert predicted == [True, False]
+FAR = "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).\n"
 
 
 @pytest.mark.mostly_slow
@@ -286,27 +185,101 @@ def test_after_a_shortest_plan_uncertain_returns_take_a_search(searches):
     [
         ("", 3, 3),
         (FAILS, 3, 3),
-        ("far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).\n", 3, 1),  # nobody is so far before step 1
+        (FAR, 3, 1),  # at(-1,t) is impossible before step 1
         ("tired(t) :- far(t-1), _return(go,X,t).\n", 3, 3),
         ("rests(t) :- _return(go,2,t).\n", 2, 2),
         ("odd(t) :- not _return(go,2,t), at(2,t).\n", 2, 2),
         ("odd(t) :- _return(go,_,t-1), at(3,t-1).\n", 2, 2),
         ("often(t) :- 1 { _return(go,X,t) : at(X,t) }.\n", 0, 0),
         ("#show told(X,t) : _return(go,X,t).\n", 0, 0),
+        ("#show _return/3.\n", 0, 0),
+        ("#minimize { 1,X,t : at(X,t) }.\n", 0, 0),
     ],
 )
-def test_which_returns_of_a_plan_are_foreseen(rule, returns, certain):
-    assert len(asked(solver_of(WALK + rule)).predicted) == certain
-    assert len(asked(solver_of(WALK + rule, plan_time=None)).predicted) == certain
+def test_returns_are_predicted_that_change_no_answer(rule, returns, certain):
+    for plan_time in (5.0, None):
+        assert len(asked(solver_of(WALK + rule, plan_time=plan_time)).predicted) == certain
     found = asked(solver_of(WALK + rule, plan_time=0.0))
     assert len(found.predicted) == (certain if found.shortest else returns)
 
 
-def test_what_the_stream_asks_for_is_not_foreseen():
-    solver, told_first = solver_of(WALK + FAILS), parse_atom("_return(go,1,1)")
-    assert told_first in asked(solver).predicted
-    rule = Statement(parse_atom("odd(1)"), (commitment(told_first).body[0],))
-    solver = solver_of(WALK + FAILS)
-    result = solver.update(StreamUpdate(1, 20, (Statement(parse_atom("_request(3,1)")), rule)))
-    assert told_first not in result.predicted
-    assert len(result.predicted) == 2
+@pytest.mark.parametrize(
+    ("text", "options", "items", "returns"),
+    [
+        (WALK, {}, "", [1, 2, 3]),
+        (WALK, {"models": 0}, "", []),
+        (WALK, {"oclingo_strings": True}, "", []),
+        (WALK, {}, "#volatile. :- not at(1,1).", []),
+        (WALK, {}, "odd(1) :- _return(go,1,1).", [2, 3]),
+        (WALK.replace("#external _return/3.", "#external _return(go,2,t)."), {}, "", [2]),
+        (WALK.replace("#show _action_lib/3.", ""), {}, "", []),
+    ],
+)
+def test_returns_are_predicted_for_single_plain_answers(text, options, items, returns):
+    result = asked(solver_of(text + FAILS, **options), *parse_update(f"{items} #endstep.").items)
+    assert result.predicted == {parse_atom(f"_return(go,{place},{place})") for place in returns}
+
+
+def test_uncertain_returns_after_a_shortest_plan_are_searched(searches):
+    """There can be a shorter plan with them."""
+    solver = solver_of(WALK + FAR, plan_time=None)
+    asked(solver)
+    predicted = []
+    for _ in range(2):
+        assert solver.update(next_update(solver)).shortest
+        predicted.append(solver.log.predicted)
+    assert predicted == [True, False]
+
+
+def test_improved_plan_predicts_uncertain_returns_too(searches):
+    solver = solver_of(WALK + FAR)
+    assert len(asked(solver).predicted) == 1
+    plan = solver.log.plan
+    last = max(plan.actions, key=cycle_of)
+    solver.restore(solver.log.adopt(Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)))
+    better = solver.improve()
+    assert Plan.from_result(better).actions == plan.actions
+    assert better.predicted == {success_of(action) for action in plan.actions}
+    searches.clear()
+    result = solver.update(next_update(solver))
+    assert (result.answers, result.shortest) == (better.answers, False)
+    assert searches == []
+
+
+def test_long_history_of_predicted_updates_is_compacted(compacts_at_once, monkeypatch, searches):
+    """A reader grounds little, and its answers show as many executed actions."""
+    monkeypatch.setattr(solver_module, "LONG_PREDICTED", 4)
+
+    def walk(solver, steps):
+        for _ in range(steps):
+            solver.update(next_update(solver, further=[Over(solver.step)]))
+
+    def reader_of(solver):
+        other = solver_of(WALK + FAILS)
+        other.restore(History.parse(solver.log.text()))
+        return other
+
+    solver, same = solver_of(WALK + FAILS), solver_of(WALK + FAILS, log_limit=100)
+    for one in (solver, same):
+        one.update(StreamUpdate(1, 20, statements("_request(8,1)")))
+    searches.clear()
+    walk(solver, 3)
+    solver.compact()
+    assert solver.log.length == 4, "that is not long"
+    walk(solver, 2)
+    solver.compact(lambda: True)
+    assert solver.log.length == 6, "it was stopped"
+    assert reader_of(solver).snapshot.past is None
+    assert searches == []
+    solver.compact()
+    assert solver.log.length == 0
+    assert len(searches) == 1, "the predicted answer is asked for, with all its actions given"
+    walk(solver, 1)
+    assert len(searches) == 1, "the next update is still predicted"
+    walk(same, 6)
+    other = reader_of(solver)
+    assert other.snapshot.past.first == 5
+    for fails in (True, False, True):
+        update = next_update(solver, fails)
+        results = [one.update(update) for one in (solver, other, same)]
+        assert len({(one.horizon, one.answers) for one in results}) == 1

@@ -1,6 +1,6 @@
 """Plans soon: the questions that are asked, and plans of whole streams against a plain reading of the program."""
 
-from itertools import count
+from itertools import count, product
 
 import pytest
 from fake_grounding import FakeGrounding, actions
@@ -24,7 +24,7 @@ PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice i
 
 @pytest.fixture
 def plain(monkeypatch):
-    """The first plan may take as few conflicts as a shorter one, and plans are not trimmed (see test_trimming.py)."""
+    """The first plan is searched with as few conflicts as a shorter one, and is not trimmed (see test_trim.py)."""
 
     def as_found(found, *_rest, **_options):
         return found
@@ -48,61 +48,77 @@ def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted
     return found.reply.satisfiable and found.reply.horizon, found.proven, asked
 
 
+HORIZONS = st.integers(2, 30)
+WORLDS = st.fixed_dictionaries(
+    {
+        "step": st.integers(1, 2),
+        "horizon": st.integers(2, 12),
+        "most": st.integers(12, 30),
+        "hard": st.dictionaries(HORIZONS, st.integers(0, 900), max_size=3),
+        "advises": st.booleans(),
+        "claims": st.integers(0, 40),
+    }
+)
+LAST = st.none() | st.builds(lambda horizon, cycles: plan(horizon, *cycles), HORIZONS, st.sets(HORIZONS, max_size=4))
+
+
+@given(st.dictionaries(HORIZONS, st.lists(HORIZONS, max_size=4), max_size=3), WORLDS, LAST, st.sampled_from([1, 8]))
+def test_soon_finds_the_least_plan_whenever_it_ends(plans, world, last, block):
+    """In time it is proven; a stop or the end of the time leaves the best plan so far, if there is one."""
+    reachable = [horizon for horizon in plans if horizon <= world["most"]]
+    best, proven, asked = run(plans, world, last, block=block)
+    assert (best, proven) == (min(reachable, default=False), bool(reachable))
+    early, proven, first = run(plans, world, last, seconds=0, block=block)
+    assert early in (reachable or [False])
+    assert not proven or early == best
+    for number, cut in product(range(asked.count("..")), (False, True)):
+        early, proven, _ = run(plans, {**world, "halts": number, "cut": cut}, last, block=block)
+        known = reachable and number >= first.count("..") + cut
+        assert early in reachable if known else early in (None, *reachable)
+        assert not proven or early == best
+
+
 def cases(*rows):
     """Cases of plans, options of the grounding, settings of the search, and what is asked."""
     return pytest.mark.parametrize(("plans", "options", "settings", "asked"), rows)
 
 
 NOW = {"seconds": 0}
-LONG, AT_9 = {9: [9], 7: [7], 3: [3]}, {"horizon": 9}
 ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
-HARD = {"horizon": 9, "hard": {1: 150, 2: 350}}
 
 
 @pytest.mark.usefixtures("plain")
 @cases(
     # a quarter more of the steps to come, half of them if all are refuted, a block at least
-    ({3: [1, 2, 3]}, {}, NOW, "1..1/100 >9 2..9/100"),
     ({50: [50]}, {"horizon": 41, "hard": {41: 150}}, NOW, "1..41/100 >51 1..51/200"),
     ({60: [60]}, {"horizon": 41}, NOW, "1..41/100 >61 42..61/100"),
     ({12: [12]}, {"most": 12}, NOW, "1..1/100 >9 2..9/100 >12 10..12"),
     ({20: [20]}, ADVISED, NOW, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
     # as many steps as the program claims and a quarter more, in pieces; but the claim is not believed
-    ({20: []}, {"claims": 20}, {}, "1..1/100 >25 2..25/100 2..19/100"),
     ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100 16..21/100"),
     ({180: []}, {"claims": 160, "most": 300}, NOW, "1..1/100 >68 >134 >200 2..200/100"),
     ({180: []}, {"claims": 160, "most": 300, "atoms": 1800}, NOW, "1..1/100 >200 2..200/100"),
-    # each horizon before the next if answers do not outlive further steps
+    # each horizon before the next if further steps can end answers
     ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
     # shorter plans, and proofs, with twice the conflicts each time
-    (LONG, AT_9, {}, "1..9/100 1..8/100 1..1/100 2..6/100 2..2/100"),
     (
         {9: [9], 4: [4]},
-        HARD,
+        {"horizon": 9, "hard": {1: 150, 2: 350}},
         {},
         "1..9/100 1..8/100 1..1/100 1..3/100 1..1/100 1..3/200 1..1/200 2..3/200 2..2/200 2..3/400",
     ),
     (
         {9: [9], 5: [5]},
-        {**AT_9, "hard": {1: 150}, "advises": True},
+        {"horizon": 9, "hard": {1: 150}, "advises": True},
         {},
         "1..9/100 1..8/100 1..1/100 1..4/100 1..4/100? 1..1/100 1..4/200",
     ),
     # the best, or more, of the answers of the plan's horizon
-    ({9: [9]}, AT_9, {"models": 0}, "1..9/100 1..8/100 9..9!0"),
-    ({9: [9]}, AT_9, {"models": 2, **NOW}, "1..9/100 9..9!2"),
-    ({9: [9]}, {**AT_9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9!"),
-    ({9: [9]}, {**AT_9, "optimizes": True}, {"seconds": 1}, "1..9/100"),
-)
-def test_soon_finds_the_least_horizon_in_time(plans, options, settings, asked):
-    least = max(plans) if settings.get("seconds") == 0 else min(plans)
-    proven = "seconds" not in settings
-    assert run(plans, options, **settings) == (least, proven, asked)
-
-
-@pytest.mark.usefixtures("plain")
-@cases(
-    ({}, {"most": 18, "claims": 20}, {}, "1..1/100 >18 2..18"),
+    ({9: [9]}, {"horizon": 9}, {"models": 0}, "1..9/100 1..8/100 9..9!0"),
+    ({9: [9]}, {"horizon": 9}, {"models": 2, **NOW}, "1..9/100 9..9!2"),
+    ({9: [9]}, {"horizon": 9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9!"),
+    ({9: [9]}, {"horizon": 9, "optimizes": True}, {"seconds": 1}, "1..9/100"),
+    # no plan
     (
         {},
         {"horizon": 9, "most": 9, "hard": {9: 250}, "advises": True},
@@ -110,9 +126,25 @@ def test_soon_finds_the_least_horizon_in_time(plans, options, settings, asked):
         "1..9/100 1..9/100? 1..9/200 1..9/200? 1..9/400",
     ),
     ({50: [50]}, {"horizon": 2, "dead": 2}, {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
+    # the rest of the last plan as it is, or one step later, without other actions; then with more; then any plan
+    ({3: [2, 3]}, {"step": 2, "horizon": 5}, {"last": plan(4, 1, 2, 3), **NOW}, "3..4+2+3-4-5/100"),
+    ({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, {"last": plan(4, 1, 2, 3, 4), **NOW}, ">4 4..4+2+3+4/100"),
+    ({4: [2, 4]}, {"step": 2, "horizon": 4}, {"last": plan(2, 1, 2), **NOW}, "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
+    (
+        {3: [3]},
+        {"step": 2, "horizon": 3, "most": 3},
+        {"last": plan(4, 1, 2, 3, 4), **NOW},
+        "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3",
+    ),
+    (
+        {4: [2, 3, 4]},
+        {"step": 2, "horizon": 3},
+        {"last": plan(4, 1, 2, 3, 4), "block": 1},
+        "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3 >4 4..4+2+3+4/100",
+    ),
 )
-def test_soon_refutes_all_horizons_without_a_plan(plans, options, settings, asked):
-    assert run(plans, options, **settings) == (False, False, asked)
+def test_soon_asks_more_and_more(plans, options, settings, asked):
+    assert run(plans, options, **settings)[2] == asked
 
 
 @pytest.mark.parametrize(
@@ -128,31 +160,6 @@ def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
     assert run({}, options) == (None, False, asked)
 
 
-@pytest.mark.usefixtures("plain")
-@pytest.mark.parametrize(
-    ("plans", "options", "last", "asked"),
-    [
-        ({3: [2, 3]}, {"horizon": 5}, plan(4, 1, 2, 3), "3..4+2+3-4-5/100"),
-        ({4: [2, 3, 4]}, {"horizon": 3}, plan(4, 1, 2, 3, 4), ">4 4..4+2+3+4/100"),
-        ({5: [3, 4, 5]}, {"step": 3, "horizon": 4}, plan(4, 1, 2, 3, 4), "4..4+3+4/100 >5 5..5+3+4+5/100"),
-        ({4: [2, 4]}, {"horizon": 4}, plan(2, 1, 2), "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
-        ({3: [2, 3]}, {"horizon": 3}, plan(2, 1, 2, 9), "2..3+2+9/100 2..3+10+2+3/100 2..3/100"),
-        ({3: [3]}, {"horizon": 3, "most": 3}, plan(4, 1, 2, 3, 4), "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3"),
-        ({3: [3]}, {"horizon": 3}, plan(1, 1), "2..2-2-3/100 2..2+2-3/100 2..3+2/100 2..3/100"),
-    ],
-)
-def test_soon_tries_the_rest_of_the_last_plan_first(plans, options, last, asked):
-    """As it is, or one step later, without anything else; then with more actions; then any plan."""
-    assert run(plans, {"step": 2, **options}, last, seconds=0)[::2] == (max(plans), asked)
-
-
-@pytest.mark.usefixtures("plain")
-def test_soon_goes_on_with_the_last_plan_step_by_step():
-    asked = "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3 >4 4..4+2+3+4/100"
-    assert run({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, plan(4, 1, 2, 3, 4), block=1) == (4, True, asked)
-
-
-@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize(
     ("last", "predicted", "least"),
     [
@@ -163,35 +170,15 @@ def test_soon_goes_on_with_the_last_plan_step_by_step():
         (plan(3, 2, shortest=True), True, 3),
     ],
 )
+@pytest.mark.usefixtures("plain")
 def test_soon_proves_a_predicted_plan_again_in_a_tenth_of_the_time(last, predicted, least):
     """None of it if it was not the shortest; one that is no longer a plan leaves the time as it is."""
-    assert run(LONG, AT_9, last, seconds=20, predicted=predicted)[0] == least
-
-
-@pytest.mark.usefixtures("plain")
-@pytest.mark.parametrize(
-    ("plans", "last", "halts", "found"),
-    [
-        (LONG, None, 0, None),
-        ({}, plan(3, 1, 2, 3), 1, None),
-        ({}, plan(3, 1, 2, 3), 4, None),
-        (LONG, None, 2, 7),
-        (LONG, None, 5, 3),
-    ],
-)
-@pytest.mark.parametrize("cut", [False, True])
-def test_soon_returns_the_best_plan_if_stopped(plans, last, halts, found, cut):
-    """Without a plan nothing is known, however much was refuted."""
-    step = 1 if plans else 2
-    horizon, proven, asked = run(plans, {"step": step, "horizon": 9, "most": 9, "halts": halts, "cut": cut}, last)
-    assert horizon == (9 if cut and halts == 2 and plans else found)
-    assert proven is (found == 3 and not cut)
-    assert len(asked.split()) == halts
+    assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, seconds=20, predicted=predicted)[0] == least
 
 
 # ---- Streams ---------------------------------------------------------------------------------------------------------
 
-#: What comes with each step: places that are wanted, and whether the action before has failed.
+#: For each step, requested places, and whether the action before has failed.
 NEWS = st.tuples(st.lists(st.integers(-3, 4), max_size=2), st.booleans())
 
 

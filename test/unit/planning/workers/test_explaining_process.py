@@ -1,4 +1,4 @@
-"""Why there is no plan, asked of a process of its own: the same reasons, and an end in time."""
+"""Explanations by a process of its own: the same reasons, and an end in time."""
 
 import json
 
@@ -11,11 +11,12 @@ from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.workers import pool, worker
 from rosoclingo.planning.workers.pool import explain_in_worker
 
-PROGRAM = (
-    "#program cumulative(t).\n#external on(t).\n{ up(t) }.\n:- up(t), on(t-1).\n#program volatile(t).\n:- not up(t).\n"
+PROGRAM = ReactiveProgram.from_text(
+    "#program cumulative(t).\n#external on(t).\n{ up(t) }.\n:- up(t), on(t-1).\n#program volatile(t).\n:- not up(t).\n",
+    "lift.lp",
 )
 #: Grounding of step 2 has no end.
-EXPLODING = (
+EXPLODING = ReactiveProgram.from_text(
     "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n#volatile t.\n:- e(1).\n"
 )
 
@@ -26,17 +27,16 @@ def stream(text, steps, *before):
 
 
 @pytest.mark.slow
-def test_a_process_finds_the_same_reasons():
-    program = ReactiveProgram.from_text(PROGRAM, "lift.lp")
+def test_explaining_process_finds_the_same_reasons():
     asked = stream("#step 2. on(2). #end step.", 1, "#step 1. on(1). #end step.")
-    found = explain_in_worker(program, asked, 300.0)
-    here = explain(program, asked)
+    found = explain_in_worker(PROGRAM, asked, 300.0)
+    here = explain(PROGRAM, asked)
     assert found == (here.text(), json.loads(json.dumps(here.to_message())))
     assert [one.text for one in here.told] == ["on(1).", "on(2)."]
-    assert explain_in_worker(program, stream("#step 1. #end step.", 1), 300.0) is None
+    assert explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 300.0) is None
 
 
-def test_facts_go_with_what_was_done_because_of_them():
+def test_explain_names_facts_with_actions_due_to_them():
     text = """\
 #program base.
 p(1..3).
@@ -56,20 +56,20 @@ at(P,t) :- _action_lib(go,P,t).
 
 @pytest.mark.once
 @pytest.mark.slow
-def test_what_takes_too_long_is_ended(monkeypatch):
+def test_explaining_process_ends_in_time(monkeypatch):
     monkeypatch.setattr(pool, "EXPLAIN_GRACE", 0.1)
     monkeypatch.setattr(pool, "EXPLAIN_PATIENCE", 0.2)
-    program = ReactiveProgram.from_text(EXPLODING)
+    asked = stream("#step 1. e(1). #end step.", 3)
     with pytest.raises(DroppedError, match="no explanation was found in 1 s"):
-        explain_in_worker(program, stream("#step 1. e(1). #end step.", 3), 1.0)
+        explain_in_worker(EXPLODING, asked, 1.0)
     with pytest.raises(DroppedError):
-        explain_in_worker(program, stream("#step 1. e(1). #end step.", 3), 300.0, lambda: True)
+        explain_in_worker(EXPLODING, asked, 300.0, lambda: True)
 
 
-def test_a_process_that_cannot_be_started_is_told(monkeypatch):
+def test_explaining_process_that_cannot_start_is_an_error(monkeypatch):
     def refused(*_arguments, **_more):
         raise OSError("no more processes")
 
     monkeypatch.setattr(worker.subprocess, "Popen", refused)
     with pytest.raises(SolverError, match="no more processes"):
-        explain_in_worker(ReactiveProgram.from_text(PROGRAM), stream("#step 1. #end step.", 1), 1.0)
+        explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 1.0)

@@ -1,4 +1,4 @@
-"""Pools of workers: the same answers, whatever becomes of a process."""
+"""Pools of workers: the same answers, whatever happens to a process."""
 
 import json
 import os
@@ -10,7 +10,7 @@ from contextlib import nullcontext, suppress
 from pathlib import Path
 
 import pytest
-from children import ended, kill
+from children import ended, kill, wait_until_prepared
 from core_journal import Journal
 from plain_walk import RUN
 from shipped import shipped
@@ -43,7 +43,7 @@ EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,
 #: Grounding a fact big(1) takes some tenths of a second; blocks of steps are ground one after the other.
 IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X * t == 19999 * t.\n"
 
-LONG = {"patience": 600.0, "grace": 600.0}
+PATIENT = {"patience": 600.0, "grace": 600.0}
 PLANS = {"shortest": True, "oclingo_strings": False}
 
 
@@ -63,7 +63,7 @@ def fed(solver, text, stopped=None):
     return solver.update(parse_update(f"#step {text} #endstep."), stopped)
 
 
-def atoms(result):
+def answers(result):
     return [sorted(map(str, answer)) for answer in result.answers]
 
 
@@ -85,30 +85,24 @@ def test_pool_answers_as_solver_in_this_process(case):
         there = pool.solver()
         for update in case["updates"]:
             expected, found = here.update(parse_update(update["update"])), there.update(parse_update(update["update"]))
-            assert sorted(atoms(found)) == sorted(atoms(expected))
+            assert sorted(answers(found)) == sorted(answers(expected))
             assert (found.outcome, found.horizon, found.step) == (expected.outcome, expected.horizon, expected.step)
             assert (found.warnings, found.permanent) == (expected.warnings, expected.permanent)
             assert (there.horizon, there.step) == (here.horizon, here.step)
 
 
-def test_solvers_share_a_worker_and_nothing_else(echo):
+def test_solvers_share_a_worker_and_no_history(echo):
     one, other = echo.solver(), echo.solver()
     fed(one, "1. e(1).")
-    assert atoms(fed(other, "1.")) == [[]]
-    assert atoms(fed(one, "2.")) == [["c(1)", "e(1)"]]
-
-
-def test_solver_goes_back_to_shorter_history(echo):
-    solver = echo.solver()
-    fed(solver, "1. e(1).")
-    before = solver.log
-    fed(solver, "3. e(2).")
-    solver.restore(before)
-    assert (solver.step, solver.horizon) == (1, 1)
-    assert atoms(fed(solver, "2.")) == [["c(1)", "e(1)"]]
-    other = echo.solver()
+    before = one.log
+    assert answers(fed(other, "1.")) == [[]]
+    assert answers(fed(one, "2.")) == [["c(1)", "e(1)"]]
+    fed(one, "3. e(2).")
+    one.restore(before)
+    assert (one.step, one.horizon) == (1, 1)
+    assert answers(fed(one, "2.")) == [["c(1)", "e(1)"]]
     other.restore(before.withdraw(frozenset([parse_atom("e(1)")])))
-    assert atoms(fed(other, "2.")) == [[]]
+    assert answers(fed(other, "2.")) == [[]]
 
 
 def test_refused_update_changes_nothing():
@@ -117,7 +111,7 @@ def test_refused_update_changes_nothing():
         fed(solver, "1. e(1).")
         with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
             fed(solver, "4.")
-        assert atoms(fed(solver, "2.")) == [["c(1)", "e(1)"]]
+        assert answers(fed(solver, "2.")) == [["c(1)", "e(1)"]]
 
 
 def test_answers_leave_out_cycles_that_are_long_over():
@@ -127,7 +121,7 @@ def test_answers_leave_out_cycles_that_are_long_over():
         for step in range(1, 31):
             result = fed(solver, f"{step} : 0. e({step}).")
     recent = [f"c({step})" for step in range(30 - SHOWN_STEPS, 31)]
-    assert atoms(result) == [sorted([*recent, "named(x)"])]
+    assert answers(result) == [sorted([*recent, "named(x)"])]
 
 
 def test_remarks_of_clingo_are_reported_once():
@@ -188,9 +182,9 @@ def test_update_that_crashes_two_workers_is_dropped():
             kill(pool)
             return False
 
-        with pytest.raises(DroppedError, match="ended by signal SIGKILL; the request was discarded"):
+        with pytest.raises(DroppedError, match="ended by signal SIGKILL; what it was asked for was dropped"):
             fed(solver, "2.", stopped)
-        assert atoms(fed(solver, "1 : 0.")) == [["c(1)", "e(1)"]]
+        assert answers(fed(solver, "1 : 0.")) == [["c(1)", "e(1)"]]
 
 
 @pytest.mark.slow
@@ -219,42 +213,61 @@ def test_standby_takes_the_place_of_killed_worker():
         for _ in range(2):
             fed(solver, "1.")
             lost, spare, worked, elapsed = pool.pid, pool.standby_pid, pool.cpu_time, pool.stopwatch()
-            with pytest.raises(DroppedError, match="ignored a stop while grounding"):
+            with pytest.raises(DroppedError, match="did not heed a stop, since it was grounding"):
                 fed(solver, "2. e(2).", after_work(pool))
             assert ended(lost)
             assert (pool.pid, pool.standby_pid) == (spare, None)
             assert pool.cpu_time > worked + 0.1, "the work of a killed worker counts"
             assert elapsed() > 0.1
             assert (solver.step, solver.horizon) == (1, 1)
-        assert atoms(fed(solver, "1.")) == [["e(1)"]]
+        assert answers(fed(solver, "1.")) == [["e(1)"]]
         spare = pool.standby_pid
     assert ended(spare)
 
 
-@pytest.mark.slow
-def test_grown_worker_is_replaced_between_two_searches(monkeypatch):
-    """clingo never frees a term: only the end of the process gives the memory back."""
+@pytest.fixture
+def memory(monkeypatch):
+    """Sizes of workers, one for each look; workers are replaced if they grow by more than 100, or by half."""
+    sizes = []
     monkeypatch.setattr(worker, "GROWTH", 100)
-    sizes = iter([100, 190, 201, 300, 440, 451, 99])
-    monkeypatch.setattr(Worker, "memory", property(lambda self: next(sizes)))
+    monkeypatch.setattr(Worker, "memory", property(lambda self: sizes.pop(0)))
+    return sizes
+
+
+@pytest.mark.slow
+def test_grown_worker_is_replaced_between_two_searches(memory):
+    """clingo never frees a term: only the end of the process gives the memory back."""
+    memory += [100, 190, 201, 300, 440, 451, 99]
     with pool_of(ENDLESS, **PLANS, horizon_limit=100, log_limit=0) as pool:
         solver, twin, pids = pool.solver(), PlanSolver(ReactiveProgram.from_text(ENDLESS)), []
         for step in range(1, 8):
             pids.append(pool.pid)
             text = f"{step} : 0. e({step})."
-            assert atoms(fed(solver, text)) == atoms(fed(twin, text))
-        # the third look finds more than GROWTH, the sixth more than half of the first at that worker
-        assert [pids.index(one) for one in pids] == [0, 0, 0, 3, 3, 3, 6]
+            assert answers(fed(solver, text)) == answers(fed(twin, text))
+    assert [pids.index(one) for one in pids] == [0, 0, 0, 3, 3, 3, 6]
+
+
+@pytest.mark.slow
+def test_grown_standby_is_replaced(memory):
+    memory += [10, 10, 200, 10]
+    with pool_of(ENDLESS, **PLANS, standby=True) as pool:
+        solver, pids = pool.solver(), []
+        fed(solver, "1 : 0. e(1).")
+        wait_until_prepared(pool)
+        for step in (2, 3):
+            solver.prefetch(parse_update(f"#step {step} : 0. e({step}). #endstep."))
+            pids.append(pool.standby_pid)
+            wait_until_prepared(pool)
+    assert pids[0] != pids[1]
 
 
 # ---- Stops -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("plans", [True, False])
-def test_stop_ends_search_and_keeps_its_update(plans):
-    options = {**PLANS, "horizon_limit": 100_000, "log_limit": 0} if plans else {}
-    with pool_of(ENDLESS, **LONG, **options) as pool:
+@pytest.mark.parametrize("options", [{}, {**PLANS, "horizon_limit": 100_000, "log_limit": 0}])
+def test_stop_ends_search_and_keeps_its_update(options):
+    with pool_of(ENDLESS, **PATIENT, **options) as pool:
         solver = pool.solver()
         fed(solver, "1 : 0. e(1).")
         pid = pool.pid
@@ -262,14 +275,14 @@ def test_stop_ends_search_and_keeps_its_update(plans):
         assert (result.outcome, solver.step) == (SolveOutcome.INTERRUPTED, 2)
         assert pool.pid == pid, "it heeded the stop"
         assert result.horizon == solver.horizon > 2
-        if plans:
+        if options:
             checkpoint = solver.log.entries[0]
             assert isinstance(checkpoint, Checkpoint)
-            assert (checkpoint.message["step"], checkpoint.message["horizon"]) == (2, result.horizon)
+            assert (checkpoint.snapshot.step, checkpoint.snapshot.horizon) == (2, result.horizon)
         kill(pool)
         late = fed(solver, f"{result.horizon} : 0. e({result.horizon}).")
         assert late.outcome is SolveOutcome.SATISFIABLE
-        if plans:
+        if options:  # whose answers show no atoms of former cycles
             reader = PlanSolver(ReactiveProgram.from_text(ENDLESS))
             reader.restore(solver.log)
             late = reader.solve()
@@ -279,24 +292,22 @@ def test_stop_ends_search_and_keeps_its_update(plans):
 @pytest.mark.slow
 @pytest.mark.parametrize("grace", [0.0, 600.0])
 def test_grounding_is_dropped_between_pieces_after_grace(grace):
+    dropped = pytest.raises(DroppedError, match="stopped while the program was grounded")
     with pool_of(IN_PIECES, patience=600.0, grace=grace) as pool:
-        solver, kept = pool.solver(), grace > 0.0
+        solver = pool.solver()
         fed(solver, "320.")
         pid = pool.pid
-        expected = (
-            nullcontext() if kept else pytest.raises(DroppedError, match="stopped while the program was grounded")
-        )
-        with expected:
+        with nullcontext() if grace else dropped:
             fed(solver, "320. big(1).", after_work(pool))
         wanted = sorted(["big(1)", *(f"n({step})" for step in range(1, 321))])
-        assert atoms(fed(solver, "320.")) == ([wanted] if kept else [[]])
-        assert atoms(fed(solver, "320. big(1).")) == [wanted]
+        assert answers(fed(solver, "320.")) == ([wanted] if grace else [[]])
+        assert answers(fed(solver, "320. big(1).")) == [wanted]
         assert pool.pid == pid
 
 
 @pytest.mark.slow
 def test_stop_while_worker_starts_lets_it_load():
-    with pool_of(ECHO, **LONG) as pool:
+    with pool_of(ECHO, **PATIENT) as pool:
         with pytest.raises(DroppedError):
             pool.start(lambda: True)
         solver = pool.solver()
@@ -305,20 +316,20 @@ def test_stop_while_worker_starts_lets_it_load():
         with pytest.raises(DroppedError, match="stopped before the solver was ready"):
             fed(solver, "2.", lambda: True)
         pid = pool.pid
-        assert atoms(fed(solver, "2.")) == [["c(1)", "e(1)"]]
+        assert answers(fed(solver, "2.")) == [["c(1)", "e(1)"]]
         assert pool.pid == pid
 
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize("files", [["mailbot.lp", "office.lp"], ["house.lp", "home.lp"]], ids=["office", "house"])
-def test_pool_keeps_its_worker_when_searches_are_stopped(files, monkeypatch):
+@pytest.mark.parametrize("world", ["office", "house"])
+def test_pool_keeps_its_worker_when_searches_are_stopped(world, monkeypatch):
     monkeypatch.setattr(worker, "GROWTH", 2**60)  # none is replaced for its size
     chance, speed, looks = random.Random(3), random.Random(3), [0]
-    program = shipped(*files)
+    program = shipped(*{"office": ["mailbot.lp", "office.lp"], "house": ["house.lp", "home.lp"]}[world])
 
     def watch():
-        """Every other search is left for something that has come, at some time or other."""
+        """Stop every other search, sooner or later."""
         looks[0] = speed.choice([1, 1, 20, 30, 50, 10**9, 10**9])
 
         def look():
@@ -327,78 +338,66 @@ def test_pool_keeps_its_worker_when_searches_are_stopped(files, monkeypatch):
 
         return look
 
-    journal = Journal()
-    with WorkerPool(program, patience=600.0, grace=0.0, shortest=True, oclingo_strings=False) as process:
-        process.start()
-        core = Core(program, process.solver, journal, CoreSettings(), watch)
+    def goal(number):
+        if world == "office":
+            return f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})"
+        return f"bring({chance.choice(['kitchen', 'study', 'bedroom'])},{chance.choice(['cup', 'book', 'tray'])})"
+
+    journal, number, unwanted = Journal(), 0, None
+    with WorkerPool(program, patience=600.0, grace=0.0, **PLANS) as pool:
+        pool.start()
+        core, pid = Core(program, pool.solver, journal, CoreSettings(), watch), pool.pid
         core.start()
-        pid, number = process.pid, 0
         while core.cycle < 40:
             if len(core.live_goals) < 2:
                 number += 1
-                rooms = chance.sample(["kitchen", "study", "bedroom", "hallway"], 2)
-                house = f"bring({rooms[0]},{chance.choice(['cup', 'book', 'tray', 'towel'])})"
-                office = f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})"
-                core.add_goal(str(number), office if "office.lp" in files else house)
-                unwanted = chance.random() < 0.2 and str(number)  # so many of the goals, however often a search is left
-            elif unwanted in [goal.key for goal in core.live_goals]:
+                core.add_goal(str(number), goal(number))
+                unwanted = chance.random() < 0.2 and str(number)
+            elif unwanted in [one.key for one in core.live_goals]:
                 core.cancel_goal(unwanted)
                 unwanted = None
             core.advance(0.0)
             for action in core.awaited:
                 core.receive("test", [f"_return({action.interface},{action.parameter},{action.cycle})"])
-        assert process.pid == pid
+        assert pool.pid == pid
     outcomes = [event.outcome for event in journal.of(GoalChanged) if event.outcome is not None]
     assert outcomes.count(Outcome.SUCCEEDED) > len(outcomes) / 2
-    assert Outcome.ABORTED not in outcomes, "what was not cancelled was met"
+    assert Outcome.ABORTED not in outcomes, "all goals that were not cancelled succeed"
     assert any("the search was left" in problem for problem in journal.problems)
 
 
 # ---- Long streams ----------------------------------------------------------------------------------------------------
 
 
-def update_of(cycle, before):
-    """The update of one cycle of a robot that is asked to go here and there, after the actions ``before``."""
-    text = f"{cycle}. #closed {cycle - 1}. #over {max(0, cycle - 10)}. " if before is not None else f"{cycle}. "
-    text += "".join(f":- not {atom}. " for atom in before or ())
-    return text + (f"_request({cycle % 5 - 2},{cycle + 1}). " if cycle % 7 == 0 else "")
+def update_of(cycle, done):
+    """The update of one cycle of a robot that is asked to go here and there, after the actions ``done``."""
+    past = f"#closed {cycle - 1}. #over {max(0, cycle - 10)}. " if cycle > 1 else ""
+    request = f"_request({cycle % 5 - 2},{cycle + 1})." if cycle % 7 == 0 else ""
+    return f"{cycle}. {past}" + "".join(f":- not {atom}. " for atom in done) + request
 
 
 @pytest.mark.once
 @pytest.mark.slow
 def test_stream_survives_fifty_kills():
-    """Of the active worker, the standby or both, between two updates and in the midst of one."""
+    """Of the active worker, the standby or both, between two updates and during one."""
     draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(RUN), log_limit=2)
     with pool_of(RUN, **PLANS, log_limit=2, standby=True) as pool:
-        solver = pool.solver()
-        kills, cycle, done, now = 0, 0, [], None
+        solver, kills, cycle, done, now = pool.solver(), [], 0, [], []
 
         def kill_some():
-            nonlocal kills
             for pid in draw.choice([[pool.pid], [pool.standby_pid], [pool.pid, pool.standby_pid]]):
                 with suppress(TypeError, ProcessLookupError):  # there is none
                     os.kill(pid, signal.SIGKILL)
                     assert ended(pid)
-                    kills += 1
+                    kills.append(pid)
 
-        class Midst:
-            """Kills at the first look, and lets the search go on."""
-
-            looked = False
-
-            def __call__(self):
-                if not self.looked:
-                    self.looked = True
-                    kill_some()
-                return False
-
-        while kills < 50:
+        while len(kills) < 50:
             cycle += 1
             if draw.random() < 0.5:
                 kill_some()
             twin.restore(solver.log)
-            text = update_of(cycle, now)
-            result = fed(solver, text, Midst() if draw.random() < 0.7 else None)
+            text, first_look = update_of(cycle, now), [draw.random() < 0.7]
+            result = fed(solver, text, lambda looks=first_look: bool(looks and looks.pop() and kill_some()))
             assert result.horizon == fed(twin, text).horizon
             actions = [atom for atom in result.answers[0] if atom.name == "_action_lib"]
             past = {one for one in actions if one.arguments[2].number < cycle}

@@ -1,0 +1,75 @@
+"""Trimmed plans have no superfluous actions and no idle steps."""
+
+from types import SimpleNamespace
+
+import pytest
+from fake_grounding import actions
+
+from rosoclingo.planning.history import cycle_of
+from rosoclingo.planning.question import UNKNOWN, Reply, StoppedError
+from rosoclingo.planning.strategies.trim import trimmed
+
+
+def trim(horizon, cycles, *plans, step=0, first=1, advises=False, most=99):
+    """Trim a plan where there are ``plans``, sets of cycles; return the cycles of the result, its horizon, questions.
+
+    Each cycle has one action; that of cycles up to ``step`` stays. There is a stop after ``most`` questions.
+    """
+    asking = SimpleNamespace(
+        program=SimpleNamespace(advises=advises), actions=lambda first, last: sorted(actions(*range(first, last + 1)))
+    )
+    asked, strategy = [], trimmed(Reply(True, (actions(*cycles),), horizon), asking, step, first)
+
+    def reply_to(question):
+        asked.append((question.first, question.last))
+        lacked = {*map(cycle_of, question.lacking)}
+        for some in plans:
+            agrees = all((cycle_of(one) in some) == value for one, value in question.given)
+            last = max([question.first, *some])
+            if agrees and last <= question.last and not (lacked and lacked <= {*some}):
+                return Reply(True, (actions(*some),), last)
+        return UNKNOWN
+
+    try:
+        question = next(strategy)
+        while True:
+            stopped = len(asked) >= most
+            question = strategy.throw(StoppedError()) if stopped else strategy.send(reply_to(question))
+    except StopIteration as end:
+        return sorted(map(cycle_of, end.value.answers[-1])), end.value.horizon, asked
+
+
+@pytest.mark.parametrize(
+    ("horizon", "plan", "plans", "options", "cycles", "last"),
+    [
+        (3, (1, 2, 3), [], {}, [1, 2, 3], 3),
+        (3, (1, 2, 3), [(1, 3)], {}, [1, 3], 3),
+        (3, (1, 2, 3), [(1, 3), (1, 2)], {}, [1, 2], 2),
+        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4)], {}, [2, 4], 4),
+        (4, (1, 2, 3, 4), [(2, 4), (1, 2)], {}, [1, 2], 2),
+        # idle steps, one of which is needed; and an idle end
+        (4, (2, 4), [(1, 3)], {}, [2, 4], 4),
+        (4, (2, 4), [()], {}, [], 1),
+        (5, (2, 4), [(2, 4)], {}, [2, 4], 4),
+        (5, (2, 4), [(1, 2)], {}, [1, 2], 2),
+        (5, (), [()], {}, [], 1),
+        # the present, and the least horizon of any plan
+        (5, (1, 2, 4, 5), [(1, 2, 5), (1, 2, 3)], {"step": 2}, [1, 2, 3], 3),
+        (5, (1, 2), [(1, 2)], {"first": 4}, [1, 2], 4),
+        # stops
+        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"most": 0}, [1, 2, 3, 4], 4),
+        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"most": 1}, [1, 2, 4], 4),
+        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"most": 2}, [2, 4], 4),
+    ],
+)
+def test_trimmed_plans_have_no_superfluous_action(horizon, plan, plans, options, cycles, last):
+    assert trim(horizon, plan, *plans, **options)[:2] == (cycles, last)
+
+
+def test_trimmed_asks_programs_that_advise_only_about_idle_steps():
+    assert trim(3, (1, 2, 3), (1, 2), advises=True) == ([1, 2, 3], 3, [])
+    assert trim(4, (1, 3), (1, 2), advises=True) == ([1, 2], 2, [(2, 2)])
+
+
+def test_trimmed_asks_once_if_nothing_is_superfluous():
+    assert trim(3, (1, 2, 3))[2] == [(1, 3)]
