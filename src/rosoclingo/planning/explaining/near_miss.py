@@ -7,7 +7,7 @@ import clingo
 from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.domains import plain_literals
-from rosoclingo.oclingo.program.lint.rule_shapes import head_literals, parted
+from rosoclingo.oclingo.program.lint.rule_shapes import parted
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.signatures import atom_terms
 from rosoclingo.oclingo.progression.terms import Signature, parse_term, signature_of
 from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, pattern_of, shown
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleTexts
-from rosoclingo.planning.explaining.reach import HeadRule, Reach, UncertainError
+from rosoclingo.planning.explaining.reach import HeadRule, Reach, UncertainError, positive_heads
 
 Ends = Sequence[Tuple[NamedRule, Mapping[str, str]]]
 """Constraints on the end of a plan with the values of their variables."""
@@ -108,6 +108,10 @@ class _Search:
     def _pattern(self, text: str) -> clingo.Symbol:
         return pattern_of(text, self._program.values)
 
+    def _timeless(self, term: Node, part: Part) -> clingo.Symbol:
+        """Return the pattern of a rule's atom without its time."""
+        return self._pattern(self._reach.text(term, part))
+
     def _text(self, atom: clingo.Symbol) -> str:
         signature = signature_of(atom)
         return shown(atom, self._program.time_position(signature.name, signature.arity))
@@ -121,21 +125,19 @@ class _Search:
             begin = statement.location.begin
             if (begin.filename, begin.line, begin.column) == (rule.file, rule.line, rule.column):
                 negated = list(_negated(statement))
-                yield from (filled(self._pattern(self._reach.text(term, part)), known) for term in negated)
+                yield from (filled(self._timeless(term, part), known) for term in negated)
                 for literal in () if negated else plain_literals(statement):
-                    forbidden = filled(self._pattern(self._reach.text(literal.atom.symbol, part)), known)
-                    yield from self._ending(forbidden)
+                    yield from self._ending(filled(self._timeless(literal.atom.symbol, part), known))
 
     def _ending(self, atom: clingo.Symbol) -> Iterator[clingo.Symbol]:
         """Yield the atoms whose absence carries an atom over to the next step."""
         for part, statement in self._statements():
-            heads = [term for literal, _ in _heads(statement) for term in atom_terms(literal.atom.symbol)]
             bodies = [one.atom.symbol for one in plain_literals(statement)]
-            for term in heads if part.parameter else ():
+            for term, _ in positive_heads(statement) if part.parameter else ():
                 bound: Bound = {}
                 carries_over = any(parted(one)[0] == parted(term)[0] for one in bodies)
-                if carries_over and fits(self._pattern(self._reach.text(term, part)), atom, bound):
-                    ends = (self._pattern(self._reach.text(one, part)) for one in _negated(statement))
+                if carries_over and fits(self._timeless(term, part), atom, bound):
+                    ends = (self._timeless(one, part) for one in _negated(statement))
                     externals = self._program.external_signatures
                     yield from (filled(one, bound) for one in ends if signature_of(one) not in externals)
 
@@ -193,10 +195,3 @@ def _negated(statement: Node) -> Iterator[Node]:
     for one in literals:
         if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom:
             yield from atom_terms(one.atom.symbol)
-
-
-def _heads(statement: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
-    """Yield the head atoms of a rule with their conditions."""
-    for literal, condition in head_literals(statement.head):
-        if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
-            yield literal, condition

@@ -90,11 +90,9 @@ class Reach:
         for statement in part.statements:
             if statement.ast_type != ASTType.Rule or statement.location.begin.filename.startswith("<"):
                 continue
-            for literal, condition in head_literals(statement.head):
-                plain = literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom
-                for term in atom_terms(literal.atom.symbol) if plain else ():
-                    if parted(term)[0] in used:  # other atoms are in no body
-                        yield self._rule(statement, term, [*condition, *statement.body], part)
+            for term, condition in positive_heads(statement):
+                if parted(term)[0] in used:  # other atoms are in no body
+                    yield self._rule(statement, term, [*condition, *statement.body], part)
 
     def _rule(self, statement: Node, head: Node, literals: Sequence[Node], part: Part) -> HeadRule:
         times: Set[str] = set()
@@ -139,6 +137,13 @@ class Reach:
                 texts.append(str(one))
         sign = "" if signature.positive else "-"
         return f"{sign}{signature.name}({','.join(texts)})" if texts else f"{sign}{signature.name}"
+
+
+def positive_heads(statement: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
+    """Yield the positive head atoms of a rule with their conditions."""
+    for literal, condition in head_literals(statement.head):
+        if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
+            yield from ((term, condition) for term in atom_terms(literal.atom.symbol))
 
 
 def _name(term: Node) -> str:
