@@ -125,7 +125,7 @@ class Running:
 @contextlib.contextmanager
 def running(text, models=0, horizon_limit=None, **options):
     """Serve the program ``text`` by a solver process."""
-    with WorkerPool(ReactiveProgram.from_text(text), models, horizon_limit=horizon_limit) as process:
+    with WorkerPool(ReactiveProgram.from_text(text), models=models, horizon_limit=horizon_limit) as process:
         process.start()
         service = Running(process, **options)
         try:

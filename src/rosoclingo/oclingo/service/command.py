@@ -155,7 +155,7 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
         for text in program.warnings:
             _say(f"warning: {text}")
         ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest, "plan_time": options.plan_time}
-        with WorkerPool(program, models, horizon_limit=options.imax, **ways) as process:
+        with WorkerPool(program, models=models, horizon_limit=options.imax, **ways) as process:
             process.start()
             return _run(process.solver(), options)
     except (ProgramError, SolverError) as error:

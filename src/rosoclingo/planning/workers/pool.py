@@ -54,6 +54,7 @@ class WorkerPool:
     def __init__(
         self,
         program: ReactiveProgram,
+        *,
         patience: float = PATIENCE,
         grace: float = GRACE,
         standby: bool = False,
@@ -243,7 +244,7 @@ def explain_in_worker(
     The explanation contains what is found in ``seconds`` of processor time. Raises DroppedError if nothing is found by
     then, or before a stop, and SolverError if the process cannot be started, crashes or refuses the stream.
     """
-    with WorkerPool(program, EXPLAIN_PATIENCE, EXPLAIN_GRACE, shortest=True) as pool:
+    with WorkerPool(program, patience=EXPLAIN_PATIENCE, grace=EXPLAIN_GRACE, shortest=True) as pool:
         elapsed = pool.stopwatch()
 
         def is_over() -> bool:
