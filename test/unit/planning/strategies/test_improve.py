@@ -354,6 +354,16 @@ def test_improved_plan_is_the_answer_from_then_on():
     assert (Plan.from_result(later).rest(2).actions, later.horizon) == (better.rest(2).actions, 3)
 
 
+def test_improve_removes_all_idle_steps_at_once():
+    solver = solver_of()
+    solver.update(parse_update("#step 1. _request(40,1). #endstep."))
+    plan = solver.log.plan
+    gaps = {one: sum(cycle_of(one) > last for last in (4, 22, 30)) for one in plan.actions}
+    adopt(solver, [moved(one, steps) for one, steps in gaps.items()], plan.horizon + 3)
+    assert solver.improve().horizon == plan.horizon
+    improve_fully(solver)
+
+
 # ---- Stops -----------------------------------------------------------------------------------------------------------
 
 
