@@ -65,7 +65,7 @@ class Improvement:
             if question is None:
                 self._exhausted = True
                 break
-            last = min(question.last, self._plan.horizon - 1)
+            last = min(question.last, self._plan.horizon - 1, asking.horizon)  # the grounding does not grow
             if last < self._begin:  # earlier questions of the round have excluded all shorter plans
                 continue
             try:
