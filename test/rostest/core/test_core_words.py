@@ -14,7 +14,7 @@ from rosoclingo.msg import GoalState, GoalStates
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands
+from core_helpers import Client, Hands, Updates
 from interface_helpers import PATIENCE, init_node, wait_until
 
 ACTIVE = GoalStatus.ACTIVE
@@ -28,6 +28,9 @@ class CoreWords(unittest.TestCase):
         cls.hands.wait_for("/rosoclingo")
         cls.goals = GoalStates()
         cls.subscriber = rospy.Subscriber("rosoclingo/goals", GoalStates, lambda told: setattr(cls, "goals", told))
+        updates = Updates()
+        cls.hands.tell("_lift(3,now)", origin="lift")  # else the program gives goals no status, and they are rejected
+        updates.wait_for("_lift(3,")
 
     def test_text_of_an_accepted_goal_reaches_its_client(self):
         goal = Client().send("ride(1)")
