@@ -33,7 +33,8 @@ class NavigationStuck(unittest.TestCase):
         self.assertRegex(
             text, r"Even after executing recovery behaviors: the way left has not become shorter for \d+ s"
         )
-        self.assertEqual(recoveries, ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"])
+        series = ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
+        self.assertEqual(recoveries[-4:], series)  # a shorter way after a reset counts as progress: the series restarts
         self.assertGreater(took, 5 * 4.0)
         self.assertLess(took, 150.0)
 
