@@ -536,7 +536,7 @@ def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
         if result.outcome is not SolveOutcome.SATISFIABLE:
             return
         compacting.checkpoint()
-        for request in [one for one in asked if one.arguments[1].number > step - 3]:
+        for request in [one for one in asked if step % 2 == 0 and one.arguments[1].number > step - 3]:
             verdicts = []
             for solver in (compacting, whole):
                 other = PlanSolver(solver.program)

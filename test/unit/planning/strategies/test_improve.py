@@ -66,7 +66,7 @@ def improve_fully(solver):
 
 
 @pytest.mark.slow
-@settings(max_examples=settings.default.max_examples * 2 // 5)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(st.booleans(), st.lists(NEWS, min_size=1, max_size=4), st.integers(0, 3), st.none() | st.integers(0, 30))
 def test_improve_keeps_actions_up_to_the_present(advice, news, steps, looks):
     walk, solver, done = Walk(), solver_of(advice), set()
