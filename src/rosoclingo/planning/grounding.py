@@ -38,14 +38,13 @@ from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession, Externals, Heads
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
-from rosoclingo.oclingo.solving.results import refusal, unused_fact
+from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusal, unused_fact
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
 from rosoclingo.planning.snapshot import (
-    NOT_EXTERNAL,
     ClosedHeads,
     ForgottenSteps,
     Past,

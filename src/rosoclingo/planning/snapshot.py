@@ -5,15 +5,14 @@ from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, Mapping,
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action_of
+from rosoclingo.oclingo.program.action_rules import FAILED, RETURN
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import Reader, with_their_failures
+from rosoclingo.oclingo.program.update_reader import Reader, closed_cycles, with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import (
     Anew,
     Assert,
-    Closed,
     Cumulative,
     Forget,
     Over,
@@ -23,10 +22,9 @@ from rosoclingo.oclingo.progression.updates import (
     StreamUpdate,
     Volatile,
 )
+from rosoclingo.oclingo.solving.results import NOT_EXTERNAL
 
 _NUMBER = clingo.SymbolType.Number
-
-NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 
 
 class TimedStatement(NamedTuple):
@@ -267,15 +265,9 @@ class Snapshot:
 
     def _close_cycles(self, update: StreamUpdate, program: ReactiveProgram) -> "Snapshot":
         """Return the snapshot with the cycles and steps that ``update`` declares closed or over."""
-        closed, keep_from = dict(self.closed), self.keep_from
-        for item in update.items:
-            if isinstance(item, Closed):
-                last = self.step if update.step is None else update.step
-                for cycle in range(max(item.first, program.first_step), min(item.last, last) + 1):
-                    closed[cycle] = frozenset(filter(is_action_of(cycle), update.committed))
-            elif isinstance(item, Over):
-                keep_from = max(keep_from, item.step)
-        return replace(self, closed=closed, keep_from=keep_from)
+        closed = {**self.closed, **closed_cycles(update, program.first_step, self.step)}
+        over = (item.step for item in update.items if isinstance(item, Over))
+        return replace(self, closed=closed, keep_from=max([self.keep_from, *over]))
 
 
 def _lapses(item: SnapshotItem, min_horizon: int) -> bool:

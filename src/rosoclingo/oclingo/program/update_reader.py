@@ -10,11 +10,11 @@ before. If nothing was committed for the cycle, it comes with each return: the r
 """
 
 from dataclasses import dataclass, replace
-from typing import FrozenSet, Iterable, Iterator, List, Set
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Set
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action
+from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action, is_action_of
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.strings import strings_apart
 from rosoclingo.oclingo.progression.terms import signature_of
@@ -38,6 +38,21 @@ class Reader:
         """Return the update as the program is to see it; ``before`` holds for ever before it."""
         update = strings_apart(update) if self.oclingo_strings else update
         return _with_failures(update, before) if FAILED in self.program.open_signatures else update
+
+
+def closed_cycles(update: StreamUpdate, first: int, step: int) -> Dict[int, FrozenSet[clingo.Symbol]]:
+    """Return the cycles from ``first`` on that ``update`` closes, with their executed actions.
+
+    No cycle after the update's step, or else the present ``step``, is closed.
+    """
+    last = step if update.step is None else update.step
+    cycles = (
+        cycle
+        for item in update.items
+        if isinstance(item, Closed)
+        for cycle in range(max(item.first, first), min(item.last, last) + 1)
+    )
+    return {cycle: frozenset(filter(is_action_of(cycle), update.committed)) for cycle in cycles}
 
 
 def is_predictable(update: StreamUpdate, before: Iterable[Statement]) -> bool:

@@ -17,15 +17,15 @@ class ActionIndex(AtomIndex):
         control: clingo.Control,
         session: BackendSession,
         first: Optional[int] = None,
-        told: Optional[Mapping[clingo.Symbol, int]] = None,
+        executed: Optional[Mapping[clingo.Symbol, int]] = None,
     ) -> None:
-        """Take the ``first`` cycle of all: those before it hold what the program says for sure.
+        """Index the actions in ``control``; the actions before the ``first`` cycle are facts.
 
-        ``told`` maps each assumable action to the literal under which it was executed.
+        ``executed`` maps each assumable action to the literal that is true if it was executed.
         """
         super().__init__(control, [ACTION])
         self._session, self._first = session, first
-        self._told: Mapping[clingo.Symbol, int] = {} if told is None else told
+        self._executed: Mapping[clingo.Symbol, int] = {} if executed is None else executed
         self._cycles: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
@@ -49,7 +49,7 @@ class ActionIndex(AtomIndex):
             self._forbid(cycle)
 
     def _open(self) -> Collection[int]:
-        """Return the cycles with actions that were not dealt with, after a look at what is new."""
+        """Return the cycles with actions that are not forbidden yet, including newly ground ones."""
         for atom, literal in self.fresh():
             cycle = atom.arguments[-1]
             if cycle.type is clingo.SymbolType.Number:
@@ -70,5 +70,5 @@ class ActionIndex(AtomIndex):
         for atom, literal in self._cycles.pop(cycle, []):
             if not self._may_be(atom, cycle):
                 self._session.backend.add_rule([], [literal])
-            elif atom in self._told:
-                self._session.backend.add_rule([], [literal, -self._told[atom]])
+            elif atom in self._executed:
+                self._session.backend.add_rule([], [literal, -self._executed[atom]])

@@ -1,4 +1,4 @@
-"""What comes of an update."""
+"""Results of updates, and messages about ignored or refused statements."""
 
 import re
 from dataclasses import dataclass, field
@@ -14,6 +14,9 @@ from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 
 Answer = FrozenSet[clingo.Symbol]
+
+NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
+"""The warning about a statement of an update whose head the program does not declare."""
 
 _UNUSED = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
 

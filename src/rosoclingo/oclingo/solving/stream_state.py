@@ -1,4 +1,4 @@
-"""What the incremental solver knows of its stream: enough to build the grounding anew at any time."""
+"""The state of the incremental solver's stream, from which its grounding can be rebuilt at any time."""
 
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -33,9 +33,9 @@ class StreamState:
         forgotten: externals closed by ``#forget``.
         forgets_done: last step at which the program's own ``#forget`` was carried out.
         closed_cycles: the actions that were executed in each cycle that has been closed.
-        cyclic: True once a statement may close a positive loop over several steps; such a stream is ground anew for
-            each search, since clingo looks for loops only among the rules that come between two searches.
-        told: what has been remarked on the stream, each of which is told once.
+        cyclic: whether a statement can close a positive loop over several steps. Such a stream is reground for each
+            search, since clingo detects loops only among rules added between two searches.
+        told: remarks on the stream that were reported.
 
     """
 
@@ -54,7 +54,7 @@ class StreamState:
 
     @property
     def facts(self) -> Set[clingo.Symbol]:
-        """What is a fact for good."""
+        """The facts that never lapse."""
         return {one.head for one in self.permanent if one.head is not None and not one.body}
 
     def rules(self) -> Iterator[Statement]:
@@ -77,7 +77,7 @@ class StreamState:
         )
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
-        """Return the state that would be, had none of ``facts`` been told; an action in it was not executed."""
+        """Return the state as if ``facts`` had not been asserted; an action among them was not executed."""
         less, facts = self.copy(), with_their_failures(facts)
         less.permanent = [statement for statement in less.permanent if not statement.concerns(facts)]
         less.lapsing = [entry for entry in less.lapsing if not entry.statement.concerns(facts)]

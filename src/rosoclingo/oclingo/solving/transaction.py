@@ -1,25 +1,24 @@
 """Taking one update: what it changes in the state and in the grounding of the incremental solver.
 
-A transaction works on a copy of the state; what a failure leaves of it is let go, and the old one stays. While
+A transaction works on a copy of the state; a failure discards the copy. While
 the grounding fits the state it is changed in place; where a change can't be made in place (an open external that a
-grounded step could see, a loop over several steps) it is dropped and made anew.
+grounded step could see, a loop over several steps) it is dropped and rebuilt.
 """
 
 from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Set
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
+from rosoclingo.oclingo.program.update_reader import closed_cycles
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
 from rosoclingo.oclingo.progression.strings import holds_string_apart
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import (
     Anew,
     Assert,
-    Closed,
     Cumulative,
     Forget,
     Retract,
@@ -29,10 +28,8 @@ from rosoclingo.oclingo.progression.updates import (
     Volatile,
 )
 from rosoclingo.oclingo.solving.reactive_grounding import ReactiveGrounding, build_grounding
-from rosoclingo.oclingo.solving.results import unused_fact
+from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, unused_fact
 from rosoclingo.oclingo.solving.stream_state import Lapsing, StreamState
-
-_NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 
 
 class Transaction:
@@ -40,7 +37,7 @@ class Transaction:
 
     Attributes:
         state: the state as it will be; the caller keeps it if all goes well.
-        grounding: the grounding that fits :attr:`state`, None where it has to be made anew.
+        grounding: the grounding that fits :attr:`state`, None if it has to be rebuilt.
         warnings: what was ignored.
 
     """
@@ -55,15 +52,15 @@ class Transaction:
     ) -> None:
         """Work on ``state``, which nobody else has, and ``grounding``; no step beyond ``limit`` is ground.
 
-        ``dropped`` ends a grounding made anew.
+        ``dropped`` ends a rebuild of the grounding.
         """
         self.program, self.state, self.grounding = program, state, grounding
         self._limit, self._dropped = limit, dropped
         self.warnings: List[str] = []
         self._given: Set[clingo.Symbol] = set()  # facts of this update that the grounding knows already
-        self._dependencies: Optional[Dependencies] = None  # who depends on whom, this update included
+        self._dependencies: Optional[Dependencies] = None  # between atoms, including this update
         self._update = StreamUpdate()
-        self._forgets: Optional[List[Forget]] = None  # what is forgotten after the update's statements
+        self._forgets: Optional[List[Forget]] = None  # applied after the update's statements
 
     def begin(self, update: Optional[StreamUpdate], halt: Callable[[], bool]) -> bool:
         """Ground up to the update's step and add its statements; False where ``halt`` stopped it on the way."""
@@ -96,11 +93,8 @@ class Transaction:
             self.grounding, self.state = None, StreamState(forgets_done=self.program.first_step - 1)
         if update.withdrawn:
             self.grounding, self.state = None, self.state.less(update.withdrawn)
-        for item in update.items:
-            if isinstance(item, Closed):
-                last = self.state.step if update.step is None else update.step
-                for cycle in range(max(item.first, self.program.first_step), min(item.last, last) + 1):
-                    self._close_cycle(cycle, frozenset(filter(is_action_of(cycle), update.committed)))
+        for cycle, executed in closed_cycles(update, self.program.first_step, self.state.step).items():
+            self._close_cycle(cycle, executed)
 
     def _close_cycle(self, cycle: int, executed: FrozenSet[clingo.Symbol]) -> None:
         self.state.closed_cycles[cycle] = executed
@@ -108,7 +102,7 @@ class Transaction:
             self.grounding.close_cycle(cycle, executed)
 
     def ready(self) -> ReactiveGrounding:
-        """Return a grounding that fits the state, made anew where there is none or where loops ask for it."""
+        """Return a grounding of the state, rebuilt if there is none or loops require it."""
         if self.grounding is None or self.state.cyclic:
             self.grounding = self._build()
         return self.grounding
@@ -217,10 +211,10 @@ class Transaction:
         elif head not in self.state.forgotten and not grounding.atoms.knows(head) and self._may_come(head):
             self.state.waiting.append(Lapsing(statement, lifetime))
         else:
-            self.warnings.append(_NOT_EXTERNAL.format(head))
+            self.warnings.append(NOT_EXTERNAL.format(head))
 
     def _standing(self) -> ReactiveGrounding:
-        """Return the grounding without making it anew for loops: within an update all rules come together."""
+        """Return the grounding, not rebuilt for loops: the rules of an update are added together."""
         if self.grounding is None:
             self.grounding = self._build()
         return self.grounding
@@ -268,7 +262,7 @@ class Transaction:
         self._dependencies.add(heads, bodies)
 
     def _forget(self, item: Forget) -> None:
-        """Close what is still undefined of steps, within an update once its statements have been taken."""
+        """Close the undefined externals of steps; within an update after its statements."""
         if self._forgets is not None:
             self._forgets.append(item)
             return
@@ -284,13 +278,13 @@ class Transaction:
             self.warnings.append(f"Term {term} has not been asserted. The retraction is ignored.")
 
     def _build(self) -> ReactiveGrounding:
-        """Ground the program anew and put in force all that the state holds."""
+        """Reground the program and add all statements of the state."""
         self.grounding = build_grounding(self.program, self.state, self._dropped)
         self._fall_due(self.grounding)
         return self.grounding
 
     def remarks(self) -> Iterator[str]:
-        """Yield what clingo has found odd while it ground, each of which is told once."""
+        """Yield new remarks of clingo on the grounding."""
         told = self.state.told
         if self.grounding is None or not self.grounding.messages.said:
             return

@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement, StreamUpdate
-from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, SolveOutcome, SolveResult
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
@@ -272,7 +272,7 @@ class SharedSolver(PlanningSolver):
         """Return warnings, in the solver's words, of facts that the program declares no external for."""
         heads = [one.head for _, one in update.sections() if one.head is not None]
         strange = [one for one in heads if signature_of(one) not in self._streams.program.external_signatures]
-        return tuple(f"Head {one} has not been declared external. The entire rule will be ignored." for one in strange)
+        return tuple(NOT_EXTERNAL.format(one) for one in strange)
 
     @staticmethod
     def improve(stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
