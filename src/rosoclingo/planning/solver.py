@@ -141,7 +141,7 @@ class PlanSolver(PlanningSolver):
         self.log = self.log.with_entries(AcceptedUpdate(update, asking.horizon))
         self._searched = _Cached(self.log.key, asking)
         self._adopt(result)
-        self._append_checkpoint(if_longer_than=self._log_limit)
+        self._append_checkpoint(always=False)
         return result
 
     def _result(self, asking: Asking, found: SearchResult, spent: Dict[str, float]) -> SolveResult:
@@ -323,7 +323,7 @@ class PlanSolver(PlanningSolver):
         plan = self.log.plan
         if self._steps_to_check >= LEAST_STEPS and self.log.predicted and plan is not None:
             self._solve_again(plan)
-        self._append_checkpoint()
+        self._append_checkpoint(always=True)
 
     def _solve_again(self, plan: Plan) -> None:
         """Ground the whole history and find the predicted answer, which has exactly the actions of ``plan``."""
@@ -341,8 +341,8 @@ class PlanSolver(PlanningSolver):
         first = self.program.first_step if snapshot.past is None else snapshot.past.first
         return end_of_past(self.program, snapshot) - max(first, self._checked_until)
 
-    def _append_checkpoint(self, if_longer_than: int = -1) -> None:
-        """Append a checkpoint to the history if it is longer than a limit or steps can be compacted."""
+    def _append_checkpoint(self, always: bool) -> None:
+        """Append a checkpoint to the history: ``always``, or if it is long or steps can be compacted."""
         snapshot, searched, compact = self.snapshot, self._searched, None
         if searched is not None and searched.key != self.log.key:
             searched = None
@@ -350,7 +350,7 @@ class PlanSolver(PlanningSolver):
             self._checked_until = end_of_past(self.program, snapshot)
             grounding = searched.asking.grounding
             compact = None if grounding is None else compacted(grounding, snapshot)
-        if compact is None and if_longer_than >= 0 and not self.log.is_longer(if_longer_than, snapshot):
+        if compact is None and not always and not self.log.is_longer(self._log_limit, snapshot):
             return
         self._replace_log(self.log.checkpoint(compact or snapshot))
         if searched is not None:
