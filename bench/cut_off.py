@@ -10,9 +10,9 @@ and its solver. To be run in the built workspace: ./dev exec python3 bench/cut_o
 import argparse
 import time
 
+from acting_core import PooledCore, mailbot_program
 from deliveries import floor_named, random_requests
 from figures import Figure, parse, write
-from mailbot_core import MailbotCore
 
 from rosoclingo.nodes.core.loading import CoreParameters
 from rosoclingo.reasoning import GoalChanged, Outcome
@@ -21,11 +21,11 @@ DONE = 3
 """Actions that have been done when the connection is blocked."""
 
 
-class Run(MailbotCore):
+class Run(PooledCore):
     """A core whose actions all succeed; it has ended the goals in ``ended``, with these outcomes."""
 
     def __init__(self, floor):
-        super().__init__(floor, CoreParameters.plan_time)
+        super().__init__(mailbot_program(floor), CoreParameters.plan_time)
         self.ended = {}
 
     @property
@@ -50,7 +50,8 @@ def measure(offices, count, seed):
     floor = floor_named(str(offices))
     middle = offices // 2
     with Run(floor) as run:
-        run.add_goals(random_requests(floor, count, seed))
+        for request in random_requests(floor, count, seed):
+            run.core.add_goal(str(request.number), request.goal)
         run.advance()
         for _ in range(DONE):
             run.act()

@@ -36,83 +36,34 @@ from contextlib import suppress
 from statistics import mean
 
 import routing
-from cycles import processor_clock
+from acting_core import ActingCore, TooLongError, mailbot_program
 from deliveries import World, actions_of_route, floor_named, random_requests
 from figures import Figure, parse, write
-from mailbot_core import MailbotCore
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome
+from rosoclingo.reasoning import CoreSettings
 
 HOWS = ("once", "stream")
 
-MOST_IDLE = 600
-"""Seconds in which nothing is done, at most: the core waits a while with what its solver could not take."""
 
-
-class TooLongError(Exception):
-    """There is no plan for all requests in the time that it may take."""
-
-
-class Robot(MailbotCore):
-    """A core and the world that answers it."""
+class Robot(ActingCore):
+    """A core with the mailbot's program, and the floor on which it acts."""
 
     def __init__(self, floor, plan_time, search_timeout=0.0, all_seconds=0.0):
-        super().__init__(floor, plan_time, CoreSettings(search_timeout=search_timeout))
-        self.world, self._limit, self._all_seconds = World(floor), search_timeout, all_seconds
-        self.improving, self.longest, self.waited, self.now, self.idle = 0.0, 0.0, 0, 0.0, 0
-
-    @property
-    def used(self):
-        """Seconds of processor time that the solver has worked."""
-        return self.process.cpu_time
+        super().__init__(mailbot_program(floor), plan_time, search_timeout, all_seconds)
+        self.world = World(floor)
 
     def ask(self, requests):
         """Send goals; their packages wait from now on."""
         self.world.ask(requests)
-        self.add_goals(requests)
+        for request in requests:
+            self.core.add_goal(str(request.number), request.goal)
 
-    def plan(self):
-        """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
-        begin = self.used
-        self.advance(self.now)
-        self.longest = max(self.longest, self.used - begin)
-        self.waited = max(self.waited, self.unknown)
-        return self.steps()
-
-    def improve(self, seconds):
-        """Improve the plan while an action runs; yield with each better plan."""
-        begin = self.used
-
-        def over():
-            return self.used - begin >= seconds
-
-        while self.core.improve(over) and not over():  # stopped, it does not tell whether anything is left to try
-            yield self.used - begin
-        self.improving += self.used - begin
-
-    def prepare(self, seconds):
-        """Let the process that is kept ready work as long as an action takes, where requests wait for a plan."""
-        if self.unknown:
-            self.core.prepare()
-        if not self.process.is_prefetching:
-            return
-        clock = processor_clock(self.process.standby_pid)
-        begin = time.clock_gettime(clock)
-        while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
-            time.sleep(0.01)
-
-    def wait(self):
-        """Nothing is done for a second, as the solver could not take an update in time: it comes again."""
-        self.idle += 1
-        if self.idle > MOST_IDLE:
-            raise SystemExit(f"nothing is done, though {self.world.open} requests are open")
-        self.now += 1.0
-        self.core.poll(self.now)
-        self.plan()
+    def execute(self, actions):
+        for action in sorted(actions, key=lambda action: action.cycle):
+            self.world.do(action.interface_name, str(action.parameter))
 
     def steps(self):
-        """The steps of the plan; raises RuleError where it is none."""
         actions = self.core.plan.after(self.core.cycle - 1)
         world = self.world.copy()
         for action in sorted(actions, key=lambda action: action.cycle):
@@ -120,36 +71,6 @@ class Robot(MailbotCore):
         if world.open > self.unknown:
             raise SystemExit(f"the plan leaves {world.open} requests open")
         return len(actions)
-
-    @property
-    def unknown(self):
-        """How many requests the program does not know of yet."""
-        return sum(not goal.fed for goal in self.core.live_goals)
-
-    def act(self, seconds):
-        """Do the actions that are out, and answer them after so many seconds; raises RuleError."""
-        self.now += seconds
-        for action in self.core.awaited:
-            self.world.do(action.interface_name, str(action.parameter))
-            self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
-
-    def watch(self):
-        """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""
-        begin, queue = self.used, self.core.queue
-        limit = self._limit * queue.patience
-
-        def look():
-            if 0 < self._all_seconds <= self.used - begin:
-                raise TooLongError
-            too_long = 0 < limit <= self.used - begin and not queue.unhurried
-            return Halt(f"it took longer than {limit:g} s") if too_long else None
-
-        return look
-
-    def note(self, event):
-        """See to it that what can be met is met."""
-        if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
-            raise SystemExit(f"request {event.key} can be met, but ended as {event.outcome.name}: {event.message}")
 
 
 class Arrivals:
@@ -214,9 +135,7 @@ def driven(floor, arrivals, options):
         begin, own, out = robot.used, time.process_time(), 0.0
         while arrivals or robot.world.open:
             robot.ask(arrivals.due(robot.world))
-            robot.plan()
-            while not robot.core.awaited:
-                robot.wait()
+            robot.plan_until_action()
             out = out or robot.used - begin
             for _ in robot.improve(options.action_time):
                 robot.steps()

@@ -34,14 +34,15 @@ class Route(NamedTuple):
     visits: List[Visit]
 
 
-def _command() -> str:
+def bench_python() -> str:
+    """Return the path of the Python that has what benches compare with."""
     return os.environ.get(PYTHON) or sys.executable
 
 
 def is_there() -> bool:
     """Whether OR-Tools can be asked."""
     try:
-        found = subprocess.run([_command(), "-c", "import ortools"], capture_output=True, check=False)
+        found = subprocess.run([bench_python(), "-c", "import ortools"], capture_output=True, check=False)
     except OSError:
         return False
     return found.returncode == 0
@@ -60,7 +61,7 @@ def routes(floor: Floor, world: World, seconds: Sequence[float]) -> List[Route]:
         "capacity": CAPACITY,
         "seconds": max(seconds),
     }
-    command = [_command(), str(Path(__file__).resolve())]
+    command = [bench_python(), str(Path(__file__).resolve())]
     done = subprocess.run(command, input=json.dumps(problem), capture_output=True, text=True, check=False)
     found = [json.loads(line) for line in done.stdout.splitlines()]
     if done.returncode != -signal.SIGPROF or not found:

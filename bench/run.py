@@ -125,7 +125,8 @@ def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
     """Build another commit where that is not done yet; its own ``./dev`` does it. Raises BenchError."""
     tree, ours = base / commit[:12], ROOT / "bench"
     make_once(tree, lambda folder: export(commit, folder))
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(ours.glob("*.py")))).hexdigest()[:8]
+    files = [path for path in sorted(ours.rglob("*.*")) if path.suffix in (".py", ".lp", ".pddl")]
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:8]
     lent = tree / f"bench-{digest}"  # beside its own folder, so that "../src" is that commit's
     make_once(
         lent, lambda folder: shutil.copytree(str(ours), str(folder), ignore=shutil.ignore_patterns("__pycache__"))

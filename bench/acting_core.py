@@ -1,0 +1,164 @@
+"""A core for benches that play the world to it without ROS: plans made soon, its solver in processes as the node's."""
+
+import time
+from pathlib import Path
+
+from cycles import processor_clock
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, Halt, Outcome
+from rosoclingo.reasoning.stream_planner import unwatched
+
+ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
+
+MOST_IDLE = 600
+"""Limit of seconds without an action: the core defers what its solver could not accept."""
+
+
+def mailbot_program(floor):
+    """The mailbot's program with a floor of deliveries.py."""
+    return ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
+
+
+class PooledCore:
+    """A pure core whose solver works in processes of its own."""
+
+    def __init__(self, program, plan_time, settings=None):
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
+        self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), self.watch)
+
+    def __enter__(self):
+        self.process.start()
+        try:
+            self.core.start()
+        except BaseException:
+            self.process.close()
+            raise
+        return self
+
+    def __exit__(self, *error):
+        self.process.close()
+
+    def advance(self, now=0.0):
+        """Let the core go on until actions are out, or there is nothing to do."""
+        while self.core.advance(now):
+            pass
+
+    def note(self, event):
+        """Hear of an event of the core."""
+
+    def watch(self):
+        """Watch over a search, which goes on as long as it takes."""
+        return unwatched()
+
+
+class TooLongError(Exception):
+    """There is no plan for all goals in the time limit."""
+
+
+class ActingCore(PooledCore):
+    """A core whose actions a world executes; all of them succeed.
+
+    Attributes:
+        longest: the most processor time, in seconds, until the next action goes out.
+        still: the longest wall time, in seconds, between a return and the next action of a plan in force.
+        waited: the largest number of goals that the program did not know of while an action was under way.
+
+    """
+
+    def __init__(self, program, plan_time, search_timeout=0.0, all_seconds=0.0):
+        super().__init__(program, plan_time, CoreSettings(search_timeout=search_timeout))
+        self._limit, self._all_seconds, self._idle, self._returned = search_timeout, all_seconds, 0, None
+        self.improving, self.longest, self.still, self.waited, self.now = 0.0, 0.0, 0.0, 0, 0.0
+
+    def execute(self, actions):
+        """Execute the actions of a cycle in the world; raises RuleError."""
+        raise NotImplementedError
+
+    def steps(self):
+        """Check the plan with a copy of the world, and return the number of its steps; raises RuleError."""
+        raise NotImplementedError
+
+    @property
+    def used(self):
+        """Seconds of processor time that the solver has worked."""
+        return self.process.cpu_time
+
+    @property
+    def unknown(self):
+        """The number of goals that the program does not know of yet."""
+        return sum(not goal.fed for goal in self.core.live_goals)
+
+    def plan(self):
+        """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
+        begin = self.used
+        self.advance(self.now)
+        self.longest = max(self.longest, self.used - begin)
+        self.waited = max(self.waited, self.unknown)
+        return self.steps()
+
+    def plan_until_action(self):
+        """Plan until actions are out, which takes seconds of idleness if the solver could not accept an update."""
+        self.plan()
+        while not self.core.awaited:
+            self._idle += 1
+            if self._idle > MOST_IDLE:
+                raise SystemExit(f"no action goes out, though {len(self.core.live_goals)} goals are open")
+            self.now += 1.0
+            if self._returned is not None:
+                self._returned -= 1.0
+            self.core.poll(self.now)
+            self.plan()
+
+    def improve(self, seconds):
+        """Improve the plan while an action runs; yield with each better plan."""
+        begin = self.used
+
+        def over():
+            return self.used - begin >= seconds
+
+        while self.core.improve(over) and not over():  # after a stop, it is not known whether anything is left to try
+            yield self.used - begin
+        self.improving += self.used - begin
+
+    def prepare(self, seconds):
+        """Let the standby worker plan for goals that wait, as long as an action takes."""
+        if self.unknown:
+            self.core.prepare()
+        if not self.process.is_prefetching:
+            return
+        clock = processor_clock(self.process.standby_pid)
+        begin = time.clock_gettime(clock)
+        while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
+            time.sleep(0.01)
+
+    def act(self, seconds):
+        """Execute the actions that are out, and return them after so many seconds; raises RuleError."""
+        self.now += seconds
+        actions, in_force = self.core.awaited, self.core.plan.after(self.core.cycle)
+        self.execute(actions)
+        self._returned = time.perf_counter() if in_force else None
+        for action in actions:
+            self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+
+    def watch(self):
+        """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""
+        begin, queue = self.used, self.core.queue
+        limit = self._limit * queue.patience
+
+        def look():
+            if 0 < self._all_seconds <= self.used - begin:
+                raise TooLongError
+            too_long = 0 < limit <= self.used - begin and not queue.unhurried
+            return Halt(f"it took longer than {limit:g} s") if too_long else None
+
+        return look
+
+    def note(self, event):
+        """Measure how long the robot stands still, and check that what can be met is met."""
+        if isinstance(event, ActionsDispatched) and self._returned is not None:
+            self.still, self._returned = max(self.still, time.perf_counter() - self._returned), None
+        if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
+            raise SystemExit(f"goal {event.key} can be met, but ended as {event.outcome.name}: {event.message}")

@@ -1,0 +1,211 @@
+"""What all domains share: a task, the world that its plans change, and its PDDL problem.
+
+A plan is a list of steps, and a step a list of actions that start at the same time. The rules of a world are written
+without the program's: a world refuses an action that breaks them, whoever planned it.
+"""
+
+import copy
+from itertools import combinations
+from pathlib import Path
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+
+FOLDER = Path(__file__).resolve().parent
+
+#: An interface and its parameter.
+Action = Tuple[str, str]
+
+#: The actions of a step.
+Step = Sequence[Action]
+
+
+class RuleError(Exception):
+    """An action breaks a rule; the message says which."""
+
+
+def require(condition: bool, why: str) -> None:
+    """Raise RuleError unless ``condition`` holds."""
+    if not condition:
+        raise RuleError(why)
+
+
+class World:
+    """The state that actions change; the method ``do_INTERFACE`` executes an action.
+
+    Attributes:
+        open: the goals that are not met, by their numbers: name and arguments.
+
+    """
+
+    def __init__(self) -> None:
+        self.open: Dict[int, Tuple[str, ...]] = {}
+
+    def ask(self, number: int, goal: str) -> None:
+        """Add a goal, a term such as ``fetch(t1,1)``."""
+        name, arguments = goal[:-1].split("(")
+        self.open[number] = (name, *arguments.split(","))
+
+    def cancel(self, number: int) -> None:
+        """Cancel a goal."""
+        self.open.pop(number, None)
+
+    def do(self, step: Step) -> None:
+        """Execute a step of one action; raises RuleError."""
+        require(len(step) == 1, "one action at a time")
+        interface, parameter = step[0]
+        act: Optional[Callable[[str], None]] = getattr(self, f"do_{interface}", None)
+        if act is None:
+            raise RuleError(f"there is no action {interface}")
+        act(parameter)
+
+    def fail(self, action: Action) -> None:
+        """Let an action fail, which changes nothing."""
+
+    def can_fail(self, action: Action) -> bool:
+        """Return whether a program can meet all goals although ``action`` fails, or knows which it gives up."""
+        return True
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether all goals are met, and the world is as a plan has to leave it."""
+        return not self.open
+
+    def copy(self) -> "World":
+        """Return a world in the same state."""
+        return copy.deepcopy(self)
+
+    def do_possible(self, step: Step) -> None:
+        """Execute as many actions of ``step`` as possible."""
+        for size in range(len(step), 0, -1):
+            for part in combinations(step, size):
+                trial = self.copy()
+                try:
+                    trial.do(part)
+                except RuleError:
+                    continue
+                self.__dict__.update(trial.__dict__)
+                return
+
+
+class Arrangement(World):
+    """A world of things in places: its goals ``NAME(THING,PLACE,ID)`` are met when all of them hold at once."""
+
+    def __init__(self, places: Dict[str, str]) -> None:
+        super().__init__()
+        self.places = dict(places)
+
+    def do(self, step: Step) -> None:
+        super().do(step)
+        self.meet()
+
+    def meet(self) -> None:
+        """Close the goals if all of them hold."""
+        if self.at_rest:
+            self.open.clear()
+
+    @property
+    def at_rest(self) -> bool:
+        return all(self.places.get(thing) == place for _, thing, place, *_ in self.open.values())
+
+
+class Pddl(NamedTuple):
+    """A task in PDDL.
+
+    Attributes:
+        domain: the text of the domain.
+        problem: the text of the problem.
+        actions_of: returns the actions of a plan, whose operators are lists of words.
+
+    """
+
+    domain: str
+    problem: str
+    actions_of: Callable[[Sequence[Sequence[str]]], List[Action]]
+
+
+def last_argument(plan: Sequence[Sequence[str]]) -> List[Action]:
+    """Return actions with the operators' names and last arguments."""
+    return [(operator[0], operator[-1]) for operator in plan]
+
+
+def pddl(
+    name: str,
+    objects: Dict[str, Iterable[str]],
+    init: Iterable[str],
+    goal: Iterable[str],
+    actions_of: Callable[[Sequence[Sequence[str]]], List[Action]] = last_argument,
+) -> Pddl:
+    """Return the task of domain ``name`` with ``objects`` by type, and atoms without their parentheses."""
+    typed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
+    atoms = [" ".join(f"({atom})" for atom in atoms) for atoms in (init, goal)]
+    problem = (
+        f"(define (problem task) (:domain {name})\n(:objects {typed})\n(:init {atoms[0]})\n(:goal (and {atoms[1]})))\n"
+    )
+    return Pddl((FOLDER / f"{name}.pddl").read_text(), problem, actions_of)
+
+
+class Task(NamedTuple):
+    """An instance of a domain.
+
+    Attributes:
+        sources: the program.
+        goals: the goals' terms, whose numbers count from 1.
+        new_world: returns a world without goals.
+        pddl: the same task in PDDL; None if there is none.
+
+    """
+
+    sources: Sequence[Source]
+    goals: Sequence[str]
+    new_world: Callable[[], World]
+    pddl: Optional[Pddl] = None
+
+    @property
+    def program(self) -> ReactiveProgram:
+        """The program, loaded."""
+        return ReactiveProgram(self.sources)
+
+    def world(self) -> World:
+        """Return a world in which all goals are open."""
+        world = self.new_world()
+        for number, goal in enumerate(self.goals, 1):
+            world.ask(number, goal)
+        return world
+
+
+def sources_of(name: str, facts: Iterable[str]) -> List[Source]:
+    """Return the program of domain ``name`` with the facts of an instance."""
+    return [Source.from_file(FOLDER / f"{name}.lp"), instance(facts)]
+
+
+def instance(facts: Iterable[str]) -> Source:
+    """Return facts as a program."""
+    return Source("instance.lp", "#program base.\n" + "".join(f"{fact}.\n" for fact in facts))
+
+
+def check(world: World, plan: Sequence[Step]) -> None:
+    """Raise RuleError unless ``plan`` leads from the state of ``world`` to rest; ``world`` is not changed."""
+    end = world.copy()
+    for step in plan:
+        if step:
+            end.do(step)
+    require(end.at_rest, "the plan does not meet all goals")
+
+
+def superfluous(world: World, plan: Sequence[Step]) -> Set[Tuple[int, Action]]:
+    """Return the actions without which ``plan`` still leads to rest, each with the number of its step from 0 on.
+
+    With an action those are left out that it made possible. Raises RuleError if it is no plan.
+    """
+    check(world, plan)
+    return {(place, action) for place, step in enumerate(plan) for action in step if _leads(world, plan, place, action)}
+
+
+def _leads(world: World, plan: Sequence[Step], place: int, left_out: Action) -> bool:
+    """Return whether the plan leads to rest without an action."""
+    trial = world.copy()
+    for number, step in enumerate(plan):
+        trial.do_possible([action for action in step if (number, action) != (place, left_out)])
+    return trial.at_rest
