@@ -100,9 +100,12 @@ class ActingCore(PooledCore):
         return self.steps()
 
     def plan_until_action(self):
-        """Plan until actions are out, which takes seconds of idleness if the solver could not accept an update."""
+        """Plan until actions are out, and return true, or all goals have ended.
+
+        This takes seconds of idleness if the solver could not accept an update.
+        """
         self.plan()
-        while not self.core.awaited:
+        while self.core.live_goals and not self.core.awaited:
             self._idle += 1
             if self._idle > MOST_IDLE:
                 raise SystemExit(f"no action goes out, though {len(self.core.live_goals)} goals are open")
@@ -111,6 +114,7 @@ class ActingCore(PooledCore):
                 self._returned -= 1.0
             self.core.poll(self.now)
             self.plan()
+        return bool(self.core.awaited)
 
     def improve(self, seconds):
         """Improve the plan while an action runs; yield with each better plan."""

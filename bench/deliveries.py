@@ -7,7 +7,10 @@ and refuses what is against them, whoever plans. All here is pure: no solver, no
 import copy
 import random
 from collections import deque
+from pathlib import Path
 from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Sequence, Tuple
+
+from pddl import Action, Operator, Pddl, task_of
 
 CAPACITY = 3
 """Packages that the robot can carry."""
@@ -107,6 +110,26 @@ def random_requests(floor: Floor, count: int, seed: int) -> List[Request]:
     source = random.Random(1000 * seed + count)
     offices = range(1, floor.offices + 1)
     return [Request(number, *source.sample(offices, 2)) for number in range(1, count + 1)]
+
+
+def pddl_of(floor: Floor, requests: Sequence[Request]) -> Pddl:
+    """Requests on a floor, for other planners."""
+    numbers, offices = [one.number for one in requests], range(1, floor.offices + 1)
+    init = ["at office1", "load l0", *(f"less l{load} l{load + 1}" for load in range(CAPACITY))]
+    init += [f"corridor office{a} office{b}" for pair in sorted(floor.corridors) for a, b in (pair, pair[::-1])]
+    for number, start, end in requests:
+        init += [f"start p{number} office{start}", f"end p{number} office{end}"]
+    objects = {
+        "office": [f"office{office}" for office in offices],
+        "package": [f"p{number}" for number in numbers],
+        "level": [f"l{load}" for load in range(CAPACITY + 1)],
+    }
+    domain = Path(__file__).resolve().parent / "deliveries.pddl"
+    return task_of(domain, objects, init, [f"delivered p{number}" for number in numbers], _actions_of)
+
+
+def _actions_of(plan: Sequence[Operator]) -> List[Action]:
+    return [(name, last if name == "move_base" else last[1:]) for name, *_, last in plan]
 
 
 class World:

@@ -31,6 +31,7 @@ import incmode
 from acting_core import ActingCore, TooLongError
 from figures import Figure, parse, write
 from planning_domains import DOMAINS, check
+from planning_domains.task import require
 
 from rosoclingo.nodes.core.loading import CoreParameters
 from rosoclingo.reasoning import CoreSettings
@@ -48,7 +49,7 @@ class Robot(ActingCore):
 
     def __init__(self, task, plan_time, search_timeout=0.0, all_seconds=0.0):
         super().__init__(task.program, plan_time, search_timeout, all_seconds)
-        self.world, self.executed = task.world(), 0
+        self.task, self.world, self.executed, self._known = task, task.new_world(), 0, set()
         for number, goal in enumerate(task.goals, 1):
             self.core.add_goal(str(number), goal)
 
@@ -57,12 +58,24 @@ class Robot(ActingCore):
         self.executed += 1
 
     def steps(self):
+        self._tell_world()
         plan = {}
         for action in sorted(self.core.plan.after(self.core.cycle - 1), key=lambda action: action.cycle):
             plan.setdefault(action.cycle, []).append((action.interface_name, str(action.parameter)))
-        if not self.unknown:
+        if self.core.awaited:
             check(self.world, list(plan.values()))
         return len(plan)
+
+    def _tell_world(self):
+        """Let the world know of the goals that the program knows of: while others wait, a plan is for these."""
+        fed = {int(goal.key): goal.fed for goal in self.core.live_goals}
+        for number, goal in enumerate(self.task.goals, 1):
+            if fed.get(number) and number not in self._known:
+                self.world.ask(number, goal)
+                self._known.add(number)
+            elif not fed.get(number, True) and number in self._known:
+                self.world.cancel(number)
+                self._known.discard(number)
 
 
 # ---- What is measured ------------------------------------------------------------------------------------------------
@@ -93,12 +106,12 @@ def executed(task, options):
     """Steps that are executed until all goals are met."""
     limits = options.search_timeout, options.limit
     with suppress(TooLongError), Robot(task, options.plan_time, *limits) as robot:
-        while not robot.world.at_rest:
-            robot.plan_until_action()
+        while robot.plan_until_action():
             for _ in robot.improve(options.action_time):
                 robot.steps()
             robot.prepare(options.action_time)
             robot.act(options.action_time)
+        require(robot.world.at_rest, "the executed actions do not meet all goals")
         return {"executed": robot.executed}
     return {}
 
@@ -117,17 +130,12 @@ def fast_downward_plans(task, options):
     """Seconds and steps of Fast Downward's first plan, and steps of its best one."""
     if task.pddl is None or fast_downward.driver() is None:
         return {}
-    found = {}
-    for name, alias, seconds in (
-        ("lama-first", fast_downward.FIRST, options.limit),
-        ("lama", fast_downward.BEST, options.lama_seconds),
-    ):
-        spent, operators = fast_downward.solve(task.pddl.domain, task.pddl.problem, alias, seconds)
-        if operators is not None:
-            actions = task.pddl.actions_of(operators)
-            check(task.world(), [[action] for action in actions])
-            found.update({f"{name} [s]": spent, name: len(actions)})
-    return found
+    return fast_downward.measure(
+        task.pddl,
+        lambda actions: check(task.world(), [[one] for one in actions]),
+        options.limit,
+        options.lama_seconds,
+    )
 
 
 def measure(domain, size, seed, options):
@@ -136,7 +144,7 @@ def measure(domain, size, seed, options):
     found = dict.fromkeys(COLUMNS)
     for part in (first_plan, improved_plan, executed, incremental_mode, fast_downward_plans):
         if part.__name__ not in options.without:
-            found.update(part(task, options))
+            found.update({name: value for name, value in part(task, options).items() if name in found})
     steps = [found[name] for name in ("first", "out", "improved", "executed", "incmode", "lama-first", "lama")]
     found["best"] = min((one for one in steps if one is not None), default=None)
     found["time"] = _ratio(found["first [s]"], found["lama-first [s]"])

@@ -9,8 +9,9 @@ import subprocess
 import tempfile
 from functools import lru_cache
 from pathlib import Path
-from typing import List, NamedTuple, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional
 
+from pddl import Action, Pddl
 from routing import bench_python
 
 HOW = "Fast Downward is not there: ./dev bench domains many_goals installs it (once); its columns are left out"
@@ -41,12 +42,27 @@ def driver() -> Optional[Path]:
     return path if found.returncode == 0 and path.is_file() else None
 
 
-def solve(domain: str, problem: str, alias: str, seconds: float) -> Found:
+def measure(task: Pddl, check: Callable[[List[Action]], None], limit: float, seconds: float) -> Dict[str, float]:
+    """Return seconds and steps of the first plan, found within a ``limit``, and steps of the best after ``seconds``.
+
+    ``check`` raises an error unless actions are a plan. There is no entry without a plan.
+    """
+    found = {}
+    for name, alias, end in (("lama-first", FIRST, limit), ("lama", BEST, seconds)):
+        spent, plan = _solve(task, alias, end)
+        if plan is not None:
+            actions = task.actions_of(plan)
+            check(actions)
+            found.update({f"{name} [s]": spent, name: len(actions)})
+    return found
+
+
+def _solve(task: Pddl, alias: str, seconds: float) -> Found:
     """Run Fast Downward, its search for at most so many ``seconds`` of processor time, and at least one."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "domain.pddl").write_text(domain)
-        (folder / "problem.pddl").write_text(problem)
+        (folder / "domain.pddl").write_text(task.domain)
+        (folder / "problem.pddl").write_text(task.problem)
         options = ["--alias", alias, "--search-time-limit", f"{max(1.0, seconds):g}s", "--plan-file", "plan"]
         command = [bench_python(), str(driver()), *options, "domain.pddl", "problem.pddl"]
         before = _used()

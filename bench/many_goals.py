@@ -3,8 +3,8 @@
 
 The pure core with the mailbot's program, plans made soon and improved while actions run, its solver in a process of its
 own, as the node has it. A robot in plain Python answers each action, and refuses what is against the rules. Beside it
-OR-Tools' routing solver has the same requests and the same seconds. Seconds are of processor time, but for "first": so
-much as each would get on a machine of its own, whatever else this one does.
+OR-Tools' routing solver has the same requests and the same seconds, Fast Downward the same task in PDDL. Seconds are of
+processor time, except "first" and "still": what each would get on a machine of its own, whatever else this one does.
 
 A row of the table:
   floor     offices in a row, or loops: twenty offices with two loops
@@ -18,6 +18,9 @@ A row of the table:
             nothing is left to try, or another process makes one with requests that wait, for a later action. OR-Tools
             drives its plan of --or-seconds; in a stream it plans again with each request, for --or-stream-seconds. The
             ratio is of ours to its.
+  lama-first, lama   of requests known at once, Fast Downward's first plan: seconds, translation included, and steps;
+            and steps of the best plan of its seq-sat-lama-2011 after --lama-seconds
+  still     seconds by the clock, at most, between a return and the next action of a plan in force; on a quiet machine
   out       seconds of processor time until the first action goes out, with a plan for those that do not wait
   longest   seconds of processor time until the next action goes out, at most
   ms        of processor time for an action, improvement and what the other process prepares aside
@@ -25,7 +28,7 @@ A row of the table:
 
 The first plan and what is driven are with --search-timeout, with which the core lets requests wait.
 
-To be run in the built workspace: ./dev exec python3 bench/many_goals.py; ./dev bench many_goals installs OR-Tools.
+To be run in the built workspace: ./dev exec python3 bench/many_goals.py; ./dev bench many_goals installs the peers.
 """
 
 import argparse
@@ -35,9 +38,10 @@ from collections import deque
 from contextlib import suppress
 from statistics import mean
 
+import fast_downward
 import routing
 from acting_core import ActingCore, TooLongError, mailbot_program
-from deliveries import World, actions_of_route, floor_named, random_requests
+from deliveries import World, actions_of_route, floor_named, pddl_of, random_requests
 from figures import Figure, parse, write
 
 from rosoclingo.nodes.core.loading import CoreParameters
@@ -143,8 +147,8 @@ def driven(floor, arrivals, options):
             robot.act(options.action_time)
         used = robot.used - begin - robot.improving + time.process_time() - own
         actions = robot.world.actions
-        costs = {"out [s]": out, "longest [s]": robot.longest, "ms": 1000 * used / actions, "waited": robot.waited}
-        return {"driven": actions, **costs}
+        costs = {"out [s]": out, "longest [s]": robot.longest, "still [s]": robot.still}
+        return {"driven": actions, **costs, "ms": 1000 * used / actions, "waited": robot.waited}
 
 
 def routes_after(floor, requests, options):
@@ -173,12 +177,24 @@ def routes_driven(floor, arrivals, options):
     return {"or driven": world.actions}
 
 
+def plans_of_fast_downward(floor, requests, options):
+    """Seconds and steps of Fast Downward's first plan, and steps of its best one."""
+
+    def check(actions):
+        world = World(floor)
+        world.ask(requests)
+        follow(world, actions)
+
+    found = fast_downward.measure(pddl_of(floor, requests), check, options.all_seconds, options.lama_seconds)
+    return {name: found.get(name) for name in LAMA}
+
+
 def follow(world, actions):
     """Do all the actions; raises RuleError."""
     for action in actions:
         world.do(*action)
     if world.open:
-        raise SystemExit(f"OR-Tools' route leaves {world.open} requests open")
+        raise SystemExit(f"the plan leaves {world.open} requests open")
 
 
 def measure(name, count, how, seed, options):
@@ -196,22 +212,27 @@ def measure(name, count, how, seed, options):
         theirs = routes_after(floor, requests, options) if how == "once" else {}
         found.update(theirs or routes_driven(floor, Arrivals(requests, gap), options))
         found["ratio"] = found["driven"] / found["or driven"]
+    if how == "once" and not options.without_fast_downward:
+        found.update(plans_of_fast_downward(floor, requests, options))
     return found
 
 
 # ---- What is told ----------------------------------------------------------------------------------------------------
 
+LAMA = ("lama-first [s]", "lama-first", "lama")
+
 UNITS = {"first [s]": "s", "cpu [s]": "s of processor", "out [s]": "s of processor", "longest [s]": "s of processor"}
 UNITS.update({"all [s]": "s of processor", "ms": "ms of processor", "ratio": ""})
-UNITS.update({"wait": "requests", "waited": "requests"})
+UNITS.update({"still [s]": "s", "wait": "requests", "waited": "requests"})
 
 
 def columns(options):
     """The columns of the table, as options ask for them."""
     seconds = [f"{one:g} s" for one in options.seconds]
     theirs = [] if options.without_or_tools else [*(f"or {one}" for one in seconds), "or driven", "ratio"]
+    theirs += [] if options.without_fast_downward else LAMA
     planned = ["first [s]", "cpu [s]", "steps", "wait", "all [s]", "all", *seconds]
-    return [*planned, "driven", *theirs, "out [s]", "longest [s]", "ms", "waited"]
+    return [*planned, "driven", *theirs, "out [s]", "longest [s]", "still [s]", "ms", "waited"]
 
 
 def line(head, cells, names):
@@ -251,8 +272,17 @@ def main():
     parser.add_argument("--gap", type=int, default=4, help="actions between two requests (default: %(default)s)")
     parser.add_argument("--or-seconds", type=float, default=5, help="of the plan it drives (default: %(default)s)")
     parser.add_argument("--or-stream-seconds", type=float, default=1, help="of each (default: %(default)s)")
-    parser.add_argument("--without-or-tools", action="store_true", help="measure rosoclingo alone")
-    short = {"floors": ["4", "20", "loops"], "requests": [20], "how": ["once"], "seconds": [1, 5], "action_time": 0.05}
+    parser.add_argument("--lama-seconds", type=float, default=10, help="of Fast Downward (default: %(default)s)")
+    parser.add_argument("--without-or-tools", action="store_true", help="leave OR-Tools out")
+    parser.add_argument("--without-fast-downward", action="store_true", help="leave Fast Downward out")
+    short = {
+        "lama_seconds": 1,
+        "floors": ["4", "20", "loops"],
+        "requests": [20],
+        "how": ["once"],
+        "seconds": [1, 5],
+        "action_time": 0.05,
+    }
     options = parse(parser, **short)
     try:
         for name in options.floors:
@@ -261,6 +291,9 @@ def main():
         parser.error(str(error))
     if not (options.without_or_tools or routing.is_there()):
         parser.error(routing.HOW)
+    if not (options.without_fast_downward or fast_downward.driver()):
+        print(fast_downward.HOW)
+        options.without_fast_downward = True
     write(options.json, play(options))
 
 
@@ -278,7 +311,7 @@ def play(options):
             for how in options.how:
                 row = averaged([measure(floor, count, how, seed, options) for seed in options.seeds])
                 print(line((floor, count, how), row, names), flush=True)
-                ours = [name for name in names if name in row and not name.startswith("or ")]
+                ours = [name for name in names if name in row and not name.startswith(("or ", "lama"))]
                 what = f"{floor}/{count} {how}: "
                 figures += [Figure(what + name, row[name], UNITS.get(name, "steps")) for name in ours]
     print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))

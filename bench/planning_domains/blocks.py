@@ -3,7 +3,9 @@
 import random
 from typing import Dict, List, Sequence
 
-from planning_domains.task import Action, Arrangement, Task, pddl, require, sources_of
+from pddl import Action, task_of
+
+from planning_domains.task import FOLDER, Arrangement, Task, require, sources_of
 
 #: Blocks.
 SIZES = {"small": (6,), "middle": (12,), "large": (20,)}
@@ -47,7 +49,7 @@ def make(blocks: int, seed: int = 1) -> Task:
     goals = [f"on({block},{place},{number})" for number, (block, place) in enumerate(sorted(last.items()), 1)]
     covered = set(first.values())
     init = ["free", *_atoms(first), *(f"clear {block}" for block in names if block not in covered)]
-    problem = pddl("blocks", {"block": names}, init, _atoms(last), _actions_of)
+    problem = task_of(FOLDER / "blocks.pddl", {"block": names}, init, _atoms(last), _actions_of)
     sources = sources_of("blocks", (f"lies({block},{place})" for block, place in first.items()))
     return Task(sources, goals, lambda: Blocks(first), problem)
 

@@ -3,7 +3,9 @@
 import random
 from typing import List, Sequence, Tuple
 
-from planning_domains.task import Action, Pddl, Task, World, pddl, require, sources_of
+from pddl import Action, Pddl, task_of
+
+from planning_domains.task import FOLDER, Task, World, require, sources_of
 
 #: Rooms and goals.
 SIZES = {"small": (10, 5), "middle": (20, 6), "large": (20, 10)}
@@ -113,7 +115,9 @@ def _pddl(ways: Sequence[Edge], doors: Sequence[Edge], chosen: Sequence[str], ur
         "level": [f"l{level}" for level in range(FULL + 1)],
         "count": [f"c{count}" for count in range(len(urgent) + 1)],
     }
-    return pddl("disinfection", objects, init, ["at home", *(f"clean {room}" for room in chosen)], _actions_of)
+    return task_of(
+        FOLDER / "disinfection.pddl", objects, init, ["at home", *(f"clean {room}" for room in chosen)], _actions_of
+    )
 
 
 def _actions_of(plan: Sequence[Sequence[str]]) -> List[Action]:

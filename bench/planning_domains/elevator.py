@@ -3,7 +3,9 @@
 import random
 from typing import Dict, List, Sequence
 
-from planning_domains.task import Action, Task, World, pddl, require, sources_of
+from pddl import Action, task_of
+
+from planning_domains.task import FOLDER, Task, World, require, sources_of
 
 #: Floors and people.
 SIZES = {"small": (6, 4), "middle": (10, 7), "large": (15, 12)}
@@ -66,7 +68,7 @@ def make(floors: int, people: int, seed: int = 1) -> Task:
         init += [f"waits p{number} f{start}", f"wants p{number} f{end}"]
     objects = {"floor": [f"f{one}" for one in range(1, floors + 1)], "person": [f"p{one}" for one in rides]}
     goal = ["closed", *(f"arrived p{number}" for number in rides)]
-    problem = pddl("elevator", {**objects, "room": ROOMS}, init, goal, _actions_of)
+    problem = task_of(FOLDER / "elevator.pddl", {**objects, "room": ROOMS}, init, goal, _actions_of)
     return Task(sources_of("elevator", [f"floor(1..{floors})"]), terms, lambda: Elevator(floors), problem)
 
 

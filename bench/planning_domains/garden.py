@@ -4,7 +4,9 @@ import random
 import re
 from typing import List, Sequence, Tuple
 
-from planning_domains.task import FOLDER, Action, Task, World, instance, pddl, require
+from pddl import Action, task_of
+
+from planning_domains.task import FOLDER, Task, World, instance, require
 from rosoclingo.oclingo.program.sources import Source
 
 #: Plants.
@@ -68,8 +70,8 @@ def make(plants: int, seed: int = 1) -> Task:
     names = ["fern", "palm", "cactus", *(f"plant{number}" for number in range(4, plants + 1))][:plants]
     places: Tuple[str, ...] = ("home", "tap", *names)
     thirsty: List[str] = random.Random(1000 * seed + plants).sample(names, plants)
-    problem = pddl(
-        "garden",
+    problem = task_of(
+        FOLDER / "garden.pddl",
         {"place": places, "level": [f"l{level}" for level in range(FULL + 1)]},
         [
             "at home",

@@ -3,7 +3,9 @@
 import random
 from typing import Dict, List, Sequence
 
-from planning_domains.task import Action, Arrangement, Task, pddl, require, sources_of
+from pddl import Action, task_of
+
+from planning_domains.task import FOLDER, Arrangement, Task, require, sources_of
 
 #: Rooms and balls.
 SIZES = {"small": (2, 4), "middle": (3, 8), "large": (4, 16)}
@@ -51,8 +53,8 @@ def make(rooms: int, balls: int, seed: int = 1) -> Task:
     ends = {ball: source.choice(places[1:]) for ball in names}
     goals = [f"bring({ball},{room},{number})" for number, (ball, room) in enumerate(ends.items(), 1)]
     init = ["at hall", *(f"in {ball} hall" for ball in names), *(f"free {arm}" for arm in ARMS)]
-    problem = pddl(
-        "gripper",
+    problem = task_of(
+        FOLDER / "gripper.pddl",
         {"room": places, "ball": names, "arm": ARMS},
         init,
         [f"in {ball} {room}" for ball, room in ends.items()],

@@ -4,7 +4,9 @@ import random
 from functools import partial
 from typing import Dict, List, Sequence
 
-from planning_domains.task import Action, Arrangement, Task, pddl, require, sources_of
+from pddl import Action, task_of
+
+from planning_domains.task import FOLDER, Arrangement, Task, require, sources_of
 
 #: Disks.
 SIZES = {"small": (4,), "middle": (5,), "large": (6,)}
@@ -29,18 +31,18 @@ def make(disks: int, seed: int = 1) -> Task:
     source = random.Random(1000 * seed + disks)
     first, last = ({str(disk): source.choice(PEGS) for disk in range(1, disks + 1)} for _ in range(2))
     last[str(disks)] = source.choice([peg for peg in PEGS if peg != first[str(disks)]])
-    goals = [f"on({disk},{peg},{disk})" for disk, peg in last.items()]
     facts = [f"disk(1..{disks})", *(f"lies({disk},{peg})" for disk, peg in first.items())]
+    facts += [f"target({disk},{peg})" for disk, peg in last.items()]
     smaller = [f"smaller d{one} d{other}" for one in range(1, disks + 1) for other in range(one + 1, disks + 1)]
     smaller += [f"smaller d{disk} {peg}" for disk in first for peg in PEGS]
-    problem = pddl(
-        "hanoi",
+    problem = task_of(
+        FOLDER / "hanoi.pddl",
         {"object": [*PEGS, *(f"d{disk}" for disk in first)]},
         [*smaller, *_tower(first), *(f"clear {one}" for one in _tops(first))],
         _tower(last),
         partial(_actions_of, first),
     )
-    return Task(sources_of("hanoi", facts), goals, lambda: Hanoi(first), problem)
+    return Task(sources_of("hanoi", facts), ["solve(1)"], lambda: Hanoi(first, last), problem)
 
 
 def _tops(places: Dict[str, str]) -> List[str]:

@@ -3,7 +3,9 @@
 import random
 from typing import Dict, List, Sequence, Set, Tuple
 
-from planning_domains.task import Action, Pddl, Task, World, pddl, require, sources_of
+from pddl import Action, Pddl, task_of
+
+from planning_domains.task import FOLDER, Task, World, require, sources_of
 
 #: Rooms and goals.
 SIZES = {"small": (6, 3), "middle": (12, 5), "large": (20, 8)}
@@ -84,7 +86,9 @@ def _pddl(rooms: Sequence[str], ways: Sequence[Edge], locks: Dict[Edge, str], li
             f"closed {key}",
         ]
     objects = {"room": rooms, "thing": lies, "hand": ["left", "right"]}
-    return pddl("keys", objects, init, [f"in t{number} start" for number in range(1, goals + 1)], _actions_of)
+    return task_of(
+        FOLDER / "keys.pddl", objects, init, [f"in t{number} start" for number in range(1, goals + 1)], _actions_of
+    )
 
 
 def _actions_of(plan: Sequence[Sequence[str]]) -> List[Action]:

@@ -1,4 +1,4 @@
-"""What all domains share: a task, the world that its plans change, and its PDDL problem.
+"""What all domains share: a task, and the world that its plans change.
 
 A plan is a list of steps, and a step a list of actions that start at the same time. The rules of a world are written
 without the program's: a world refuses an action that breaks them, whoever planned it.
@@ -9,13 +9,13 @@ from itertools import combinations
 from pathlib import Path
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
+from pddl import Action, Pddl
+
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
 FOLDER = Path(__file__).resolve().parent
 
-#: An interface and its parameter.
-Action = Tuple[str, str]
 
 #: The actions of a step.
 Step = Sequence[Action]
@@ -90,11 +90,14 @@ class World:
 
 
 class Arrangement(World):
-    """A world of things in places: its goals ``NAME(THING,PLACE,ID)`` are met when all of them hold at once."""
+    """A world of things in places, whose goals are met when all of them hold at once.
 
-    def __init__(self, places: Dict[str, str]) -> None:
+    A goal is ``NAME(THING,PLACE,ID)``, or ``solve(ID)``, which holds if all things are at their ``targets``.
+    """
+
+    def __init__(self, places: Dict[str, str], targets: Optional[Dict[str, str]] = None) -> None:
         super().__init__()
-        self.places = dict(places)
+        self.places, self._targets = dict(places), targets
 
     def do(self, step: Step) -> None:
         super().do(step)
@@ -105,45 +108,12 @@ class Arrangement(World):
         if self.at_rest:
             self.open.clear()
 
+    def _holds(self, goal: Sequence[str]) -> bool:
+        return self.places == self._targets if goal[0] == "solve" else self.places.get(goal[1]) == goal[2]
+
     @property
     def at_rest(self) -> bool:
-        return all(self.places.get(thing) == place for _, thing, place, *_ in self.open.values())
-
-
-class Pddl(NamedTuple):
-    """A task in PDDL.
-
-    Attributes:
-        domain: the text of the domain.
-        problem: the text of the problem.
-        actions_of: returns the actions of a plan, whose operators are lists of words.
-
-    """
-
-    domain: str
-    problem: str
-    actions_of: Callable[[Sequence[Sequence[str]]], List[Action]]
-
-
-def last_argument(plan: Sequence[Sequence[str]]) -> List[Action]:
-    """Return actions with the operators' names and last arguments."""
-    return [(operator[0], operator[-1]) for operator in plan]
-
-
-def pddl(
-    name: str,
-    objects: Dict[str, Iterable[str]],
-    init: Iterable[str],
-    goal: Iterable[str],
-    actions_of: Callable[[Sequence[Sequence[str]]], List[Action]] = last_argument,
-) -> Pddl:
-    """Return the task of domain ``name`` with ``objects`` by type, and atoms without their parentheses."""
-    typed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
-    atoms = [" ".join(f"({atom})" for atom in atoms) for atoms in (init, goal)]
-    problem = (
-        f"(define (problem task) (:domain {name})\n(:objects {typed})\n(:init {atoms[0]})\n(:goal (and {atoms[1]})))\n"
-    )
-    return Pddl((FOLDER / f"{name}.pddl").read_text(), problem, actions_of)
+        return all(map(self._holds, self.open.values()))
 
 
 class Task(NamedTuple):

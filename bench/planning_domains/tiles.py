@@ -3,7 +3,9 @@
 import random
 from typing import Dict, Sequence, Set, Tuple
 
-from planning_domains.task import Arrangement, Task, pddl, require, sources_of
+from pddl import task_of
+
+from planning_domains.task import FOLDER, Arrangement, Task, require, sources_of
 
 #: Columns, rows, and moves from the goal to the start.
 SIZES = {"small": (3, 3, 20), "middle": (4, 3, 40), "large": (4, 4, 60)}
@@ -12,8 +14,8 @@ SIZES = {"small": (3, 3, 20), "middle": (4, 3, 40), "large": (4, 4, 60)}
 class Tiles(Arrangement):
     """The cell of each tile."""
 
-    def __init__(self, places: Dict[str, str], near: Set[Tuple[str, str]]) -> None:
-        super().__init__(places)
+    def __init__(self, places: Dict[str, str], targets: Dict[str, str], near: Set[Tuple[str, str]]) -> None:
+        super().__init__(places, targets)
         self._near = near
 
     def do_slide(self, tile: str) -> None:
@@ -32,10 +34,10 @@ def make(columns: int, rows: int, moves: int, seed: int = 1) -> Task:
     last = {f"t{number}": cell for number, cell in enumerate(cells[1:], 1)}
     first = _shuffled(last, cells[0], near, moves, source)
     free = next(cell for cell in cells if cell not in first.values())
-    goals = [f"place({tile},{cell},{number})" for number, (tile, cell) in enumerate(last.items(), 1)]
     facts = [*(f"near({a},{b})" for a, b in sorted(near)), *(f"lies({tile},{cell})" for tile, cell in first.items())]
-    problem = pddl(
-        "tiles",
+    facts += [f"target({tile},{cell})" for tile, cell in last.items()]
+    problem = task_of(
+        FOLDER / "tiles.pddl",
         {"cell": cells, "tile": last},
         [
             f"free {free}",
@@ -44,7 +46,7 @@ def make(columns: int, rows: int, moves: int, seed: int = 1) -> Task:
         ],
         [f"at {tile} {cell}" for tile, cell in last.items()],
     )
-    return Task(sources_of("tiles", facts), goals, lambda: Tiles(first, near), problem)
+    return Task(sources_of("tiles", facts), ["solve(1)"], lambda: Tiles(first, last, near), problem)
 
 
 def _shuffled(

@@ -10,6 +10,7 @@ import pytest
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 
 import domains  # noqa: E402
+from deliveries import pddl_of, random_requests, row  # noqa: E402
 from planning_domains import DOMAINS, RuleError, check, superfluous  # noqa: E402
 
 OPTIONS = Namespace(
@@ -26,19 +27,19 @@ OPTIONS = Namespace(
 @pytest.mark.slow
 @pytest.mark.once
 def test_a_row_has_valid_plans_of_all_planners():
-    row = domains.measure("crates", "small", 1, OPTIONS)
-    assert row["incmode"] == row["best"] <= row["improved"] <= row["out"] <= row["first"]
-    assert row["executed"] >= row["best"]
-    assert row["steps"] == row["executed"] / row["best"]
-    assert row["lama-first"] is row["time"] is None
+    cells = domains.measure("crates", "small", 1, OPTIONS)
+    assert cells["incmode"] == cells["best"] <= cells["improved"] <= cells["out"] <= cells["first"]
+    assert cells["executed"] >= cells["best"]
+    assert cells["steps"] == cells["executed"] / cells["best"]
+    assert cells["lama-first"] is cells["time"] is None
 
 
 @pytest.mark.slow
 @pytest.mark.once
 def test_a_cell_beyond_its_limit_is_empty():
     options = Namespace(**{**vars(OPTIONS), "limit": 1e-6})
-    row = domains.measure("tiles", "large", 1, options)
-    assert set(row.values()) == {None}
+    cells = domains.measure("tiles", "large", 1, options)
+    assert set(cells.values()) == {None}
 
 
 @pytest.mark.parametrize("name", sorted(DOMAINS))
@@ -49,9 +50,13 @@ def test_tasks_of_a_seed_are_equal_and_others_differ(name):
     assert first.pddl is None or first.pddl.problem == again.pddl.problem != other.pddl.problem
 
 
-@pytest.mark.parametrize("name", sorted(set(DOMAINS) - {"crates"}))
-def test_problems_use_the_predicates_and_types_of_their_domain(name):
-    task = DOMAINS[name].make(*DOMAINS[name].sizes["small"]).pddl
+TASKS = {name: one.make(*one.sizes["small"]).pddl for name, one in DOMAINS.items() if name != "crates"}
+TASKS["deliveries"] = pddl_of(row(4), random_requests(row(4), 3, seed=1))
+
+
+@pytest.mark.parametrize("name", sorted(TASKS))
+def test_problems_use_the_predicates_of_their_domain(name):
+    task = TASKS[name]
     known = re.search(r"\(:predicates((?:\s*\([^()]*\))*)\)", task.domain).group(1)
     init, goal = task.problem.split("(:init", 1)[1].split("(:goal (and", 1)
     atoms = [one.split() for one in re.findall(r"\(([^()]+)\)", init + goal)]
