@@ -2,7 +2,6 @@
 
 import codecs
 import io
-import logging
 import os
 import sys
 from contextlib import suppress
@@ -76,5 +75,7 @@ def tolerate_full_disk() -> None:
 
     Nor does logging show a traceback for each message that its file does not take.
     """
+    import logging  # noqa: PLC0415 commands without a log do not load it
+
     logging.raiseExceptions = False
     sys.stdout, sys.stderr = LenientStream(sys.stdout), LenientStream(sys.stderr)  # type: ignore[assignment]

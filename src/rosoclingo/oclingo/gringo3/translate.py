@@ -5,14 +5,10 @@ separators inside.
 """
 
 from dataclasses import dataclass
-from pathlib import PurePath
 from typing import List, Sequence, Tuple
 
-from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, Sign, decide, inspect
-from rosoclingo.oclingo.gringo3.elements import Naming
-from rosoclingo.oclingo.gringo3.file_translator import FileTranslator, Program
-from rosoclingo.oclingo.gringo3.lexer import Kind, TranslationError, tokens
+from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
 
 MARK = "% dialect: clingo 5"
 """Comment put at the end of a translation that could be taken for gringo 3's language again."""
@@ -45,21 +41,16 @@ def translate_program(
     """
     lexed = [tokens(text) for _, text in files]
     inspected = [inspect(text, found) for (_, text), found in zip(files, lexed)]
-    dialects = decide(inspected, undecided)
-    naming = Naming(token.text for found in lexed for token in found if token.kind is Kind.VARIABLE)
-    program, translators = Program(naming), []
-    for (name, text), found, told, (dialect, _) in zip(files, lexed, inspected, dialects):
-        translators.append(FileTranslator(program, PurePath(name).name, text, found, told, dialect))
-    faults = _run(files, program, translators)
-    if faults:
-        raise TranslationError(faults)
+    decided = decide(inspected, undecided)
+    dialects = [dialect for dialect, _ in decided]
+    texts: Sequence[Tuple[str, Tuple[str, ...]]] = [(text, ()) for _, text in files]
+    if Dialect.GRINGO3 in dialects or any(told.of(Dialect.GRINGO3) for told in inspected):
+        from rosoclingo.oclingo.gringo3.program_translator import translated  # noqa: PLC0415 most programs are clingo's
+
+        texts = translated(files, lexed, inspected, dialects)
     return tuple(
-        TranslationResult(
-            _marked(text, translator.text()),
-            _warnings(name, translator) + (() if certain else _undecided(name, told, dialect)),
-            dialect,
-        )
-        for (name, text), told, (dialect, certain), translator in zip(files, inspected, dialects, translators)
+        TranslationResult(_marked(old, new), warnings + (() if certain else _undecided(name, told, dialect)), dialect)
+        for (name, old), (new, warnings), told, (dialect, certain) in zip(files, texts, inspected, decided)
     )
 
 
@@ -75,25 +66,11 @@ def included_files(text: str) -> List[Tuple[str, int]]:
     ]
 
 
-def _run(files: Sequence[Tuple[str, str]], program: Program, translators: Sequence[FileTranslator]) -> List[Fault]:
-    faults = []
-    for (name, _), translator in zip(files, translators):
-        faults += [refusal.fault(name) for refusal in translator.run()]
-    for statement, refusal in program.visibility.write():
-        place = next(i for i, translator in enumerate(translators) if translator.rewriting is statement.rewriting)
-        faults.append(refusal.fault(files[place][0]))
-    return faults
-
-
 def _marked(old: str, new: str) -> str:
     """A translation, with the mark if it needs one to be known for what it is."""
     if new == old or inspect(new, tokens(new)).decided in (Dialect.CLINGO5, Dialect.EITHER):
         return new
     return new + ("" if new.endswith("\n") else "\n") + MARK + "\n"
-
-
-def _warnings(name: str, translator: FileTranslator) -> Tuple[str, ...]:
-    return tuple(f"{name}:{token.line}:{token.column}: {message}" for token, message in translator.warnings)
 
 
 def _undecided(name: str, told: FileDialect, dialect: Dialect) -> Tuple[str, ...]:

@@ -18,9 +18,9 @@ from rosoclingo.oclingo.program.directive_values import constant_values, number_
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
 from rosoclingo.oclingo.program.lint.constants import given_values
-from rosoclingo.oclingo.program.lint.predicates import undefined
 from rosoclingo.oclingo.program.lint.survey import Survey
 from rosoclingo.oclingo.program.lint.trial import Trial, redefined_by, suspicious_heads
+from rosoclingo.oclingo.program.lint.undefined import undefined
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, Patterns
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules

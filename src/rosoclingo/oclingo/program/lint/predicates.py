@@ -1,4 +1,4 @@
-"""Predicates that nothing defines or nothing looks at, atoms that cannot be true, names that look misspelt."""
+"""Predicates that nothing looks at, atoms that cannot be true, names that look misspelt."""
 
 from typing import Dict, Iterable, Iterator, List, Optional, Set
 
@@ -8,8 +8,8 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
-from rosoclingo.oclingo.program.lint.likeness import asked, likely, likely_value, slip_of
-from rosoclingo.oclingo.program.lint.other_systems import primed_mend, query_mend
+from rosoclingo.oclingo.program.lint.likeness import asked, likely_value, slip_of
+from rosoclingo.oclingo.program.lint.other_systems import primed_mend
 from rosoclingo.oclingo.program.lint.rule_shapes import Rule, parted
 from rosoclingo.oclingo.program.lint.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.lint.term_shapes import WILD
@@ -34,29 +34,6 @@ TOLD = ("_request", "_return", "_failed", "_cancel")
 HEARD = frozenset(
     {Signature("_draws", 2), Signature("_draws", 3), *(one for one in KEYWORDS.values() if one.name not in TOLD)}
 )
-
-
-def undefined(survey: Survey) -> List[Fault]:
-    """Return, once for each, the predicates that the program mentions though nothing can make them true."""
-    found: List[Fault] = []
-    defined = survey.known
-    for signature in dict.fromkeys([*survey.using, *survey.shown]):
-        if signature in defined | survey.silenced:
-            continue
-        node = survey.using[signature][0].occurrence.term if signature in survey.using else survey.shown[signature]
-        message = f"no rule and no #external defines {signature}: it is never true"
-        found.append(fault_at(node, "undefined", message, _mend(signature, defined)))
-    return found
-
-
-def _mend(signature: Signature, known: Set[Signature]) -> str:
-    other = primed_mend(signature, known) or query_mend(signature)
-    if other:
-        return other
-    near = likely(signature, known | _KEYWORDS if signature.name.startswith("_") else known)
-    if near is not None:
-        return f"{asked(near)} else write #defined {signature}."
-    return f"write a rule or an #external for it, or #defined {signature}."
 
 
 # ---- nothing looks at it --------------------------------------------------------------------------------------------
